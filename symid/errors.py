@@ -1,0 +1,42 @@
+"""What symid raises when its input is wrong.
+
+Every message says what is wrong, which value, what is required and what to do. Numerical outcomes on
+real data are not errors: they are a status in the result.
+"""
+
+from collections.abc import Sequence
+
+
+class SymidError(Exception):
+    """A mistake in what the user gave; the command line prints it as one line and exits with 2."""
+
+
+class DeclarationError(SymidError):
+    """One or more faults of an axis declaration, all reported at once.
+
+    Attributes
+    ----------
+    faults : tuple of str
+        One sentence for each fault.
+    """
+
+    def __init__(self, axis: str, faults: Sequence[str]) -> None:
+        self.axis = axis
+        self.faults = tuple(faults)
+        super().__init__(f"axis {axis!r}: " + "; ".join(self.faults))
+
+
+class EliminationError(SymidError):
+    """The sensors given do not allow an identification model; says which element and which sensor would help."""
+
+
+class LogError(SymidError):
+    """A log cannot be used: unreadable, a missing or wrong column, a clock that is not uniform, bad values."""
+
+
+class GeneratedModuleError(SymidError):
+    """A generated module is missing or older than its declaration; says which command renews it."""
+
+
+class SettingError(SymidError):
+    """An option or argument outside what is possible (a cutoff above the Nyquist frequency, ...)."""
