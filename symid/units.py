@@ -44,6 +44,11 @@ class Unit:
         """Unit named by one of the symbols that symid prints, such as ``"N"`` or ``"kg"``."""
         return _NAMED[name]
 
+    @staticmethod
+    def is_named(name: str) -> bool:
+        """Whether `of` knows a symbol."""
+        return name in _NAMED
+
     def __mul__(self, other: Unit) -> Unit:
         return Unit(tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True)))
 
@@ -55,6 +60,9 @@ class Unit:
 
     def __str__(self) -> str:
         return _symbol_of(self)
+
+    def __repr__(self) -> str:
+        return f"Unit({str(self)!r})"
 
 
 def _base(name: str) -> Unit:
@@ -75,7 +83,10 @@ _NAMED: dict[str, Unit] = {
     "N*s/rad": _NEWTON * _SECOND / _base("rad"),
     "N*m/rad": _NEWTON * _METRE / _base("rad"),
     "N*m*s/rad": _NEWTON * _METRE * _SECOND / _base("rad"),
-    "N*m*s^2/rad": _NEWTON * _METRE * _SECOND**2 / _base("rad"),
+    "rad/s": _base("rad") / _SECOND,
+    "rad/s^2": _base("rad") / _SECOND**2,
+    "kg*m^2": _NEWTON * _METRE * _SECOND**2 / _base("rad"),  # an inertia: torque per angular acceleration
+    "kg*m": _NEWTON * _SECOND**2,
 }
 _SYMBOLS = {unit: name for name, unit in _NAMED.items()}
 

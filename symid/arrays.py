@@ -1,0 +1,7 @@
+"""Array types that all rooms of the numeric half share."""
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+"""Array of 64 bit floating point numbers of any shape."""

@@ -1,0 +1,193 @@
+"""`Axis`: a machine axis as its elements, its drive and its sensors, checked as a whole."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass, replace
+from itertools import combinations
+from typing import TypeAlias
+
+from symid.axis.elements import (
+    Body,
+    Damper,
+    Drive,
+    Ground,
+    Joint,
+    PendulumWeight,
+    Sensor,
+    Spring,
+    Weight,
+    derivative_order,
+)
+from symid.axis.laws import Law
+from symid.axis.validation import declaration_faults
+from symid.errors import DeclarationError, SettingError
+from symid.units import Unit
+
+Element: TypeAlias = Body | Spring | Damper | Weight | PendulumWeight | Law
+
+MOST_OPTIONAL_SENSORS = 3
+"""Up to so many optional sensors, a regressor is generated for every subset of them."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A declared machine axis.
+
+    Parameters
+    ----------
+    name : str
+        Name of the axis, that of its generated modules.
+    elements : tuple
+        Bodies, springs, dampers, weights and laws. Physical parameters are listed in the order in which they appear.
+    drive : Drive
+        The force or torque that moves the axis.
+    sensors : tuple of Sensor
+        What can be measured. All are optional but the first.
+
+    Raises
+    ------
+    DeclarationError
+        With every fault of the declaration.
+
+    Examples
+    --------
+    >>> from symid import Axis, Body, Drive, Position, ViscousFriction
+    >>> table = Body("table", mass="M")
+    >>> axis = Axis("rigid", (table, ViscousFriction(table, "Fv")), Drive("F", table), (Position("q", table),))
+    >>> axis.physical_parameters
+    {'M': Unit('kg'), 'Fv': Unit('N*s/m')}
+    """
+
+    name: str
+    elements: tuple[Element, ...]
+    drive: Drive
+    sensors: tuple[Sensor, ...]
+
+    def __post_init__(self) -> None:
+        faults = declaration_faults(self.name, self.elements, self.drive, self.sensors)
+        if faults:
+            raise DeclarationError(str(self.name), faults)
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Bodies in the order of their declaration."""
+        return tuple(element for element in self.elements if isinstance(element, Body))
+
+    @property
+    def free_bodies(self) -> tuple[Body, ...]:
+        """Bodies that have a coordinate of their own: all but the geared ones."""
+        return tuple(body for body in self.bodies if body.geared is None)
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """Force laws in the order of their declaration."""
+        return tuple(element for element in self.elements if isinstance(element, Law))
+
+    @property
+    def physical_parameters(self) -> dict[str, Unit]:
+        """Physical parameters and their units, in the order of the declaration."""
+        return {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
+
+    @property
+    def signal_units(self) -> dict[str, Unit]:
+        """Unit of the drive's and of every sensor's signal."""
+        second = Unit.of("s")
+        units = {sensor.signal: length_unit(sensor.body) / second ** derivative_order(sensor) for sensor in self.sensors}
+        return {self.drive.signal: self.force_unit(self.drive.at), **units}
+
+    @property
+    def sensor_sets(self) -> tuple[tuple[str, ...], ...]:
+        """Sets of sensors for which modules are generated: the first sensor with every subset of the others.
+
+        With more than `MOST_OPTIONAL_SENSORS` others: the first alone, with each single other, and with all.
+        """
+        first, *others = (sensor.signal for sensor in self.sensors)
+        sizes = range(len(others) + 1) if len(others) <= MOST_OPTIONAL_SENSORS else (0, 1, len(others))
+        return tuple((first, *subset) for size in sizes for subset in combinations(others, size))
+
+    def measured(self, signals: tuple[str, ...] | None = None) -> tuple[Sensor, ...]:
+        """Sensors of the given signals in the order of the declaration; the first sensor if None.
+
+        Raises
+        ------
+        SettingError
+            If a signal is not that of a sensor of this axis.
+        """
+        wanted = (self.sensors[0].signal,) if signals is None else signals
+        known = {sensor.signal for sensor in self.sensors}
+        unknown = [signal for signal in wanted if signal not in known]
+        if unknown or not wanted:
+            raise SettingError(
+                f"axis {self.name!r} has no sensor {', '.join(map(repr, unknown)) or 'in an empty set'}: "
+                f"choose from {', '.join(sensor.signal for sensor in self.sensors)}"
+            )
+        return tuple(sensor for sensor in self.sensors if sensor.signal in wanted)
+
+    def with_effect(self, *elements: Element) -> Axis:
+        """The axis with more elements; an effect is an element like any other."""
+        return replace(self, elements=(*self.elements, *elements))
+
+    def without(self, *elements: Element) -> Axis:
+        """The axis without some of its elements."""
+        return replace(self, elements=tuple(element for element in self.elements if element not in elements))
+
+    @property
+    def signature(self) -> str:
+        """Hash of everything declared; generated modules carry it to show that they are up to date."""
+        return hashlib.sha256(repr(_canonical(self)).encode()).hexdigest()[:16]
+
+    def force_unit(self, joint: Joint) -> Unit:
+        """Unit of a force (or torque) in a joint, which follows the unit of the drive."""
+        declared = self.drive.unit
+        turns = _is_angle(joint)
+        if declared is None:
+            return Unit.of("N*m") if turns else Unit.of("N")
+        unit = Unit.of(declared)
+        if _is_angle(self.drive.at) == turns:
+            return unit
+        return unit * Unit.of("m") if turns else unit / Unit.of("m")
+
+    def _parameters_of(self, element: Element) -> Iterator[tuple[str, Unit]]:
+        second = Unit.of("s")
+        match element:
+            case Body():
+                inertia = self.force_unit(element) * second**2 / length_unit(element)
+                yield (element.mass or element.inertia or "", inertia)
+            case Spring() | Damper():
+                force, length = self.force_unit(element.at), length_unit(element.at)
+                if isinstance(element, Spring):
+                    yield element.stiffness, force / length
+                if element.damping is not None:
+                    yield element.damping, force * second / length
+            case PendulumWeight():
+                yield element.moment, self.force_unit(element.body) / Unit.of("m/s^2")
+            case Law():
+                for term in element.terms():
+                    yield term.parameter, term.unit(self.force_unit(element.at), length_unit(element.at))
+
+
+def length_unit(joint: Joint) -> Unit:
+    """Unit of the displacement in a joint: m where it slides, rad where it turns."""
+    return Unit.of("rad") if _is_angle(joint) else Unit.of("m")
+
+
+def _is_angle(joint: Joint) -> bool:
+    if isinstance(joint, Body):
+        return joint.turns
+    measured = joint.first if isinstance(joint.second, Ground) else joint.second
+    return isinstance(measured, Body) and measured.turns
+
+
+def _canonical(value: object) -> object:
+    """Nested tuples of class names and field values, the same in every process."""
+    if isinstance(value, Law):
+        # The terms too: a law's class may change while its fields stay.
+        return (type(value).__name__, _canonical(value.at), _canonical(value.terms()))
+    if is_dataclass(value) and not isinstance(value, type):
+        return (type(value).__name__, *((f.name, _canonical(getattr(value, f.name))) for f in fields(value)))
+    if isinstance(value, tuple):
+        return tuple(_canonical(item) for item in value)
+    return value
+

@@ -1,0 +1,243 @@
+"""What an axis is made of: bodies, springs, dampers, weights, the drive and the sensors.
+
+Elements are plain records that refer to each other as objects. They check nothing themselves: `Axis`
+collects the faults of all its elements and reports them at once.
+
+Coordinates follow the paper: the coordinate of a body is its displacement **relative to the body it is
+on**. A joint is what lies between a body and the body it is on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+STANDARD_GRAVITY = 9.80665
+"""m/s^2, ISO 80000-3."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The basement frame; bodies are on it unless they say otherwise."""
+
+    name: str = "ground"
+
+
+GROUND = Ground()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Geared:
+    """A rigid transmission: the body moves `ratio` times as far as the body that turns it.
+
+    Parameters
+    ----------
+    to : Body
+        The body that sets the motion, such as a ball screw or a pinion.
+    ratio : float
+        Displacement of the geared body per displacement of `to`: lead / (2 pi) for a ball screw in m/rad,
+        the pitch radius for a rack, the inverse of the reduction for a gear.
+    """
+
+    to: Body
+    ratio: float
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body that slides (it has a mass) or turns (it has an inertia).
+
+    Parameters
+    ----------
+    name : str
+        Name of the body, unique in its axis.
+    mass, inertia : str
+        Name of the physical parameter: exactly one of the two.
+    on : Body
+        The body that carries it; its coordinate is relative to that body. The ground by default.
+    geared : Geared, optional
+        Rigid transmission from another body. A geared body has no coordinate of its own.
+
+    Examples
+    --------
+    >>> structure = Body("structure", mass="Ms")
+    >>> motor = Body("motor", mass="Mm", on=structure)
+    """
+
+    name: str
+    mass: str | None = None
+    inertia: str | None = None
+    on: Body | Ground = GROUND
+    geared: Geared | None = None
+
+    @property
+    def turns(self) -> bool:
+        """Whether the body turns (True) or slides (False)."""
+        return self.inertia is not None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Between:
+    """The displacement of one body against another: d = x(second) - ratio * x(first), in absolute coordinates.
+
+    Parameters
+    ----------
+    first, second : Body or Ground
+        The two bodies.
+    ratio : float
+        Displacement of the second per displacement of the first: 1 where both slide, lead / (2 pi) where
+        the first is a ball screw and the second its nut.
+    """
+
+    first: Body | Ground
+    second: Body | Ground
+    ratio: float = 1
+
+
+Joint: TypeAlias = Body | Between
+"""A body stands for the joint between it and the body it is on."""
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A linear spring, with damping in parallel if wanted: force = stiffness * d + damping * d(1).
+
+    Parameters
+    ----------
+    name : str
+        Name of the spring, unique in its axis (``"transmission"`` between motor and load).
+    at : Body or Between
+        The joint of a body, or two bodies.
+    stiffness : str
+        Name of the physical parameter.
+    damping : str, optional
+        Name of the physical parameter of a damper in parallel.
+
+    Examples
+    --------
+    >>> motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    >>> transmission = Spring("transmission", Between(first=motor, second=load), stiffness="Kt", damping="Ft")
+    """
+
+    name: str
+    at: Joint
+    stiffness: str
+    damping: str | None = None
+
+
+@dataclass(frozen=True)
+class Damper:
+    """A linear damper: force = damping * d(1)."""
+
+    name: str
+    at: Joint
+    damping: str
+
+
+@dataclass(frozen=True)
+class Weight:
+    """The weight of a sliding body whose coordinate points upwards: a force -M g on the body.
+
+    Parameters
+    ----------
+    body : Body
+        A body that slides and has no gear.
+    acceleration : float
+        Component of gravity against the positive direction, in m/s^2: g for a vertical axis, g sin(angle) on an
+        incline, negative where the coordinate points downwards.
+    """
+
+    body: Body
+    acceleration: float = STANDARD_GRAVITY
+
+
+@dataclass(frozen=True)
+class PendulumWeight:
+    """The weight of a turning body: a torque -(m l) g sin(q), q being its absolute angle, 0 when it hangs.
+
+    Parameters
+    ----------
+    body : Body
+        A body that turns.
+    moment : str
+        Name of the physical parameter m l, in kg m.
+    acceleration : float
+        Gravity in m/s^2.
+    """
+
+    body: Body
+    moment: str
+    acceleration: float = STANDARD_GRAVITY
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The drive: +F on the second body and the reaction on the first one (on what carries it, for a joint).
+
+    Parameters
+    ----------
+    signal : str
+        Name of the force (or torque) signal, a column of the log.
+    at : Body or Between
+        The joint of the driven body, or two bodies.
+    gain : float, optional
+        Force per unit of the command, for a log that holds the command instead of the force.
+    command : str, optional
+        Name of that command's column, such as a current or a controller output in volts.
+    unit : str, optional
+        Unit of the force signal. N for a sliding, N*m for a turning body by default. Give ``"A"`` to identify
+        an axis in current units where the torque constant is unknown.
+    held : bool
+        Whether a sample of the force is sent at t and held until the next one; it then acts half a sample late.
+    """
+
+    signal: str
+    at: Joint
+    gain: float | None = None
+    command: str | None = None
+    unit: str | None = None
+    held: bool = False
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What sensors have in common; use `Position`, `Velocity` or `Acceleration`.
+
+    Parameters
+    ----------
+    signal : str
+        Name of the signal, a column of the log.
+    body : Body
+        The body measured.
+    relative_to : Body or Ground, optional
+        The body it is measured from. By default the body it is on, so that the sensor reads the body's coordinate.
+    """
+
+    signal: str
+    body: Body
+    relative_to: Body | Ground | None = None
+
+    @property
+    def reference(self) -> Body | Ground:
+        """The body that the sensor measures from."""
+        return self.body.on if self.relative_to is None else self.relative_to
+
+
+@dataclass(frozen=True)
+class Position(Sensor):
+    """A position sensor: linear scale, encoder, laser."""
+
+
+@dataclass(frozen=True)
+class Velocity(Sensor):
+    """A velocity sensor: tachometer, gyroscope."""
+
+
+@dataclass(frozen=True)
+class Acceleration(Sensor):
+    """An accelerometer."""
+
+
+def derivative_order(sensor: Sensor) -> int:
+    """Which time derivative of a displacement a sensor measures: 0, 1 or 2."""
+    return {Position: 0, Velocity: 1, Acceleration: 2}[type(sensor)]

@@ -1,0 +1,236 @@
+"""Faults of a declaration, all of them, each as one sentence that names the element, the rule and the cure."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from difflib import get_close_matches
+
+from symid.axis.elements import (
+    Between,
+    Body,
+    Damper,
+    Drive,
+    Geared,
+    Ground,
+    PendulumWeight,
+    Sensor,
+    Spring,
+    Weight,
+)
+from symid.axis.laws import Law
+from symid.signals import is_signal_name
+from symid.units import Unit
+
+
+def declaration_faults(
+    name: object, elements: Sequence[object], drive: object, sensors: Sequence[object]
+) -> tuple[str, ...]:
+    """Every fault of an axis declaration; empty if it is sound.
+
+    Faults of types are reported alone, because nothing else can be checked while they last.
+    """
+    faults = tuple(_type_faults(name, elements, drive, sensors))
+    if faults:
+        return faults
+    assert isinstance(drive, Drive)
+    bodies = [element for element in elements if isinstance(element, Body)]
+    checked_sensors = [sensor for sensor in sensors if isinstance(sensor, Sensor)]
+    return (
+        *_name_faults(elements, drive, checked_sensors),
+        *_body_faults(bodies),
+        *_reference_faults(bodies, elements, drive, checked_sensors),
+        *_number_faults(elements, drive),
+        *_joint_faults(elements, drive),
+        *_connection_faults(bodies, elements, drive),
+    )
+
+
+def _type_faults(
+    name: object, elements: Sequence[object], drive: object, sensors: Sequence[object]
+) -> Iterator[str]:
+    if not isinstance(name, str) or not is_signal_name(name):
+        yield f"name {name!r} is not an identifier: use letters, digits and underscores"
+    if not isinstance(elements, tuple) or not isinstance(sensors, tuple):
+        yield "elements and sensors must be tuples: write a comma behind a single one"
+        return
+    kinds = (Body, Spring, Damper, Weight, PendulumWeight, Law)
+    for element in elements:
+        if not isinstance(element, kinds):
+            yield f"{element!r} is no element: use Body, Spring, Damper, Weight, PendulumWeight or a Law"
+        else:
+            yield from _field_faults(element)
+    if not isinstance(drive, Drive):
+        yield f"drive {drive!r} is no Drive: declare drive=Drive(signal, body)"
+    else:
+        yield from _field_faults(drive)
+    if not sensors:
+        yield "there is no sensor: declare at least a Position of the driven body"
+    for sensor in sensors:
+        if not isinstance(sensor, Sensor) or type(sensor) is Sensor:
+            yield f"{sensor!r} is no sensor: use Position, Velocity or Acceleration"
+        else:
+            yield from _field_faults(sensor)
+
+
+def _field_faults(element: object) -> Iterator[str]:
+    """Bodies given by name, and parameters that are not names."""
+    label = _label(element)
+    for field in ("on", "at", "body", "relative_to"):
+        value = getattr(element, field, None)
+        allowed = (Body, Between) if field == "at" else (Body, Ground)
+        if value is not None and not isinstance(value, allowed):
+            yield f"{label}: {field}={value!r} must be the {' or '.join(kind.__name__ for kind in allowed)} object itself"
+        if isinstance(value, Between):
+            for end in (value.first, value.second):
+                if not isinstance(end, (Body, Ground)):
+                    yield f"{label}: {end!r} must be the Body object itself"
+    for field in ("name", "mass", "inertia", "stiffness", "damping", "moment", "signal", "command"):
+        value = getattr(element, field, None)
+        if value is not None and not isinstance(value, str):
+            yield f"{label}: {field}={value!r} must be a name; values are given to identify or simulate"
+    if isinstance(element, Law):
+        for term in element.terms():
+            if not isinstance(term.parameter, str):
+                yield f"{label}: parameter {term.parameter!r} must be a name"
+    geared = getattr(element, "geared", None)
+    if geared is not None and not (isinstance(geared, Geared) and isinstance(geared.to, Body)):
+        yield f"{label}: geared={geared!r} must be Geared(to=BODY, ratio=NUMBER)"
+
+
+def _name_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sensor]) -> Iterator[str]:
+    signals = [drive.signal, *(sensor.signal for sensor in sensors)]
+    parameters = [name for element in elements for name in parameter_names(element)]
+    names = [element.name for element in elements if isinstance(element, (Body, Spring, Damper))]
+    for name in {*signals, *parameters, *names, *([drive.command] if drive.command else [])}:
+        if not is_signal_name(name):
+            yield f"name {name!r} is not usable: letters, digits and underscores, and no ending like _d1"
+    for what, given in (("signal", signals), ("parameter", parameters), ("element name", names)):
+        for name in _repeated(given):
+            yield f"{what} {name!r} is used more than once: give each its own"
+    for name in sorted({*signals} & {*parameters}):
+        yield f"{name!r} names a signal and a parameter: rename one of them"
+    for name in sorted({"t", "reference", "ground"} & {*signals, *parameters, *names}):
+        yield f"name {name!r} is reserved: choose another"
+
+
+def parameter_names(element: object) -> tuple[str, ...]:
+    """Names of the physical parameters of one element."""
+    if isinstance(element, Law):
+        return tuple(term.parameter for term in element.terms())
+    fields = ("mass", "inertia", "stiffness", "damping", "moment")
+    return tuple(name for field in fields if isinstance(name := getattr(element, field, None), str))
+
+
+def _body_faults(bodies: Sequence[Body]) -> Iterator[str]:
+    if not bodies:
+        yield "there is no body: declare Body(name, mass=PARAMETER)"
+    for body in bodies:
+        if (body.mass is None) == (body.inertia is None):
+            yield f"body {body.name!r} needs either mass= (it slides) or inertia= (it turns)"
+        elif isinstance(body.on, Body) and body.on.turns and not body.turns:
+            yield f"body {body.name!r} slides on {body.on.name!r}, which turns: put it on the ground and gear it"
+        if body.geared is not None and body.geared.to == body:
+            yield f"body {body.name!r} is geared to itself: gear it to another body"
+
+
+def _reference_faults(
+    bodies: Sequence[Body], elements: Sequence[object], drive: Drive, sensors: Sequence[Sensor]
+) -> Iterator[str]:
+    names = [body.name for body in bodies]
+    for holder in (*elements, drive, *sensors):
+        for body in _bodies_of(holder):
+            if body not in bodies:
+                near = get_close_matches(body.name, names, 1)
+                hint = f", or did you mean {near[0]!r}?" if near and near[0] != body.name else ""
+                yield f"{_label(holder)} refers to body {body.name!r}, which is not among the elements: add it{hint}"
+
+
+def _bodies_of(holder: object) -> Iterator[Body]:
+    """Bodies that an element refers to."""
+    if isinstance(holder, Body):
+        candidates: tuple[object, ...] = (holder.on, holder.geared.to if holder.geared else None)
+    else:
+        at = getattr(holder, "at", None)
+        ends = (at.first, at.second) if isinstance(at, Between) else (at,)
+        candidates = (*ends, getattr(holder, "body", None), getattr(holder, "relative_to", None))
+    return (candidate for candidate in candidates if isinstance(candidate, Body))
+
+
+def _number_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
+    numbers: list[tuple[str, object]] = []
+    for holder in (*elements, drive):
+        at, geared = getattr(holder, "at", None), getattr(holder, "geared", None)
+        if isinstance(at, Between):
+            numbers.append((f"{_label(holder)}: ratio", at.ratio))
+        if isinstance(geared, Geared):
+            numbers.append((f"{_label(holder)}: ratio", geared.ratio))
+        if isinstance(holder, (Weight, PendulumWeight)):
+            numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
+    if drive.gain is not None:
+        numbers.append(("drive: gain", drive.gain))
+    for what, value in numbers:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or value == 0:
+            yield f"{what} is {value!r}: it must be a finite number other than 0"
+    if (drive.command is None) != (drive.gain is None):
+        yield "drive: command and gain belong together: give both or neither"
+    if drive.unit is not None and not Unit.is_named(drive.unit):
+        yield f"drive: unit {drive.unit!r} is not known: use N, N*m, A or V"
+
+
+def _joint_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
+    for holder in (*elements, drive):
+        at = getattr(holder, "at", None)
+        if isinstance(at, Between):
+            if at.first == at.second:
+                yield f"{_label(holder)} lies between {at.first.name!r} and itself: name two bodies"
+            kinds = {end.turns for end in (at.first, at.second) if isinstance(end, Body)}
+            if len(kinds) == 2 and at.ratio == 1:
+                yield f"{_label(holder)} joins a turning and a sliding body: give the ratio in metres per radian"
+        if isinstance(holder, Weight) and (holder.body.turns or holder.body.geared is not None):
+            yield f"{_label(holder)}: a weight acts on a sliding body without gear; use PendulumWeight where it turns"
+        if isinstance(holder, PendulumWeight) and not holder.body.turns:
+            yield f"{_label(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
+
+
+def _connection_faults(bodies: Sequence[Body], elements: Sequence[object], drive: Drive) -> Iterator[str]:
+    """Bodies that the drive cannot move: no spring, damper, law, gear or common carrier leads to them."""
+    links = [_ends(getattr(holder, "at", None)) for holder in (*elements, drive)]
+    links += [(body.name, body.geared.to.name) for body in bodies if body.geared]
+    # The inertia force of a body acts on what it is on only through its coordinate, which a law or a spring must hold.
+    reached = set(_ends(drive.at)) - {"ground"}
+    while True:
+        grown = reached | {name for link in links if reached & set(link) for name in link} - {"ground"}
+        if grown == reached:
+            break
+        reached = grown
+    for body in bodies:
+        if body.name not in reached:
+            yield f"the drive cannot move body {body.name!r}: join it by a spring, a damper or a gear to the others"
+
+
+def _ends(at: object) -> tuple[str, ...]:
+    if isinstance(at, Body):
+        return at.name, at.on.name
+    if isinstance(at, Between):
+        return at.first.name, at.second.name
+    return ()
+
+
+def _repeated(names: Iterable[str]) -> list[str]:
+    return sorted(name for name, count in Counter(names).items() if count > 1)
+
+
+def _label(element: object) -> str:
+    kind = type(element).__name__
+    if isinstance(element, (Body, Spring, Damper)):
+        return f"{kind} {element.name!r}"
+    if isinstance(element, Sensor):
+        return f"sensor {element.signal!r}"
+    if isinstance(element, Drive):
+        return "drive"
+    at = getattr(element, "at", None) or getattr(element, "body", None)
+    ends = " and ".join(repr(name) for name in _ends(at)) if isinstance(at, Between) else repr(getattr(at, "name", at))
+    return f"{kind} at {ends}"
+

@@ -1,0 +1,261 @@
+"""The clock of a log: one sampling period from the written times, and everything that speaks against it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symid.arrays import FloatArray
+
+MINIMUM_SAMPLES: Final = 25
+"""Fewest samples of a log: one more than the decimation filter continues a signal at its ends."""
+
+_CLOCK_DIFFERENCE: Final = (
+    0.002  # relative; the rates of real clocks differ by 0.0001, changed settings by more
+)
+_WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What the written times say.
+
+    Parameters
+    ----------
+    start : float
+        Time of the first sample, s.
+    period : float
+        Time between two samples, s; NaN where there is none.
+    faults : tuple of str
+        Reasons why the times are not one uniform clock.
+    notes : tuple of str
+        Irregularities that are small enough to be ignored.
+    """
+
+    start: float
+    period: float
+    faults: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Rate:
+    """Period of the regular intervals, before and after the time at which it changes (`change` = none)."""
+
+    before: float
+    after: float
+    change: int | None
+
+
+def inspect_clock(
+    time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, jitter: float = 0.01, name: str = "t"
+) -> Clock:
+    """Find the sampling period and the faults of the times of a log.
+
+    The digits with which times were written are allowed for: 1.5 ms written with three decimals, or 32 bit
+    numbers, are no jitter.
+
+    Parameters
+    ----------
+    time : array of shape (n_samples,)
+        Times as written, s.
+    minimum : int
+        Fewest samples accepted.
+    jitter : float
+        Largest accepted deviation of an interval from the period, rms, as a share of the period.
+    name : str
+        Name of the column in messages.
+
+    Returns
+    -------
+    Clock
+        With all faults found; the caller decides whether to raise.
+
+    Examples
+    --------
+    >>> inspect_clock(np.arange(100) / 250.0).period
+    0.004
+    """
+    if time.size < max(minimum, 2):
+        return Clock(
+            0.0, float("nan"), (f"{time.size} samples are too few: at least {minimum} are required",)
+        )
+    intervals = np.diff(time)
+    forward = np.flatnonzero(intervals > 0.0)
+    faults = [*_not_finite(time, name), *_not_forward(time, intervals, name)]
+    step = written_step(time)
+    if _too_coarse(intervals, forward.size, step):
+        faults.append(f"{name} is written too coarsely, many samples share a time: write more digits")
+    if forward.size < MINIMUM_SAMPLES - 1 or _too_coarse(intervals, forward.size, step):
+        return Clock(0.0, float("nan"), tuple(faults) or (f"{name} does not advance: give times in s",))
+    rate = _rate(intervals, forward, step)
+    faults += _changed(time, rate, name)
+    late, wide = _lateness(intervals, rate, step)
+    faults += _gaps(time, intervals, wide, rate, name)
+    fault, note = _jitter(time, np.where(wide, 0.0, late), intervals > 0.0, rate.before, jitter, name)
+    faults += fault
+    period = rate.before if faults else _rounded(_slope(time))
+    return Clock(float(time[0]), period, tuple(faults), tuple(note))
+
+
+def written_step(time: FloatArray) -> float:
+    """Distance of neighbouring values that the written times can take, from decimals or 32 bit numbers, s."""
+    sample = time[:: max(1, time.size // 4096)]
+    sample = sample[np.isfinite(sample)]
+    largest = float(np.max(np.abs(sample), initial=0.0))
+    for decimals in range(10):
+        scaled = sample * 10.0**decimals
+        tolerance = 8.0 * np.spacing(largest * 10.0**decimals)
+        if tolerance < 0.01 and np.all(np.abs(scaled - np.round(scaled)) <= tolerance):
+            return float(10.0**-decimals)
+    if largest < np.finfo(np.float32).max and np.array_equal(sample.astype(np.float32), sample):
+        return float(np.spacing(np.float32(largest)))
+    return float(np.spacing(largest))
+
+
+def describe(count: int, what: str) -> str:
+    """Count and noun, in the plural where there are several."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _not_finite(time: FloatArray, name: str) -> list[str]:
+    bad = np.flatnonzero(~np.isfinite(time))
+    if not bad.size:
+        return []
+    return [
+        f"{name} has {describe(bad.size, 'value')} that are empty or not finite, "
+        f"the first in row {bad[0] + 1}: repair or cut out those rows"
+    ]
+
+
+def _not_forward(time: FloatArray, intervals: FloatArray, name: str) -> list[str]:
+    faults = []
+    for bad, what in ((intervals == 0.0, "repeated time"), (intervals < 0.0, "step backwards")):
+        where = np.flatnonzero(bad)
+        if where.size:
+            first = where[0] + 1
+            faults.append(
+                f"{name} has {describe(where.size, what)}, the first at "
+                f"t = {time[first]:.7g} s (row {first + 1}): remove those rows or split the log there"
+            )
+    return faults
+
+
+def _too_coarse(intervals: FloatArray, n_forward: int, step: float) -> bool:
+    repeated = np.count_nonzero(intervals == 0.0)
+    if repeated <= 0.2 * intervals.size or not n_forward:
+        return False
+    return bool(np.median(intervals[intervals > 0.0]) < 1.5 * step)
+
+
+def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> _Rate:
+    """Periods of consecutive stretches, each without its outliers, and the one place where they change."""
+    length = max(12, forward.size // 64)
+    count = forward.size // length
+    stretches = intervals[forward[: count * length]].reshape(count, length)
+    middle = np.median(stretches, axis=1, keepdims=True)
+    distance = np.abs(stretches - middle)
+    regular = distance <= 0.05 * middle + 1.01 * step
+    periods = np.sum(stretches * regular, axis=1) / np.sum(regular, axis=1)
+    spread = 1.4826 * float(np.median(distance))
+    usual = float(np.median(periods))
+    if count < 2:
+        return _Rate(usual, usual, None)
+    cut = _best_cut(periods)
+    before, after = float(np.median(periods[:cut])), float(np.median(periods[cut:]))
+    noise = 2.5 * step / length + 6.0 * spread / np.sqrt(length)
+    if abs(after - before) <= _CLOCK_DIFFERENCE * usual + noise:
+        return _Rate(usual, usual, None)
+    first = (cut - 1) * length
+    near = forward[first : first + 2 * length]
+    towards = np.cumsum(np.sign(after - before) * (intervals[near] - 0.5 * (before + after)))
+    return _Rate(before, after, int(near[np.argmin(towards)]) + 1)
+
+
+def _best_cut(periods: FloatArray) -> int:
+    """Where to cut so that the means of the two parts differ most, weighted by their lengths."""
+    total = np.cumsum(periods)
+    left = np.arange(1, periods.size)
+    right = periods.size - left
+    difference = np.abs(total[:-1] / left - (total[-1] - total[:-1]) / right)
+    return int(np.argmax(difference * np.sqrt(left * right))) + 1
+
+
+def _changed(time: FloatArray, rate: _Rate, name: str) -> list[str]:
+    if rate.change is None:
+        return []
+    return [
+        f"{name} changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
+        f"t = {time[rate.change]:.7g} s (row {rate.change + 1}): split the log there or resample it"
+    ]
+
+
+def _lateness(intervals: FloatArray, rate: _Rate, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """How far each interval lies outside what rounding of the times explains, and which ones are gaps."""
+    late = np.empty_like(intervals)
+    wide = np.empty(intervals.size, dtype=np.bool_)
+    change = intervals.size if rate.change is None else rate.change
+    for part, period in ((slice(0, change), rate.before), (slice(change, None), rate.after)):
+        shortest, longest = period, period
+        if step > 1e-6 * period:
+            shortest = np.floor(period / step + 0.02) * step
+            longest = np.ceil(period / step - 0.02) * step
+        inside = np.clip(intervals[part], min(shortest, period), max(longest, period))
+        late[part] = intervals[part] - inside
+        wide[part] = late[part] > 0.5 * period
+    return late, wide
+
+
+def _gaps(
+    time: FloatArray, intervals: FloatArray, wide: npt.NDArray[np.bool_], rate: _Rate, name: str
+) -> list[str]:
+    where = np.flatnonzero(wide)
+    if not where.size:
+        return []
+    first = where[0]
+    period = rate.before if rate.change is None or first < rate.change else rate.after
+    return [
+        f"{name} has {describe(where.size, 'gap')}, the first after t = {time[first]:.7g} s (row {first + 1}), "
+        f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there or fill in the samples"
+    ]
+
+
+def _jitter(
+    time: FloatArray,
+    late: FloatArray,
+    forward: npt.NDArray[np.bool_],
+    period: float,
+    accepted: float,
+    name: str,
+) -> tuple[list[str], list[str]]:
+    """Fault and note about intervals that are neither gaps nor regular."""
+    deviation = np.where(forward, np.abs(late), 0.0) / period
+    worst = int(np.argmax(deviation))
+    if deviation[worst] <= _WORTH_A_NOTE * accepted:
+        return [], []
+    rms = float(np.sqrt(np.mean(deviation**2)))
+    said = (
+        f"{name} jitters by {100.0 * rms:.2g} % of the period of {period:.6g} s (rms), most at "
+        f"t = {time[worst + 1]:.7g} s by {100.0 * deviation[worst]:.3g} %"
+    )
+    if rms > accepted:
+        return [f"{said}: at most {100.0 * accepted:g} % is accepted, resample the log to one period"], []
+    return [], [f"{said}; treated as uniform"]
+
+
+def _slope(time: FloatArray) -> float:
+    """Period of the straight line through all times, by least squares."""
+    index = np.arange(time.size, dtype=np.float64) - 0.5 * (time.size - 1)
+    return float(np.dot(index, time - time[0]) / np.dot(index, index))
+
+
+def _rounded(period: float) -> float:
+    """The period or frequency with the fewest digits within one part in a million, less than any clock's error."""
+    for digits in range(1, 8):
+        for candidate in (float(f"{period:.{digits - 1}e}"), 1.0 / float(f"{1.0 / period:.{digits - 1}e}")):
+            if abs(candidate - period) <= 1e-6 * period:
+                return candidate
+    return period

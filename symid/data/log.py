@@ -1,0 +1,183 @@
+"""The record of one run of a machine: measured signals on one uniform clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from symid.arrays import FloatArray
+from symid.errors import LogError
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """Signals of one run in SI units, uniformly sampled.
+
+    Parameters
+    ----------
+    source : str
+        Where the signals come from: the path of the file or a word of the caller.
+    start : float
+        Time of the first sample, s.
+    sampling_period : float
+        Time between two samples, s.
+    signals : Mapping of str to array of shape (n_samples,)
+        Values of each signal, SI, 64 bit. The record keeps read-only views and makes no copy.
+    notes : tuple of str
+        What looked odd in the data but does not forbid its use; each names the channel and the time.
+
+    Raises
+    ------
+    LogError
+        If there is no signal, a signal is no vector, lengths differ, or the sampling period is not positive.
+
+    Examples
+    --------
+    >>> log = Log.from_arrays({"q": [0.0, 0.1, 0.4], "F": [1.0, 1.0, 0.0]}, sampling_period=0.5)
+    >>> log.n_samples, log.sampling_frequency, log.time.tolist()
+    (3, 2.0, [0.0, 0.5, 1.0])
+    >>> log.window(1, 3)["q"].tolist()
+    [0.1, 0.4]
+    """
+
+    source: str
+    start: float
+    sampling_period: float
+    signals: Mapping[str, FloatArray]
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.sampling_period) and self.sampling_period > 0.0):
+            raise LogError(
+                f"{self.source}: sampling period {self.sampling_period:g} s is impossible: it must be > 0"
+            )
+        signals = {name: _read_only_view(values) for name, values in self.signals.items()}
+        _check_lengths(self.source, signals)
+        object.__setattr__(self, "signals", MappingProxyType(signals))
+        object.__setattr__(self, "notes", tuple(self.notes))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A mapping proxy cannot be pickled; building anew also makes the arrays read-only again.
+        return (Log, (self.source, self.start, self.sampling_period, dict(self.signals), self.notes))
+
+    @classmethod
+    def from_arrays(
+        cls,
+        signals: Mapping[str, npt.ArrayLike],
+        *,
+        sampling_period: float,
+        start: float = 0.0,
+        source: str = "arrays",
+    ) -> Log:
+        """Log of copies of the given arrays, which must be in SI units.
+
+        Parameters
+        ----------
+        signals : Mapping of str to array_like of shape (n_samples,)
+            Values of each signal.
+        sampling_period : float
+            Time between two samples, s.
+        start : float
+            Time of the first sample, s.
+        source : str
+            Name of the data in messages and results.
+
+        Raises
+        ------
+        LogError
+            If values are not finite real numbers, lengths differ, or the sampling period is not positive.
+        """
+        return cls(
+            source=source,
+            start=start,
+            sampling_period=sampling_period,
+            signals={name: _finite_copy(source, name, values) for name, values in signals.items()},
+        )
+
+    @property
+    def n_samples(self) -> int:
+        """Number of samples of each signal."""
+        return next(iter(self.signals.values())).size
+
+    @property
+    def sampling_frequency(self) -> float:
+        """Samples per second, Hz."""
+        return 1.0 / self.sampling_period
+
+    @property
+    def time(self) -> FloatArray:
+        """Time of each sample, s, shape (n_samples,)."""
+        return self.start + self.sampling_period * np.arange(self.n_samples, dtype=np.float64)
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """Values of one signal, shape (n_samples,), read-only; LogError if the log does not have it."""
+        try:
+            return self.signals[name]
+        except KeyError:
+            there = ", ".join(self.signals)
+            raise LogError(f"{self.source}: there is no signal {name!r}: the log has {there}") from None
+
+    def window(self, start_index: int, stop_index: int) -> Log:
+        """Part of the log from sample `start_index` to before sample `stop_index`; shares the arrays.
+
+        Raises
+        ------
+        LogError
+            Unless ``0 <= start_index < stop_index <= n_samples``.
+        """
+        if not 0 <= start_index < stop_index <= self.n_samples:
+            raise LogError(
+                f"{self.source}: samples {start_index} to {stop_index} are no part of the log: "
+                f"choose 0 <= start < stop <= {self.n_samples}"
+            )
+        return Log(
+            source=self.source,
+            start=self.start + start_index * self.sampling_period,
+            sampling_period=self.sampling_period,
+            signals={name: values[start_index:stop_index] for name, values in self.signals.items()},
+            notes=self.notes,
+        )
+
+
+def _read_only_view(values: FloatArray) -> FloatArray:
+    view = np.asarray(values, dtype=np.float64).view()
+    view.setflags(write=False)
+    return view
+
+
+def _check_lengths(source: str, signals: Mapping[str, FloatArray]) -> None:
+    if not signals:
+        raise LogError(f"{source}: there are no signals: a log needs at least one")
+    for name, values in signals.items():
+        if values.ndim != 1 or values.size == 0:
+            raise LogError(
+                f"{source}: signal {name!r} has shape {values.shape}: a vector of samples is required"
+            )
+    if len({values.size for values in signals.values()}) > 1:
+        lengths = ", ".join(f"{name} {values.size}" for name, values in signals.items())
+        raise LogError(f"{source}: the signals differ in length ({lengths}): give as many samples of each")
+
+
+def _finite_copy(source: str, name: str, values: npt.ArrayLike) -> FloatArray:
+    try:
+        given = np.asarray(values)
+        if np.iscomplexobj(given):
+            raise LogError(f"{source}: signal {name!r} is complex: give real numbers")
+        copy = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise LogError(
+            f"{source}: signal {name!r} does not hold numbers: give an array of real numbers"
+        ) from error
+    bad = np.flatnonzero(~np.isfinite(copy))
+    if bad.size:
+        raise LogError(
+            f"{source}: signal {name!r} has {bad.size} values that are not finite, "
+            f"the first at index {bad[0]}: cut them out or repair them"
+        )
+    return copy

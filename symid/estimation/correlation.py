@@ -1,0 +1,214 @@
+"""Correlation of a residual over time: covariances, how far they reach, what they leave of the samples.
+
+Filtered signals leave a residual that is not white; classical standard deviations take it for white.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, log10, sqrt
+
+import numpy as np
+from scipy import fft
+
+from symid.errors import SettingError
+from symid.estimation.triangular import BoolArray, FloatArray
+
+
+@dataclass(frozen=True)
+class ResidualCovariance:
+    """Lagged products of the residuals of all equations, summed over blocks in time order.
+
+    Attributes
+    ----------
+    products : array, shape (n_equations, n_equations, 2 max_lag + 1)
+        Sums of rho_i(t) rho_j(t+k) over pairs of valid rows, k = -max_lag ... max_lag.
+    pairs : array, the same shape
+        Numbers of those pairs.
+    tail_residual, tail_valid : array, shape (n_equations, at most max_lag)
+        The last samples, which the next block continues.
+    """
+
+    products: FloatArray
+    pairs: FloatArray
+    tail_residual: FloatArray
+    tail_valid: FloatArray
+
+    @classmethod
+    def empty(cls, n_equations: int, max_lag: int) -> ResidualCovariance:
+        """Return the sums over no samples.
+
+        Raises
+        ------
+        SettingError
+            If there is no equation or the lag is negative.
+
+        Examples
+        --------
+        >>> ResidualCovariance.empty(2, 10).products.shape
+        (2, 2, 21)
+        """
+        if n_equations < 1 or max_lag < 0:
+            raise SettingError(f"{n_equations} equations and lag {max_lag}: at least 1 and 0 are required")
+        sums = np.zeros((n_equations, n_equations, 2 * max_lag + 1))
+        nothing = np.zeros((n_equations, 0))
+        return cls(sums, sums, nothing, nothing)
+
+    @property
+    def max_lag(self) -> int:
+        """Largest lag, in samples."""
+        return self.products.shape[-1] // 2
+
+    def update(
+        self, residual: FloatArray, valid: BoolArray | None = None, continues: bool = True
+    ) -> ResidualCovariance:
+        """Return the sums with a block of samples added.
+
+        Parameters
+        ----------
+        residual : array, shape (n_equations, n_samples)
+            The block, in time order.
+        valid : bool array of the same shape, optional
+            Samples that count; others may hold anything.
+        continues : bool
+            False if the block starts a new log, so that no pair reaches across.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> sums = ResidualCovariance.empty(1, 1).update(np.array([[1.0, 2.0, 3.0]]))
+        >>> sums.covariance().round(9).tolist()
+        [[[4.0, 4.666666667, 4.0]]]
+        """
+        mask = np.ones(residual.shape) if valid is None else np.asarray(valid, dtype=np.float64)
+        clean = np.where(mask > 0.0, residual, 0.0)
+        old = (self.tail_residual, self.tail_valid) if continues else (np.zeros((len(clean), 0)),) * 2
+        products, pairs = self.products, self.pairs
+        keep = self.max_lag
+        for start in range(0, clean.shape[1], step := max(16 * keep, 65_536)):
+            now = (clean[:, start : start + step], mask[:, start : start + step])
+            both = tuple(np.concatenate(pair, axis=1) for pair in zip(old, now, strict=True))
+            products = products + lagged_products(both[0], keep) - lagged_products(old[0], keep)
+            pairs = pairs + lagged_products(both[1], keep) - lagged_products(old[1], keep)
+            old = (both[0][:, max(both[0].shape[1] - keep, 0) :], both[1][:, max(both[1].shape[1] - keep, 0) :])
+        return ResidualCovariance(products, np.rint(pairs), *old)
+
+    def covariance(self) -> FloatArray:
+        """Return gamma_ij(k), mean product over valid pairs, 0 where there is no pair; shape of `products`."""
+        return self.products / np.maximum(self.pairs, 1.0)
+
+
+def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
+    """Return sums over t of x_i(t) x_j(t+k), shape (n, n, 2 max_lag + 1), k from -max_lag.
+
+    Parameters
+    ----------
+    x : array, shape (n, n_samples)
+        Taken as 0 outside.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> lagged_products(np.array([[1.0, 2.0]]), 1).round(12).tolist()
+    [[[2.0, 5.0, 2.0]]]
+    """
+    if x.shape[1] == 0:
+        return np.zeros((len(x), len(x), 2 * max_lag + 1))
+    size = fft.next_fast_len(x.shape[1] + max_lag, real=True)
+    X = fft.rfft(x, size, axis=1)
+    circular = fft.irfft(np.conj(X)[:, None, :] * X[None, :, :], size, axis=2)
+    products: FloatArray = np.concatenate(
+        [circular[..., size - max_lag :], circular[..., : max_lag + 1]], axis=2
+    )
+    return products
+
+
+def default_max_lag(samples: int) -> int:
+    """Return how far correlation is looked for: 10 sqrt(samples), but a quarter of the samples at most.
+
+    Examples
+    --------
+    >>> default_max_lag(10_000), default_max_lag(100)
+    (1000, 25)
+    """
+    return min(samples // 4, ceil(10.0 * sqrt(samples)))
+
+
+def correlation_length(covariance: FloatArray, samples: int) -> int | None:
+    """Return the smallest lag beyond which the correlation is lost in its own uncertainty.
+
+    The rule of Politis and White (Econometric Reviews 23, 2004): the smallest m with |r(m+k)| below
+    2 sqrt(log10(N)/N) for k = 1 ... K. Their K of 5 lags is a short look on a slow oscillation, which a filter
+    leaves, so K is at least the number of samples that carry one independent sample.
+
+    Parameters
+    ----------
+    covariance : array, shape (n_equations, n_equations, 2 max_lag + 1)
+        gamma_ij(k), as `ResidualCovariance.covariance` returns it.
+    samples : int
+        N, number of samples.
+
+    Returns
+    -------
+    int or None
+        In samples; None if the correlation does not die out within the lags given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> gamma = np.zeros((1, 1, 41))
+    >>> gamma[0, 0, 19:22] = 0.5, 1.0, 0.5
+    >>> correlation_length(gamma, 10_000)
+    1
+    """
+    max_lag = covariance.shape[-1] // 2
+    largest = np.max(np.abs(_correlation(covariance)), axis=(0, 1))
+    strength = np.maximum(largest[max_lag:], largest[max_lag::-1])
+    threshold = 2.0 * sqrt(log10(max(samples, 2)) / max(samples, 1))
+    look = max(5, ceil(sqrt(log10(max(samples, 2)))), ceil(_samples_per_independent(covariance)))
+    above = np.flatnonzero(strength[1:] >= threshold) + 1
+    starts = np.concatenate([[0], above])  # a quiet stretch starts after lag 0 or after a lag above the threshold
+    stops = np.concatenate([above, [max_lag + 1]])
+    quiet = np.flatnonzero(stops - starts > look)
+    return int(starts[quiet[0]]) if len(quiet) else None
+
+
+def effective_samples(covariance: FloatArray, rows: tuple[int, ...]) -> float:
+    """Return the number of independent samples that estimate a variance equally well.
+
+    N_j / sum over k of r_jj(k)^2, summed over the equations; `covariance` should already be tapered.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> effective_samples(np.array([[[0.5, 1.0, 0.5]]]), (300,))
+    200.0
+    """
+    correlation = _correlation(covariance)
+    squares = np.sum(np.diagonal(correlation) ** 2, axis=0)
+    return float(np.sum(np.asarray(rows) / np.maximum(squares, 1.0)))
+
+
+def flat_top(max_lag: int, length: int) -> FloatArray:
+    """Return the trapezoid that is 1 to lag `length`, 0 from 2 `length`; shape (2 max_lag + 1,).
+
+    Examples
+    --------
+    >>> flat_top(3, 2).tolist()
+    [0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5]
+    """
+    lags = np.abs(np.arange(-max_lag, max_lag + 1))
+    return np.clip(2.0 - lags / max(length, 1), 0.0, 1.0) if length else (lags == 0).astype(np.float64)
+
+
+def _correlation(covariance: FloatArray) -> FloatArray:
+    middle = covariance.shape[-1] // 2
+    deviation = np.sqrt(np.maximum(np.diagonal(covariance[:, :, middle]), 0.0))
+    scale = np.outer(deviation, deviation)[:, :, None]
+    return np.divide(covariance, scale, out=np.zeros_like(covariance), where=scale > 0.0)
+
+
+def _samples_per_independent(covariance: FloatArray) -> float:
+    """Largest sum over k of r_jj(k)^2, up to the first lag at which the sum hardly grows any more."""
+    squares = np.diagonal(_correlation(covariance)).T ** 2
+    return float(np.max(np.sum(squares, axis=1))) if squares.size else 1.0

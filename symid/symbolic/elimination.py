@@ -1,0 +1,244 @@
+"""Elimination of the displacements that no sensor sees: equations in measured signals and their derivatives.
+
+The balances of the bodies are combined with polynomial multipliers in s = d/dt such that unknown displacements
+vanish and displacements known from a derivative only (an accelerometer) appear in that derivative. The multipliers
+form a minimal basis (`symid.symbolic.kernel`): every balance is differentiated as little as possible. For the
+paper's axis this gives [14]-[16] from q2, and [17]-[19] from q2 and ddq1.
+
+The derivative of a jump, such as that of sign(v), is taken as zero, as the paper does; each result says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+from sympy.polys.rings import PolyElement
+
+from symid.axis import Axis, Between, Body, Joint, Sensor
+from symid.errors import EliminationError
+from symid.signals import derivative_name
+from symid.symbolic.expressions import is_smooth, time_derivative
+from symid.symbolic.kernel import EliminationRow, divisible, left_kernel
+from symid.symbolic.lagrange import InverseDynamicModel, Kinematics, LawInput
+from symid.symbolic.measurement import Measurement, measurement, motion_columns
+from symid.symbolic.operators import OperatorModel, Row, add, operator_model
+
+_DISPLACEMENT = sp.symbols("u:2", real=True)
+
+
+@dataclass(frozen=True)
+class RegressorTerm:
+    """One signal term of an equation and its coefficient.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        In flat signal names: ``q2_d3``, ``sign(q2_d1)``.
+    order : int
+        Order of derivative of the displacement in it; -1 for a constant.
+    smooth : bool
+        False for values of nonlinear laws.
+    coefficient : PolyElement
+        Polynomial in the physical parameters.
+    """
+
+    expression: sp.Expr
+    order: int
+    smooth: bool
+    coefficient: PolyElement
+
+
+@dataclass(frozen=True)
+class InputOutputEquation:
+    """sum(motion) = sum_k force[k] F(k), all coefficients polynomials in the physical parameters.
+
+    Parameters
+    ----------
+    motion : tuple of RegressorTerm
+        Terms of the measured motion.
+    force : mapping of int to PolyElement
+        Coefficients of the drive force by order of its derivative; empty if the drive does not enter.
+    multipliers : mapping of str to PolyElement
+        What each body's balance was multiplied by.
+    """
+
+    motion: tuple[RegressorTerm, ...]
+    force: Mapping[int, PolyElement]
+    multipliers: Mapping[str, PolyElement]
+
+
+@dataclass(frozen=True)
+class InputOutputModel:
+    """Equations of an axis in the signals of a set of sensors.
+
+    Parameters
+    ----------
+    source : InverseDynamicModel
+        Lagrange's equations.
+    operators : OperatorModel
+        The same as operators.
+    measured : tuple of Sensor
+        The sensors used.
+    equations : tuple of InputOutputEquation
+        As many as there are independent sensors.
+    assumptions : tuple of str
+        What was assumed on the way.
+    """
+
+    source: InverseDynamicModel
+    operators: OperatorModel
+    measured: tuple[Sensor, ...]
+    equations: tuple[InputOutputEquation, ...]
+    assumptions: tuple[str, ...]
+
+
+def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOutputModel:
+    """Eliminate every displacement that the sensors do not see.
+
+    Parameters
+    ----------
+    model : InverseDynamicModel
+        Lagrange's equations.
+    measured : sequence of Sensor
+        Sensors to use; any set.
+
+    Raises
+    ------
+    EliminationError
+        If a nonlinear law acts on a motion that is not measured, or the sensors leave a motion undetermined.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.symbolic.lagrange import inverse_dynamics
+    >>> axis = load_axis("direct_2m1s")
+    >>> io = eliminate(inverse_dynamics(axis), axis.measured(("q2", "ddq1")))
+    >>> [str(term.expression) for term in io.equations[1].motion]
+    ['ddq1_d2', 'ddq1_d1', 'ddq1', 'q2_d3']
+    """
+    operators = operator_model(model)
+    known = measurement(operators, measured)
+    rows = {balance: motion_columns(operators, known, balance) for balance in operators.motion}
+    kernel = left_kernel(rows, known.unknown, operators.ring)
+    combined = divisible(kernel, {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order})
+    signals = _SignalWriter(operators, known)
+    equations = [signals.equation(row) for row in combined]
+    equations.sort(key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0)))
+    return InputOutputModel(model, operators, tuple(measured), tuple(equations), signals.assumptions(known))
+
+
+class _SignalWriter:
+    """Writes combined rows in flat signal names."""
+
+    def __init__(self, operators: OperatorModel, known: Measurement) -> None:
+        self.operators, self.known = operators, known
+        self.axis: Axis = operators.source.axis
+        self.dropped: dict[str, None] = {}
+
+    def equation(self, row: EliminationRow) -> InputOutputEquation:
+        """Equation that a row stands for."""
+        force: Row = {}
+        inputs: Row = {}
+        for balance, multiplier in row.multipliers.items():
+            inputs = add(inputs, self.operators.inputs[balance], multiplier)
+            force = add(force, {"": self.operators.force[balance]}, multiplier) if self.operators.force[balance] else force
+        terms = [*self._motion_terms(row), *self._law_terms(inputs)]
+        forces = {order: -c for order, c in _by_power(force[""]).items()} if force else {}
+        return InputOutputEquation(tuple(terms), dict(sorted(forces.items())), row.multipliers)
+
+    def _motion_terms(self, row: EliminationRow) -> list[RegressorTerm]:
+        collected: dict[tuple[str, int], RegressorTerm] = {}
+        for index in range(len(self.known.basis)):
+            for order, coefficient in sorted(_by_power(row.entries.get(f"y{index}")).items(), reverse=True):
+                for signal, left, share in self.known.derivative(index, order):
+                    previous = collected.get((signal, left))
+                    total = coefficient * share + (previous.coefficient if previous else 0)
+                    term = RegressorTerm(sp.Symbol(derivative_name(signal, left)), order, True, total)
+                    collected[signal, left] = term
+        return [term for _, term in sorted(collected.items(), key=self._place) if term.coefficient]
+
+    def _place(self, item: tuple[tuple[str, int], RegressorTerm]) -> tuple[int, int]:
+        (signal, _), term = item
+        return -term.order, [sensor.signal for sensor in self.axis.sensors].index(signal)
+
+    def _law_terms(self, inputs: Row) -> list[RegressorTerm]:
+        terms: dict[sp.Expr, RegressorTerm] = {}
+        for entry in self.operators.source.inputs:
+            for power, coefficient in sorted(_by_power(inputs.get(str(entry.symbol))).items()):
+                expression = self._law_signal(entry, power)
+                if expression == 0:
+                    continue
+                total = coefficient + (terms[expression].coefficient if expression in terms else 0)
+                order = -1 if not expression.free_symbols else 1 + power if entry.expression.has(sp.Symbol("v")) else power
+                terms[expression] = RegressorTerm(expression, order, False, total)
+        return list(terms.values())
+
+    def _law_signal(self, entry: LawInput, power: int) -> sp.Expr:
+        """The power-th derivative of a law's expression in flat signal names."""
+        if not entry.expression.free_symbols:
+            return sp.Integer(0) if power else entry.expression
+        displacements = sp.symbols(f"u:{power + 2}", real=True)
+        expression = entry.expression.xreplace({sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]})
+        if power and not is_smooth(expression):
+            jumps = sorted({str(self._written(e, entry)) for e in expression.atoms(sp.Function) if not is_smooth(e)})
+            self.dropped.update(dict.fromkeys(jumps))
+        for _ in range(power):
+            expression = time_derivative(expression, displacements)
+        return self._written(expression, entry)
+
+    def _written(self, expression: sp.Expr, entry: LawInput) -> sp.Expr:
+        used = {symbol: int(str(symbol)[1:]) for symbol in expression.free_symbols}
+        lowest = min(used.values(), default=0)
+        functional = self.operators.functional(Kinematics(self.axis).displacement(entry.joint))
+        columns = self.known.substitute(functional)
+        unseen = [c for c in columns if not c.startswith("y") or self.known.basis[int(c[1:])].order > lowest]
+        if unseen:
+            raise EliminationError(_advice(self.axis, entry, lowest))
+        field = self.operators.ring.domain
+        values = {
+            symbol: sp.Add(
+                *(
+                    field.to_sympy(field.convert(share * weight)) * sp.Symbol(derivative_name(signal, left))
+                    for column, weight in columns.items()
+                    for signal, left, share in self.known.derivative(int(column[1:]), order)
+                )
+            )
+            for symbol, order in used.items()
+        }
+        return expression.xreplace(values)
+
+    def assumptions(self, known: Measurement) -> tuple[str, ...]:
+        """What has to be said about the equations written."""
+        said = [f"derivatives of {jump} are taken as zero" for jump in self.dropped]
+        used = {signal for i in range(len(known.basis)) for k in range(3, 5) for signal, _, _ in known.derivative(i, k)}
+        said += [
+            f"{sensor.signal} repeats what the other sensors measure and is not used" for sensor in known.repeated if sensor.signal not in used
+        ]
+        return tuple(said)
+
+
+def _by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
+    """Coefficients of a polynomial by powers of s, as polynomials in the parameters."""
+    powers: dict[int, dict[tuple[int, ...], Any]] = {}
+    if entry is not None:
+        for monomial, value in entry.terms():
+            powers.setdefault(monomial[0], {})[(0, *monomial[1:])] = value
+    return {power: entry.ring.from_dict(terms) for power, terms in powers.items()} if entry is not None else {}
+
+
+def _advice(axis: Axis, entry: LawInput, lowest: int) -> str:
+    quantity = "position" if lowest == 0 else "position or velocity"
+    return (
+        f"axis {axis.name!r}: {entry.element} acts on a motion that the sensors do not see, and a nonlinear law cannot be "
+        f"eliminated: add a {quantity} sensor of {_motion(entry.joint)}, or leave the law out"
+    )
+
+
+def _motion(joint: Joint) -> str:
+    if isinstance(joint, Between):
+        return f"{joint.second.name!r} relative to {joint.first.name!r}"
+    assert isinstance(joint, Body)
+    return f"{joint.name!r} relative to {joint.on.name!r}"

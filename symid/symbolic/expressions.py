@@ -1,0 +1,85 @@
+"""Law expressions as sympy expressions, and their total derivative by time."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import sympy as sp
+from sympy.parsing.sympy_parser import parse_expr
+
+from symid.errors import SymidError
+
+
+class positive(sp.Function):  # type: ignore[misc]  # noqa: N801 - sympy has no types; the name is that of the law language
+    """1 for an argument above 0, else 0; its derivative is taken as zero, as that of sign."""
+
+    nargs = 1
+
+    @classmethod
+    def eval(cls, argument: Any) -> Any:
+        """Value for numbers; unevaluated otherwise."""
+        return sp.Integer(int(argument > 0)) if argument.is_Number else None
+
+    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002 - the signature is sympy's
+        """Derivative, zero by convention."""
+        return sp.Integer(0)
+
+
+_LANGUAGE = {
+    "q": sp.Symbol("q"),
+    "v": sp.Symbol("v"),
+    "positive": positive,
+    "abs": sp.Abs,
+    **{name: getattr(sp, name) for name in ("sign", "sin", "cos", "exp")},
+}
+
+
+def parameter_symbol(name: str) -> sp.Symbol:
+    """Symbol of a physical parameter."""
+    return sp.Symbol(name)
+
+
+@cache
+def law_expression(text: str) -> sp.Expr:
+    """Expression of a law's term in the symbols q and v.
+
+    Raises
+    ------
+    SymidError
+        If the text uses anything but q, v, numbers and the functions of the law language.
+
+    Examples
+    --------
+    >>> law_expression("v*positive(v)").free_symbols
+    {v}
+    """
+    functions = "Integer Float Rational Symbol".split()
+    try:
+        expression = parse_expr(text, local_dict=dict(_LANGUAGE), global_dict={name: getattr(sp, name) for name in functions})
+        unknown = sorted(str(s) for s in expression.free_symbols if str(s) not in ("q", "v"))
+    except Exception as error:  # noqa: BLE001 - the parser raises whatever evaluating the text raises
+        raise SymidError(f"law expression {text!r} cannot be read: use q, v, numbers and {', '.join(_LANGUAGE)}") from error
+    if unknown:
+        raise SymidError(f"law expression {text!r} uses {', '.join(unknown)}: only q and v vary in a law")
+    return expression
+
+
+def is_smooth(expression: sp.Expr) -> bool:
+    """Whether an expression has no jumps, so that its derivative needs no assumption."""
+    return not expression.has(sp.sign, positive)
+
+
+def time_derivative(expression: sp.Expr, displacement: tuple[sp.Symbol, ...]) -> sp.Expr:
+    """Total derivative of an expression in a displacement and its derivatives (`displacement[k]`, real, is the k-th).
+
+    Jumps are not differentiated: the derivatives of sign and positive are taken as zero, as the paper does
+    below its eq. [11].
+    """
+    return sp.Add(
+        *(
+            sp.diff(expression, symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)) * displacement[order + 1]
+            for order, symbol in enumerate(displacement[:-1])
+            if expression.has(symbol)
+        )
+    )

@@ -1,0 +1,208 @@
+"""Minimal bases of the multipliers that eliminate columns from a matrix of polynomials in s.
+
+`left_kernel` gives multipliers l(s) with l(s) A(s) = 0, `divisible` those that also make columns divisible by a
+power of s. Both bases are row-reduced: no other basis multiplies (differentiates) the balances less.
+
+Where one multiplier exists, it is found by fraction-free elimination along the diagonal, which for a chain is the
+three-term recursion of its determinants. Where there are several, they come from the order-basis algorithm
+(Beckermann and Labahn, SIAM J. Matrix Anal. Appl. 15 (1994) 804; as M-basis in Giorgi, Jeannerod and Villard,
+ISSAC 2003): conditions on the coefficients of s^0, s^1, ... are met one by one, each at the cost of one
+multiplication by s of the row of lowest degree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+from sympy.polys.rings import PolyElement, PolyRing
+
+from symid.errors import EliminationError
+from symid.symbolic.operators import Row, add
+
+MOST_TERMS_FOR_GCD = 4000
+"""Entries longer than this are not searched for common factors beyond those that elimination itself creates."""
+
+
+@dataclass(frozen=True)
+class EliminationRow:
+    """A combination of balances: its multipliers by balance, and what it leaves in the columns."""
+
+    multipliers: Row
+    entries: Row
+
+    def combine(self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement) -> EliminationRow:
+        """factor * self + other_factor * other."""
+        return EliminationRow(
+            _combine(self.multipliers, factor, other.multipliers, other_factor),
+            _combine(self.entries, factor, other.entries, other_factor),
+        )
+
+    def scaled(self, factor: PolyElement) -> EliminationRow:
+        """factor * self."""
+        return EliminationRow({k: v * factor for k, v in self.multipliers.items()}, {k: v * factor for k, v in self.entries.items()})
+
+    def divided(self, divisor: PolyElement) -> EliminationRow:
+        """Self with multipliers and entries divided by a common factor."""
+        return EliminationRow(
+            {k: v.exquo(divisor) for k, v in self.multipliers.items()}, {k: v.exquo(divisor) for k, v in self.entries.items()}
+        )
+
+    @property
+    def degree(self) -> int:
+        """Highest power of s in the multipliers: how often balances are differentiated."""
+        return max(entry.degree(0) for entry in self.multipliers.values())
+
+
+def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing) -> list[EliminationRow]:
+    """Minimal basis of the combinations of rows in which unknown columns vanish.
+
+    Parameters
+    ----------
+    rows : mapping of str to Row
+        Rows of the matrix, by balance.
+    unknown : sequence of str
+        Columns to eliminate.
+    ring : PolyRing
+        Ring of the entries, s being its first generator.
+
+    Returns
+    -------
+    list of EliminationRow
+        As many as there are rows more than unknown columns.
+
+    Raises
+    ------
+    EliminationError
+        If an unknown displacement enters no equation that would determine it.
+    """
+    start = {name: EliminationRow({name: ring.one}, dict(row)) for name, row in rows.items()}
+    basis: list[EliminationRow] = []
+    for names, columns in _components(rows, unknown):
+        block = {name: start[name] for name in names}
+        surplus = len(names) - len(columns)
+        if surplus < 0:
+            raise EliminationError(f"the motion of {', '.join(columns)} is not determined by the sensors: add a sensor there")
+        if not columns:
+            basis += block.values()
+        elif surplus == 1:
+            basis.append(_last_row(block, columns, ring))
+        elif surplus > 1:
+            basis += _order_basis(list(block.values()), columns, ring, surplus)
+    return basis
+
+
+def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list[EliminationRow]:
+    """Minimal basis of the combinations of rows in which column k is divisible by s**powers[k]."""
+    basis = list(rows)
+    for column, power in powers.items():
+        for exponent in range(power):
+            basis = _meet_condition(basis, column, exponent)
+    return basis
+
+
+def _components(rows: Mapping[str, Row], unknown: Sequence[str]) -> list[tuple[list[str], list[str]]]:
+    """Rows and unknown columns that hang together, in the order of the rows."""
+    groups: list[tuple[list[str], set[str]]] = []
+    for name, row in rows.items():
+        columns = {column for column in row if column in unknown}
+        joined = [group for group in groups if group[1] & columns]
+        merged = ([n for group in joined for n in group[0]] + [name], columns.union(*(group[1] for group in joined)))
+        groups = [group for group in groups if group not in joined] + [merged]
+    order = {name: i for i, name in enumerate(rows)}
+    return [(sorted(names, key=order.__getitem__), [c for c in unknown if c in columns]) for names, columns in groups]
+
+
+def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring: PolyRing) -> EliminationRow:
+    """The one combination of n + 1 rows that is free of n columns, by fraction-free elimination."""
+    rows = dict(block)
+    left = list(columns)
+    pivots: list[PolyElement] = []
+    while left:
+        column = min(left, key=lambda c: sum(c in row.entries for row in rows.values()))
+        left.remove(column)
+        holders = [name for name, row in rows.items() if column in row.entries]
+        if not holders:
+            raise EliminationError(f"the motion of {column} enters no equation: join it to the axis or remove it")
+        # The balance of the body itself keeps the elimination of a chain a three-term recursion.
+        name = column if column in holders else min(holders, key=lambda n: len(rows[n].entries[column]))
+        pivot = rows.pop(name)
+        for holder in holders:
+            if holder != name:
+                combined = rows[holder].combine(pivot.entries[column], pivot, -rows[holder].entries[column])
+                rows[holder] = _without_factors(combined, pivots)
+        pivots.append(pivot.entries[column])
+    (last,) = rows.values()
+    return _primitive(last, ring)
+
+
+def _order_basis(rows: list[EliminationRow], columns: Sequence[str], ring: PolyRing, wanted: int) -> list[EliminationRow]:
+    """Minimal kernel basis where several combinations are free of the columns."""
+    basis = rows
+    exponent = 0
+    while True:
+        done = [row for row in basis if not any(column in row.entries for column in columns)]
+        if len(done) == wanted:
+            return [_primitive(row, ring) for row in done]
+        for column in columns:
+            basis = _meet_condition(basis, column, exponent)
+        exponent += 1
+
+
+def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> list[EliminationRow]:
+    """Make the coefficient of s**exponent in a column vanish, raising one row's degree by one."""
+    residuals = [_coefficient(row.entries.get(column), exponent) for row in rows]
+    failing = [i for i, residual in enumerate(residuals) if residual]
+    if not failing:
+        return rows
+    pivot = min(failing, key=lambda i: (rows[i].degree, len(residuals[i]), sum(map(len, rows[i].multipliers.values()))))
+    ring = residuals[pivot].ring
+    met = list(rows)
+    for i in failing:
+        if i != pivot:
+            mine, theirs = _without_common_factor(residuals[pivot], residuals[i])
+            met[i] = _primitive(rows[i].combine(mine, rows[pivot], -theirs), ring)
+    met[pivot] = rows[pivot].scaled(ring.gens[0])
+    return met
+
+
+def _coefficient(entry: PolyElement | None, exponent: int) -> PolyElement | None:
+    """Coefficient of a power of s, as a polynomial in the parameters; None if it is zero."""
+    if entry is None:
+        return None
+    terms = {(0, *monomial[1:]): value for monomial, value in entry.terms() if monomial[0] == exponent}
+    return entry.ring.from_dict(terms) if terms else None
+
+
+def _without_common_factor(first: PolyElement, second: PolyElement) -> tuple[PolyElement, PolyElement]:
+    _, reduced_first, reduced_second = first.cofactors(second)
+    return reduced_first, reduced_second
+
+
+def _combine(row: Row, factor: PolyElement, other: Row, other_factor: PolyElement) -> Row:
+    return add({column: entry * factor for column, entry in row.items()}, other, other_factor)
+
+
+def _without_factors(row: EliminationRow, pivots: Sequence[PolyElement]) -> EliminationRow:
+    """Divide by earlier pivots as long as they divide everything: the factors that fraction-free elimination leaves."""
+    for pivot in pivots:
+        parts = [*row.multipliers.values(), *row.entries.values()]
+        while not pivot.is_ground and all(len(part) >= len(pivot) or pivot.is_term for part in parts) and _divides(pivot, parts):
+            row = row.divided(pivot)
+            parts = [*row.multipliers.values(), *row.entries.values()]
+    return row
+
+
+def _divides(divisor: PolyElement, parts: Sequence[PolyElement]) -> bool:
+    return all(not part.rem(divisor) for part in sorted(parts, key=len))
+
+
+def _primitive(row: EliminationRow, ring: PolyRing) -> EliminationRow:
+    """Divide a row by the greatest common factor of its multipliers, which divides its entries too."""
+    parts = sorted(row.multipliers.values(), key=len)
+    if len(parts[0]) > MOST_TERMS_FOR_GCD:
+        return row
+    factor = reduce(lambda common, part: common if common.is_ground else common.gcd(part), parts[1:], parts[0])
+    factor = factor.monic() if not factor.is_ground else factor
+    return row.divided(factor) if factor != ring.one else row

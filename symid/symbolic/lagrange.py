@@ -1,0 +1,257 @@
+"""Lagrange's equations of a declared axis.
+
+Coordinates are those of the declaration: the displacement of each body relative to the body it is on.
+Signal values of nonlinear laws stand in the equations as inputs (`LawInput`), so that the equations are
+polynomial in the parameters and linear in everything else; `InverseDynamicModel.equations` shows them written out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from symid.axis import (
+    GROUND,
+    Axis,
+    Between,
+    Body,
+    Damper,
+    Ground,
+    Joint,
+    Law,
+    PendulumWeight,
+    Spring,
+    Weight,
+)
+from symid.signals import derivative_name
+from symid.symbolic.expressions import law_expression, parameter_symbol
+
+ONE = sp.Integer(1)
+ONE_INPUT = sp.Symbol("input_one")
+"""Stands for the constant 1, so that constant forces are inputs like the other laws."""
+
+
+@dataclass(frozen=True)
+class LawInput:
+    """The value of a nonlinear law's expression, an input of the otherwise linear equations.
+
+    Parameters
+    ----------
+    symbol : sympy.Symbol
+        Stands for the value in the equations.
+    expression : sympy.Expr
+        In the displacement ``q`` and velocity ``v`` of the joint.
+    joint : Body or Between
+        Where the law sits.
+    element : str
+        What to call the element in messages.
+    """
+
+    symbol: sp.Symbol
+    expression: sp.Expr
+    joint: Joint
+    element: str
+
+
+@dataclass(frozen=True)
+class InverseDynamicModel:
+    """Lagrange's equations d/dt dT/dq(1) - dT/dq + dV/dq + dD/dq(1) - Q = 0, one for each free body.
+
+    Parameters
+    ----------
+    axis : Axis
+        What was declared.
+    coordinates : tuple of str
+        Name of each free body's coordinate; ``q_motor_d2`` is its second derivative.
+    constants : mapping of str to float
+        Known numbers that stand in the equations as symbols: ratios and gravity.
+    kinetic_energy, potential_energy, dissipation : sympy.Expr
+        T, V and Rayleigh's D.
+    balances : tuple of sympy.Expr
+        Left-hand sides, with the values of nonlinear laws as symbols.
+    inputs : tuple of LawInput
+        Those symbols and what they stand for.
+    """
+
+    axis: Axis
+    coordinates: tuple[str, ...]
+    constants: Mapping[str, float]
+    kinetic_energy: sp.Expr
+    potential_energy: sp.Expr
+    dissipation: sp.Expr
+    balances: tuple[sp.Expr, ...]
+    inputs: tuple[LawInput, ...]
+
+    @property
+    def equations(self) -> tuple[sp.Eq, ...]:
+        """Equations of motion with the force on the left, laws written out."""
+        kinematics = Kinematics(self.axis)
+        values = {}
+        for entry in self.inputs:
+            displacement = kinematics.displacement(entry.joint)
+            arguments = {sp.Symbol("q"): displacement, sp.Symbol("v"): kinematics.rate(displacement, 1)}
+            values[entry.symbol] = entry.expression.xreplace(arguments)
+        force = sp.Symbol(self.axis.drive.signal)
+        written = []
+        for balance in self.balances:
+            motion = balance.xreplace(values)
+            forces = sp.Add(*(term for term in sp.Add.make_args(motion.expand()) if term.has(force)))
+            written.append(sp.Eq(-forces, sp.expand(motion - forces), evaluate=False))
+        return tuple(written)
+
+
+class Kinematics:
+    """Displacements of bodies and joints in the coordinates of an axis."""
+
+    def __init__(self, axis: Axis) -> None:
+        self.coordinates = {body: f"q_{body.name}" for body in axis.free_bodies}
+        self.constants: dict[str, float] = {}
+
+    def symbol(self, body: Body, order: int = 0) -> sp.Symbol:
+        """Coordinate of a free body, or its derivative."""
+        return sp.Symbol(derivative_name(self.coordinates[body], order))
+
+    def constant(self, name: str, value: float) -> sp.Expr:
+        """Exact number if it is whole, else a symbol that stands for it."""
+        if float(value).is_integer():
+            return sp.Integer(int(value))
+        self.constants[name] = float(value)
+        return sp.Symbol(name)
+
+    def displacement(self, joint: Joint) -> sp.Expr:
+        """Displacement in a joint."""
+        if isinstance(joint, Between):
+            ratio = self.constant(f"ratio_{joint.first.name}_{joint.second.name}", joint.ratio)
+            return sp.expand(self.absolute(joint.second) - ratio * self.absolute(joint.first))
+        if joint.geared is None:
+            return self.symbol(joint)
+        ratio = self.constant(f"ratio_{joint.geared.to.name}_{joint.name}", joint.geared.ratio)
+        return sp.expand(ratio * self.displacement(joint.geared.to))
+
+    def absolute(self, body: Body | Ground) -> sp.Expr:
+        """Displacement of a body against the ground; a turning body on a sliding one turns by its own coordinate."""
+        if isinstance(body, Ground):
+            return sp.Integer(0)
+        carried = isinstance(body.on, Body) and body.on.turns == body.turns
+        return self.displacement(body) + (self.absolute(body.on) if carried else 0)
+
+    def rate(self, displacement: sp.Expr, order: int) -> sp.Expr:
+        """Time derivative of a displacement, which is linear in the coordinates."""
+        return displacement.xreplace({self.symbol(body): self.symbol(body, order) for body in self.coordinates})
+
+
+def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
+    """Lagrange's equations of an axis.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+
+    Returns
+    -------
+    InverseDynamicModel
+        The paper's [3] and [4], for any axis.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> print(inverse_dynamics(load_axis("rigid_1m")).equations[0])
+    Eq(F, Fs*sign(q_motor_d1) + Fv*q_motor_d1 + M*q_motor_d2)
+    """
+    kinematics = Kinematics(axis)
+    kinetic = _kinetic_energy(axis, kinematics)
+    potential = _potential_energy(axis, kinematics)
+    dissipation = _dissipation(axis, kinematics)
+    inputs, work = _virtual_power(axis, kinematics)
+    balances = []
+    for body in axis.free_bodies:
+        q, v = kinematics.symbol(body), kinematics.symbol(body, 1)
+        momentum = sp.diff(kinetic, v)
+        inertia = sp.Add(*(sp.diff(momentum, kinematics.symbol(b, 1)) * kinematics.symbol(b, 2) for b in axis.free_bodies))
+        balances.append(sp.expand(inertia + sp.diff(potential, q) + sp.diff(dissipation, v) - sp.diff(work, v)))
+    return InverseDynamicModel(
+        axis=axis,
+        coordinates=tuple(kinematics.coordinates.values()),
+        constants=dict(sorted(kinematics.constants.items())),
+        kinetic_energy=kinetic,
+        potential_energy=potential,
+        dissipation=dissipation,
+        balances=tuple(balances),
+        inputs=inputs,
+    )
+
+
+def _kinetic_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
+    energies = (
+        parameter_symbol(body.mass or body.inertia or "") * kinematics.rate(kinematics.absolute(body), 1) ** 2
+        for body in axis.bodies
+    )
+    return sp.Add(*energies) / 2
+
+
+def _potential_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
+    """Springs, laws linear in q, and weights whose force is constant. Pendulum weights are inputs: sin q is not linear."""
+    energy = sp.Integer(0)
+    for element in axis.elements:
+        if isinstance(element, Spring):
+            energy += parameter_symbol(element.stiffness) * kinematics.displacement(element.at) ** 2 / 2
+        elif isinstance(element, Weight):
+            gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
+            energy += parameter_symbol(element.body.mass or "") * gravity * kinematics.absolute(element.body) * ONE_INPUT
+        elif isinstance(element, Law):
+            for term in element.terms():
+                if term.expression == "q":
+                    energy += parameter_symbol(term.parameter) * kinematics.displacement(element.at) ** 2 / 2
+    return energy
+
+
+def _dissipation(axis: Axis, kinematics: Kinematics) -> sp.Expr:
+    """Rayleigh's function of the dampers and of friction linear in velocity."""
+    dampers: list[tuple[str, Joint]] = []
+    for element in axis.elements:
+        if isinstance(element, (Spring, Damper)) and element.damping is not None:
+            dampers.append((element.damping, element.at))
+        elif isinstance(element, Law):
+            dampers += [(term.parameter, element.at) for term in element.terms() if term.expression == "v"]
+    rates = ((parameter_symbol(name), kinematics.rate(kinematics.displacement(at), 1)) for name, at in dampers)
+    return sp.Add(*(coefficient * rate**2 for coefficient, rate in rates)) / 2
+
+
+def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, ...], sp.Expr]:
+    """Nonlinear laws as inputs, and the power of the drive and of the laws, whose derivative by a velocity is a force."""
+    inputs: dict[tuple[sp.Expr, sp.Expr], LawInput] = {}
+    power = sp.Symbol(axis.drive.signal) * kinematics.rate(kinematics.displacement(axis.drive.at), 1)
+
+    def resist(parameter: str, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str) -> None:
+        nonlocal power
+        constant = not expression.free_symbols
+        key = (ONE, ONE) if constant else (expression, displacement)
+        if key not in inputs:
+            symbol = ONE_INPUT if constant else sp.Symbol(f"input_{len(inputs)}")
+            inputs[key] = LawInput(symbol, ONE if constant else expression, joint, element)
+        factor = expression if constant else ONE
+        power -= parameter_symbol(parameter) * factor * inputs[key].symbol * kinematics.rate(displacement, 1)
+
+    for element in axis.elements:
+        if isinstance(element, Law):
+            label = f"{type(element).__name__} at {_joint_name(element.at)}"
+            for term in element.terms():
+                if not term.is_linear:
+                    displacement = kinematics.displacement(element.at)
+                    resist(term.parameter, law_expression(term.expression), element.at, displacement, label)
+        elif isinstance(element, PendulumWeight):
+            gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
+            at = Between(first=GROUND, second=element.body)
+            label = f"PendulumWeight of {element.body.name!r}"
+            angle = kinematics.absolute(element.body)
+            resist(element.moment, gravity * sp.sin(sp.Symbol("q")), at, angle, label)
+        elif isinstance(element, Weight):
+            inputs.setdefault((ONE, ONE), LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}"))
+    return tuple(inputs.values()), power
+
+
+def _joint_name(joint: Joint) -> str:
+    return f"{joint.first.name!r} and {joint.second.name!r}" if isinstance(joint, Between) else repr(joint.name)

@@ -1,0 +1,154 @@
+"""What a set of sensors tells of the displacements of the bodies.
+
+A sensor of order m (0 position, 1 velocity, 2 acceleration) gives the m-th derivative of a linear function of
+the absolute displacements. Independent ones form a basis, positions first; a sensor that repeats a function of
+the basis at a higher order serves for the higher derivatives, as in method 3 of the paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sympy.polys.rings import PolyElement
+
+from symid.axis import Sensor, derivative_order
+from symid.symbolic.lagrange import Kinematics
+from symid.symbolic.operators import OperatorModel, Row, add
+
+Functional = dict[str, Any]
+"""Coefficients of absolute displacements, by body name."""
+
+
+@dataclass(frozen=True)
+class MeasuredFunction:
+    """A linear function of the displacements whose derivative of an order is a signal."""
+
+    signal: str
+    order: int
+    functional: Functional
+
+
+@dataclass(frozen=True)
+class RepeatedFunction:
+    """A sensor whose function is a combination of the basis, by basis index."""
+
+    signal: str
+    order: int
+    combination: Mapping[int, Any]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Sensors as a basis of measured functions, and the displacements that remain unknown.
+
+    Parameters
+    ----------
+    basis : tuple of MeasuredFunction
+        Independent functions, by rising order of derivative.
+    repeated : tuple of RepeatedFunction
+        Sensors that add no function.
+    displacements : mapping of str to Row
+        Each body's displacement as a combination of basis functions (column ``"y<i>"``) and of the displacements of
+        unknown bodies (column: body name).
+    """
+
+    basis: tuple[MeasuredFunction, ...]
+    repeated: tuple[RepeatedFunction, ...]
+    displacements: Mapping[str, Functional]
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Bodies whose displacement has to be eliminated."""
+        return tuple(body for body, row in self.displacements.items() if row.keys() == {body})
+
+    def substitute(self, functional: Mapping[str, Any]) -> dict[str, Any]:
+        """A function of displacements (or an operator row) in basis functions and unknown displacements."""
+        row: dict[str, Any] = {}
+        for body, coefficient in functional.items():
+            for column, share in self.displacements[body].items():
+                row = add(row, {column: coefficient * share}, 1)
+        return row
+
+    def derivative(self, index: int, order: int) -> tuple[tuple[str, int, Any], ...]:
+        """The derivative of a basis function as (signal, order, coefficient), differentiating as little as possible."""
+        function = self.basis[index]
+        best: tuple[tuple[str, int, Any], ...] = ((function.signal, order - function.order, 1),)
+        reached = function.order
+        for other in self.repeated:
+            share = other.combination.get(index)
+            rest = {i: c for i, c in other.combination.items() if i != index}
+            saves = share and reached < other.order <= order and all(self.basis[i].order == other.order for i in rest)
+            if saves:
+                reached, left = other.order, order - other.order
+                best = ((other.signal, left, 1 / share), *((self.basis[i].signal, left, -c / share) for i, c in rest.items()))
+        return best
+
+
+def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
+    """Basis of what the sensors measure, and every displacement in terms of it."""
+    ranked = sorted(sensors, key=derivative_order)
+    basis: list[MeasuredFunction] = []
+    repeated: list[RepeatedFunction] = []
+    reduced: list[tuple[str, Functional, dict[int, Any]]] = []  # pivot body, function with pivot 1, in basis functions
+    for sensor in ranked:
+        functional = _sensor_functional(model, sensor)
+        remainder, combination = _reduce(functional, reduced)
+        if remainder:
+            pivot = sensor.body.name if sensor.body.name in remainder else next(iter(remainder))
+            scale = 1 / remainder[pivot]
+            index = len(basis)
+            basis.append(MeasuredFunction(sensor.signal, derivative_order(sensor), functional))
+            own = {index: scale, **{i: -c * scale for i, c in combination.items()}}
+            row = {body: c * scale for body, c in remainder.items()}
+            reduced = [_clear(entry, pivot, row, own) for entry in reduced]
+            reduced.append((pivot, row, own))
+        else:
+            repeated.append(RepeatedFunction(sensor.signal, derivative_order(sensor), combination))
+    one = model.ring.domain.one
+    displacements: dict[str, Functional] = {body: {body: one} for body in model.motion}
+    for pivot, row, own in reduced:
+        unknown = {body: -c for body, c in row.items() if body != pivot}
+        displacements[pivot] = {**{f"y{i}": c for i, c in own.items() if c}, **unknown}
+    return Measurement(tuple(basis), tuple(repeated), displacements)
+
+
+def _sensor_functional(model: OperatorModel, sensor: Sensor) -> Functional:
+    kinematics = Kinematics(model.source.axis)
+    if sensor.relative_to is None:
+        return model.functional(kinematics.displacement(sensor.body))
+    difference = kinematics.absolute(sensor.body) - kinematics.absolute(sensor.reference)
+    return model.functional(difference.expand())
+
+
+def _reduce(functional: Functional, reduced: list[tuple[str, Functional, dict[int, Any]]]) -> tuple[Functional, dict[int, Any]]:
+    """Remainder of a function after taking out what the basis measures, and what was taken out."""
+    remainder, combination = dict(functional), dict[int, Any]()
+    for pivot, row, own in reduced:
+        share = remainder.get(pivot)
+        if share:
+            remainder = add(remainder, row, -share)
+            combination = {i: combination.get(i, 0) + share * c for i in {*combination, *own} if (c := own.get(i, 0)) or i in combination}
+    return remainder, {i: c for i, c in combination.items() if c}
+
+
+def _clear(
+    entry: tuple[str, Functional, dict[int, Any]], pivot: str, row: Functional, own: dict[int, Any]
+) -> tuple[str, Functional, dict[int, Any]]:
+    """Take a new pivot's body out of an earlier row."""
+    body, functional, combination = entry
+    share = functional.get(pivot)
+    if not share:
+        return entry
+    cleared = {i: combination.get(i, 0) - share * own.get(i, 0) for i in {*combination, *own}}
+    return body, add(functional, row, -share), {i: c for i, c in sorted(cleared.items()) if c}
+
+
+def motion_columns(model: OperatorModel, measured: Measurement, balance: str) -> dict[str, PolyElement]:
+    """Operators of one balance on basis functions and unknown displacements."""
+    row: Row = {}
+    for body, operator in model.motion[balance].items():
+        for column, share in measured.displacements[body].items():
+            row = add(row, {column: operator * share}, model.ring.one)
+    return row

@@ -1,0 +1,145 @@
+"""Equations of motion as a matrix of polynomials in s = d/dt, in absolute coordinates.
+
+In absolute coordinates each row is the balance of one free body, and a spring joins two bodies only: the
+matrix is as sparse as the axis itself, which is what makes elimination fast (a chain becomes a three-term
+recursion). It is also what makes the paper's [17] come out without a detour: the second of its equations is
+the balance of the structure alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+from sympy import QQ
+from sympy.polys.rings import PolyElement, PolyRing
+
+from symid.axis import Axis, Body, Joint
+from symid.signals import split_derivative
+from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
+
+Row = dict[str, PolyElement]
+"""Polynomial entries by column; absent entries are zero."""
+
+
+@dataclass(frozen=True)
+class OperatorModel:
+    """sum_b A[i, b](s) x_b + sum_w N[i, w] w + B[i] F = 0 for the balance of each free body i.
+
+    Parameters
+    ----------
+    source : InverseDynamicModel
+        Where the equations come from.
+    ring : PolyRing
+        Polynomials in s (first generator) and the physical parameters; known constants are in the coefficient field.
+    motion : mapping of str to Row
+        Operators on the absolute displacements, by body and body.
+    inputs : mapping of str to Row
+        Coefficients of the nonlinear laws, by body and input symbol.
+    force : mapping of str to PolyElement
+        Coefficient of the drive force, by body.
+    """
+
+    source: InverseDynamicModel
+    ring: PolyRing
+    motion: Mapping[str, Row]
+    inputs: Mapping[str, Row]
+    force: Mapping[str, PolyElement]
+
+    def functional(self, displacement: sp.Expr) -> dict[str, Any]:
+        """A displacement as coefficients (elements of the ring's domain) of absolute displacements, by body."""
+        axis, kinematics = self.source.axis, Kinematics(self.source.axis)
+        relative = {
+            body.name: self.ring.domain.from_sympy(coefficient)
+            for body in axis.free_bodies
+            if (coefficient := displacement.coeff(kinematics.symbol(body))) != 0
+        }
+        return _relative_to_absolute(relative, _carriers(axis))
+
+
+def operator_model(model: InverseDynamicModel) -> OperatorModel:
+    """Balances of the free bodies as operator rows in absolute coordinates.
+
+    Parameters
+    ----------
+    model : InverseDynamicModel
+        Lagrange's equations in the declared coordinates q.
+
+    Returns
+    -------
+    OperatorModel
+        With x = T q the absolute displacements, the balances are T^-T times Lagrange's equations.
+    """
+    axis, carriers = model.axis, _carriers(model.axis)
+    ring = _parameter_ring(model)
+    lagrange = {body.name: _split(balance, ring, model) for body, balance in zip(axis.free_bodies, model.balances, strict=True)}
+    motion: dict[str, Row] = {}
+    inputs: dict[str, Row] = {}
+    force: dict[str, PolyElement] = {}
+    for body in carriers:
+        balance = lagrange[body]
+        for carried in (child for child, carrier in carriers.items() if carrier == body):
+            balance = add(balance, lagrange[carried], ring(-1))
+        motion[body] = _relative_to_absolute({b: balance[b] for b in carriers if b in balance}, carriers)
+        inputs[body] = {str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance}
+        force[body] = balance.get(axis.drive.signal, ring.zero)
+    return OperatorModel(model, ring, motion, inputs, force)
+
+
+def add(row: Mapping[str, Any], other: Mapping[str, Any], factor: Any) -> dict[str, Any]:
+    """row + factor * other, without zero entries."""
+    total = dict(row)
+    for column, entry in other.items():
+        value = total[column] + factor * entry if column in total else factor * entry
+        if value:
+            total[column] = value
+        else:
+            del total[column]
+    return total
+
+
+def _carriers(axis: Axis) -> dict[str, str | None]:
+    """For each free body the free body that carries it, if its displacement adds to that body's."""
+    return {
+        body.name: body.on.name if isinstance(body.on, Body) and body.on.geared is None and body.on.turns == body.turns else None
+        for body in axis.free_bodies
+    }
+
+
+def _relative_to_absolute(relative: Mapping[str, Any], carriers: Mapping[str, str | None]) -> dict[str, Any]:
+    """Coefficients of relative coordinates as those of absolute ones: q_b = x_b - x_carrier."""
+    absolute: dict[str, Any] = {}
+    for body, coefficient in relative.items():
+        absolute = add(absolute, {body: coefficient}, 1)
+        carrier = carriers[body]
+        if carrier is not None:
+            absolute = add(absolute, {carrier: coefficient}, -1)
+    return absolute
+
+
+def _parameter_ring(model: InverseDynamicModel) -> PolyRing:
+    constants = [sp.Symbol(name) for name in model.constants]
+    domain = QQ.frac_field(*constants) if constants else QQ
+    return PolyRing((sp.Symbol("s"), *map(sp.Symbol, model.axis.physical_parameters)), domain)
+
+
+def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:
+    """One of Lagrange's equations by column: body (a polynomial in s), law input, drive force."""
+    kinematics = Kinematics(model.axis)
+    columns: dict[sp.Symbol, tuple[str, int]] = {
+        kinematics.symbol(body, order): (body.name, order) for body in model.axis.free_bodies for order in range(3)
+    }
+    columns.update({w.symbol: (str(w.symbol), 0) for w in model.inputs})
+    force = model.axis.drive.signal
+    columns[sp.Symbol(force)] = (force, 0)
+    parameters = ring.symbols[1:]
+    whole = PolyRing((*parameters, *columns), ring.domain).from_expr(balance)
+    places = list(columns.values())
+    row: Row = {}
+    for monomial, coefficient in whole.terms():
+        powers, signals = monomial[: len(parameters)], monomial[len(parameters) :]
+        name, order = places[signals.index(1)]
+        row = add(row, {name: ring({(order, *powers): coefficient})}, ring.one)
+    return row
