@@ -218,7 +218,8 @@ def _gaps(
     first = where[0]
     period = rate.before if rate.change is None or first < rate.change else rate.after
     return [
-        f"{name} has {describe(where.size, 'gap')}, the first after t = {time[first]:.7g} s (row {first + 1}), "
+        f"{name} has {describe(where.size, 'gap')}, the first after "
+        f"t = {time[first]:.7g} s (row {first + 1}), "
         f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there or fill in the samples"
     ]
 
@@ -253,7 +254,7 @@ def _slope(time: FloatArray) -> float:
 
 
 def _rounded(period: float) -> float:
-    """The period or frequency with the fewest digits within one part in a million, less than any clock's error."""
+    """Period, or frequency, of the fewest digits within one part in a million: no clock is better."""
     for digits in range(1, 8):
         for candidate in (float(f"{period:.{digits - 1}e}"), 1.0 / float(f"{1.0 / period:.{digits - 1}e}")):
             if abs(candidate - period) <= 1e-6 * period:

@@ -64,7 +64,7 @@ def read_log(
 ) -> Log:
     """Read and check the signals of an axis from a CSV, Parquet or MATLAB (v5 to v7) file.
 
-    A column is named after its signal, with or without a unit: ``q2`` or ``q2 [mm]``. Without a unit it is SI.
+    A column is named after its signal, with or without a unit (SI): ``q2`` or ``q2 [mm]``.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def read_log(
     Raises
     ------
     LogError
-        In one line: the file is unreadable, a named column is missing, no signal is there, a unit does not fit, a
-        value is no number, the clock is not uniform, a signal is constant.
+        In one line: the file is unreadable, a named column is missing, no signal is there, a unit does not
+        fit, a value is no number, the clock is not uniform, a signal is constant.
     """
     file = Path(path)
     table = open_table(file)

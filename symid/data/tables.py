@@ -1,6 +1,6 @@
 """Files as tables of named columns: CSV, Parquet and MATLAB.
 
-A table is opened by reading its headers only; columns are read when asked for. What is wrong with a file as a
+Of CSV and Parquet files only the headers and the columns asked for are read. What is wrong with a file as a
 whole raises; what is wrong with one column is returned in its place, as a sentence, so that a caller can
 report the faults of all columns together.
 """
@@ -24,9 +24,7 @@ SUFFIXES: Final = (".csv", ".parquet", ".mat")
 """Kinds of files that can be read."""
 
 _POLARS_FAILURES: Final = (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, ValueError)
-_NUMERIC_CLASSES: Final = frozenset(
-    ["double", "single", "logical"] + [f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)]
-)
+_NUMERIC_KINDS: Final = "biufc"
 
 
 @dataclass(frozen=True)
@@ -218,23 +216,20 @@ def _open_mat(path: Path) -> Table:
     if b"MATLAB 7.3" in begin[:128] or b"\x89HDF\r\n\x1a\n" in begin:
         raise LogError(f"{path}: is a MATLAB file of version 7.3: save it with save(..., '-v7')")
     try:
-        variables = scipy.io.whosmat(path)
-    except Exception as error:  # noqa: BLE001 - scipy lets through whatever its parser meets in a damaged file
+        # Listing the variables without loading them (whosmat) fails on objects such as tf models.
+        variables = scipy.io.loadmat(path)
+    except Exception as error:  # scipy lets through whatever its parser meets in a damaged file
         raise _damaged(path, "MATLAB", error) from error
-    headers = tuple(
-        name
-        for name, shape, kind in variables
-        if kind in _NUMERIC_CLASSES and sum(size != 1 for size in shape) > 0
-    )
-    return Table(headers, lambda positions: _read_mat(path, [headers[position] for position in positions]))
-
-
-def _read_mat(path: Path, names: Sequence[str]) -> list[FloatArray | str]:
-    try:
-        arrays = scipy.io.loadmat(path, variable_names=list(names))
-    except Exception as error:  # noqa: BLE001 - as above
-        raise _damaged(path, "MATLAB", error) from error
-    return [_vector(np.asarray(arrays[name])) for name in names]
+    arrays = {
+        name: array
+        for name, array in variables.items()
+        if isinstance(array, np.ndarray)
+        and not name.startswith("__")
+        and array.dtype.kind in _NUMERIC_KINDS
+        and array.size != 1
+    }
+    headers = tuple(arrays)
+    return Table(headers, lambda positions: [_vector(arrays[headers[position]]) for position in positions])
 
 
 def _vector(array: np.ndarray) -> FloatArray | str:

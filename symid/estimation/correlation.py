@@ -90,7 +90,10 @@ class ResidualCovariance:
             both = tuple(np.concatenate(pair, axis=1) for pair in zip(old, now, strict=True))
             products = products + lagged_products(both[0], keep) - lagged_products(old[0], keep)
             pairs = pairs + lagged_products(both[1], keep) - lagged_products(old[1], keep)
-            old = (both[0][:, max(both[0].shape[1] - keep, 0) :], both[1][:, max(both[1].shape[1] - keep, 0) :])
+            old = (
+                both[0][:, max(both[0].shape[1] - keep, 0) :],
+                both[1][:, max(both[1].shape[1] - keep, 0) :],
+            )
         return ResidualCovariance(products, np.rint(pairs), *old)
 
     def covariance(self) -> FloatArray:
@@ -167,9 +170,11 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
     threshold = 2.0 * sqrt(log10(max(samples, 2)) / max(samples, 1))
     look = max(5, ceil(sqrt(log10(max(samples, 2)))), ceil(_samples_per_independent(covariance)))
     above = np.flatnonzero(strength[1:] >= threshold) + 1
-    starts = np.concatenate([[0], above])  # a quiet stretch starts after lag 0 or after a lag above the threshold
+    starts = np.concatenate(
+        [[0], above]
+    )  # a quiet stretch starts after lag 0 or after a lag above the threshold
     stops = np.concatenate([above, [max_lag + 1]])
-    quiet = np.flatnonzero(stops - starts > look)
+    quiet = np.flatnonzero(stops - starts > np.maximum(look, starts))
     return int(starts[quiet[0]]) if len(quiet) else None
 
 

@@ -15,15 +15,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from math import gcd, prod
+from random import Random
 
 from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.errors import EliminationError
 from symid.symbolic.operators import Row, add
-
-MOST_TERMS_FOR_GCD = 4000
-"""Entries longer than this are not searched for common factors beyond those that elimination itself creates."""
-
 
 @dataclass(frozen=True)
 class EliminationRow:
@@ -201,8 +199,25 @@ def _divides(divisor: PolyElement, parts: Sequence[PolyElement]) -> bool:
 def _primitive(row: EliminationRow, ring: PolyRing) -> EliminationRow:
     """Divide a row by the greatest common factor of its multipliers, which divides its entries too."""
     parts = sorted(row.multipliers.values(), key=len)
-    if len(parts[0]) > MOST_TERMS_FOR_GCD:
+    if _have_no_common_factor(parts, ring):
         return row
     factor = reduce(lambda common, part: common if common.is_ground else common.gcd(part), parts[1:], parts[0])
     factor = factor.monic() if not factor.is_ground else factor
     return row.divided(factor) if factor != ring.one else row
+
+
+def _have_no_common_factor(parts: Sequence[PolyElement], ring: PolyRing) -> bool:
+    """Whether the values at a point of large random integers prove the absence of a common factor.
+
+    A common factor would take a huge value at such a point and divide every value. The greatest common divisor of
+    polynomials with thousands of terms takes seconds, that of a few integers no time. False where it proves nothing.
+    """
+    if not ring.domain.is_QQ:
+        return False
+    draw = Random(len(ring.gens))
+    point = [draw.randrange(10**15, 10**16) for _ in ring.gens]
+    powers = [[value**exponent for exponent in range(1 + max(part.degree(i) for part in parts))] for i, value in enumerate(point)]
+    values = (
+        sum(c * prod(powers[i][e] for i, e in enumerate(monomial) if e) for monomial, c in part.terms()) for part in parts
+    )
+    return gcd(*(int(value.numerator) for value in values)) < 10**9

@@ -1,0 +1,269 @@
+"""The minimal model y = D X: outputs, regressor and minimal parameters.
+
+Each equation is divided by the coefficient of the force of lowest derivative, which becomes its output. The
+coefficients that remain are functions of the physical parameters; a basis of the space they span (over the numbers)
+are the minimal parameters. Physical parameters that lie in that space are taken into the basis first, so that a
+model that is linear in them is identified in them directly, as by [17] and [18].
+
+Two orders of the parameters follow the paper. An equation linear in the physical parameters lists them by falling
+order of derivative, as [8] and [18]; any other lists the derivatives of the force first, then the motion by rising
+order, as [15].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+from sympy.polys.rings import PolyElement
+
+from symid.signals import derivative_name
+from symid.symbolic.elimination import InputOutputEquation, InputOutputModel
+from symid.symbolic.span import Span
+from symid.units import Unit
+
+_AFTER_ALL_DERIVATIVES = 1000
+
+
+@dataclass(frozen=True)
+class ParameterFunction:
+    """A rational function of the physical parameters, reduced by common monomials.
+
+    Parameters
+    ----------
+    numerator, denominator : PolyElement
+        In the ring of the operator model.
+    """
+
+    numerator: PolyElement
+    denominator: PolyElement
+
+    @classmethod
+    def quotient(cls, numerator: PolyElement, denominator: PolyElement) -> ParameterFunction:
+        """numerator / denominator in lowest terms, as far as monomials and exact division go."""
+        ring = numerator.ring
+        if not denominator.is_term and len(numerator) >= len(denominator):
+            whole, rest = numerator.div(denominator)
+            if not rest:
+                return cls(whole, ring.one)
+        shared = tuple(min(powers) for powers in zip(*numerator.itermonoms(), *denominator.itermonoms(), strict=True))
+        scale = 1 / (denominator.LC if denominator.is_term else ring.domain.one)
+        return cls(_over_monomial(numerator, shared, scale), _over_monomial(denominator, shared, scale))
+
+    @cached_property
+    def coordinates(self) -> dict[Any, Any]:
+        """Vector of its monomials; functions with the same polynomial denominator share a space."""
+        if self.denominator.is_term:
+            ((powers, scale),) = self.denominator.terms()
+            below = ""
+        else:
+            powers, scale = (0,) * len(self.numerator.ring.gens), self.numerator.ring.domain.one
+            below = str(self.denominator)
+        return {(below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale for m, c in self.numerator.terms()}
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it is a sum of physical parameters times numbers."""
+        return self.denominator.is_ground and all(sum(m) == 1 for m in self.numerator.itermonoms())
+
+    @cached_property
+    def expression(self) -> sp.Expr:
+        """As a sum of fractions, each over the monomial that is left below it."""
+        ring = self.numerator.ring
+        if not self.denominator.is_term:
+            return self.numerator.as_expr() / self.denominator.as_expr()
+        fractions: dict[sp.Expr, list[sp.Expr]] = {}
+        for (_, powers), coefficient in self.coordinates.items():
+            above = sp.Mul(*(g**p for g, p in zip(ring.symbols, powers, strict=True) if p > 0))
+            below = sp.Mul(*(g**-p for g, p in zip(ring.symbols, powers, strict=True) if p < 0))
+            fractions.setdefault(below, []).append(ring.domain.to_sympy(coefficient) * above)
+        return sp.Add(*(sp.Add(*terms) / below for below, terms in fractions.items()))
+
+    def unit(self, units: dict[str, Unit]) -> Unit:
+        """Unit, given those of the physical parameters."""
+        total = Unit()
+        names = [str(symbol) for symbol in self.numerator.ring.symbols[1:]]
+        for sign, part in ((1, self.numerator), (-1, self.denominator)):
+            for name, power in zip(names, part.LM[1:], strict=True):
+                total = total * units[name] ** (sign * power) if power else total
+        return total
+
+
+def _over_monomial(polynomial: PolyElement, powers: tuple[int, ...], scale: Any) -> PolyElement:
+    """scale * polynomial / monomial."""
+    terms = {tuple(a - b for a, b in zip(m, powers, strict=True)): c * scale for m, c in polynomial.terms()}
+    return polynomial.ring.from_dict(terms)
+
+
+@dataclass(frozen=True)
+class MinimalParameter:
+    """One minimal parameter X_j."""
+
+    name: str
+    function: ParameterFunction
+    unit: Unit
+
+
+@dataclass(frozen=True)
+class MinimalModel:
+    """y = D X for each equation, D being the regressor and X the minimal parameters.
+
+    Parameters
+    ----------
+    source : InputOutputModel
+        The eliminated equations.
+    parameters : tuple of MinimalParameter
+        X, in the paper's order.
+    output : tuple of sympy.Expr
+        y, one for each equation; 0 for an equation that the drive does not enter.
+    regressor : tuple of tuple of sympy.Expr
+        D, in flat signal names.
+    """
+
+    source: InputOutputModel
+    parameters: tuple[MinimalParameter, ...]
+    output: tuple[sp.Expr, ...]
+    regressor: tuple[tuple[sp.Expr, ...], ...]
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One signal term with the function of the parameters that multiplies it."""
+
+    expression: sp.Expr
+    order: int
+    smooth: bool
+    of_force: bool
+    function: ParameterFunction
+
+
+def minimise(model: InputOutputModel) -> MinimalModel:
+    """Minimal parameters and regressor of the eliminated equations.
+
+    Parameters
+    ----------
+    model : InputOutputModel
+        Eliminated equations.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.symbolic.elimination import eliminate
+    >>> from symid.symbolic.lagrange import inverse_dynamics
+    >>> axis = load_axis("direct_2m1s")
+    >>> minimal = minimise(eliminate(inverse_dynamics(axis), axis.measured(("q2",))))
+    >>> print(minimal.regressor[0])
+    (-Fm_d2, -Fm_d1, q2_d1, sign(q2_d1), q2_d2, q2_d3, q2_d4)
+    >>> print(minimal.parameters[4].function.expression)
+    Fvm*Fvs/Ks + Mm
+    """
+    force = model.source.axis.drive.signal
+    rows = [_with_output(equation, force) for equation in model.equations]
+    rows = [_scaled(row, others) for row, *others in _each_with_the_others(rows)]
+    basis, shares = _basis(model, [columns for _, columns in rows])
+    order = sorted(range(len(basis)), key=lambda j: _place(j, basis, shares, rows))
+    units = model.source.axis.physical_parameters
+    parameters = tuple(MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order))
+    field = model.operators.ring.domain
+    regressor = tuple(
+        tuple(
+            sp.Add(*(field.to_sympy(field.convert(share[j])) * c.expression for c, share in zip(columns, row_shares, strict=True) if j in share))
+            for j in order
+        )
+        for (_, columns), row_shares in zip(rows, shares, strict=True)
+    )
+    return MinimalModel(model, parameters, tuple(output for output, _ in rows), regressor)
+
+
+def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, list[_Column]]:
+    """Output of an equation and its columns, divided by the coefficient of the force of lowest derivative.
+
+    Where that is a number, the sign of the equation is free: the highest derivative gets a positive coefficient.
+    """
+    ring = equation.motion[0].coefficient.ring
+    positive = ring.domain.is_positive
+    lowest = min(equation.force, default=0)
+    divisor, sign = equation.force.get(lowest, ring.one), 1
+    if divisor.is_ground:
+        leading = max(equation.motion, key=lambda term: (term.smooth, term.order)).coefficient
+        flip = 1 if any(map(positive, leading.coeffs())) else -1
+        sign = flip if positive(divisor.LC) else -flip
+        divisor = divisor * sign
+    columns = [
+        _Column(-sp.Symbol(derivative_name(force, order)), order, True, True, ParameterFunction.quotient(c, divisor))
+        for order, c in equation.force.items()
+        if order != lowest
+    ]
+    columns += [
+        _Column(t.expression, t.order, t.smooth, False, ParameterFunction.quotient(t.coefficient, divisor))
+        for t in equation.motion
+    ]
+    return (sign * sp.Symbol(derivative_name(force, lowest)) if equation.force else sp.Integer(0)), columns
+
+
+def _each_with_the_others(rows: list[Any]) -> Iterator[list[Any]]:
+    for i, row in enumerate(rows):
+        yield [row, *rows[:i], *rows[i + 1 :]]
+
+
+def _scaled(row: tuple[sp.Expr, list[_Column]], others: list[tuple[sp.Expr, list[_Column]]]) -> tuple[sp.Expr, list[_Column]]:
+    """An equation without force fixes its parameters up to a factor only, unless a forced equation shares some of them.
+
+    Where none does, the term of the highest derivative becomes the output.
+    """
+    output, columns = row
+    elsewhere = Span()
+    for other_output, other_columns in others:
+        for column in other_columns if other_output != 0 else ():
+            elsewhere.add(column.function.coordinates)
+    if output != 0 or any(elsewhere.coordinates(column.function.coordinates) is not None for column in columns):
+        return row
+    leader = max((column for column in columns if column.smooth), key=lambda column: column.order)
+    divisor = leader.function.numerator
+    rest = [
+        replace(c, function=ParameterFunction.quotient(-c.function.numerator, divisor)) for c in columns if c is not leader
+    ]
+    return leader.expression, rest
+
+
+def _basis(
+    model: InputOutputModel, rows: list[list[_Column]]
+) -> tuple[list[ParameterFunction], list[list[dict[int, Any]]]]:
+    """Functions that span all coefficients, and the coordinates of each coefficient in them."""
+    ring = model.operators.ring
+    whole = Span()
+    for columns in rows:
+        for column in columns:
+            whole.add(column.function.coordinates)
+    basis: list[ParameterFunction] = []
+    span = Span()
+    physical = [ParameterFunction(ring(generator), ring.one) for generator in ring.gens[1:]]
+    candidates = [function for function in physical if whole.coordinates(function.coordinates) is not None]
+    for function in (*candidates, *(column.function for columns in rows for column in columns)):
+        if span.add(function.coordinates):
+            basis.append(function)
+    shares = [[span.coordinates(column.function.coordinates) or {} for column in columns] for columns in rows]
+    return basis, shares
+
+
+def _place(
+    j: int, basis: list[ParameterFunction], shares: list[list[dict[int, Any]]], rows: list[tuple[sp.Expr, list[_Column]]]
+) -> tuple[int, ...]:
+    """Sort key of basis function j: its first equation, and its place there."""
+    for i, ((_, columns), row_shares) in enumerate(zip(rows, shares, strict=True)):
+        holders = [column for column, share in zip(columns, row_shares, strict=True) if j in share]
+        if not holders:
+            continue
+        if all(basis[k].is_linear for share in row_shares for k in share):
+            return i, 0, min((-c.order, not c.smooth) for c in holders)[0], min((-c.order, not c.smooth) for c in holders)[1], j
+        return i, *min(_rising(column) for column in holders), j
+    raise AssertionError("a basis function occurs in no equation")
+
+
+def _rising(column: _Column) -> tuple[int, int, int]:
+    if column.of_force:
+        return 0, -column.order, 0
+    return 1, column.order if column.order >= 0 else _AFTER_ALL_DERIVATIVES, int(not column.smooth)
