@@ -46,7 +46,7 @@ class _Runs:
 
 
 def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple[str, ...]:
-    """Faults of needed channels: values that are empty or not finite, and channels that never change.
+    """Faults of needed channels: values empty or not finite, and channels that never change.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
         bad = np.flatnonzero(~np.isfinite(x))
         if bad.size:
             faults.append(
-                f"{name!r} has {describe(bad.size, 'value')} that are empty or not finite, the first at "
+                f"{name!r} has {describe(bad.size, 'value')} empty or not finite, the first at "
                 f"t = {time[bad[0]]:.7g} s (row {bad[0] + 1}): repair or cut out those rows"
             )
         elif x.size and x.min() == x.max():

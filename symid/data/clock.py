@@ -81,7 +81,7 @@ def inspect_clock(
     """
     if time.size < max(minimum, 2):
         return Clock(
-            0.0, float("nan"), (f"{time.size} samples are too few: at least {minimum} are required",)
+            0.0, float("nan"), (f"has only {describe(time.size, 'sample')}: at least {minimum} are required",)
         )
     intervals = np.diff(time)
     forward = np.flatnonzero(intervals > 0.0)
@@ -126,7 +126,7 @@ def _not_finite(time: FloatArray, name: str) -> list[str]:
     if not bad.size:
         return []
     return [
-        f"{name} has {describe(bad.size, 'value')} that are empty or not finite, "
+        f"{name} has {describe(bad.size, 'value')} empty or not finite, "
         f"the first in row {bad[0] + 1}: repair or cut out those rows"
     ]
 

@@ -44,7 +44,7 @@ class LowPass:
 
     Examples
     --------
-    >>> LowPass(100.0).gain(100.0)
+    >>> float(LowPass(100.0).gain(100.0))
     0.5
     """
 

@@ -203,7 +203,7 @@ def _there(headers: Sequence[str]) -> str:
 
 
 def _similar(name: str, names: Collection[str]) -> str:
-    close = difflib.get_close_matches(name, names, n=1)
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 

@@ -182,14 +182,14 @@ def _residual_covariance(
         W, y, valid = checked_observation(block.W, block.y, block.valid)
         if (W.shape[0], W.shape[2]) != (len(fit.rows), len(fit.solution)):
             raise SettingError(
-                f"W has shape {W.shape}, the fit {len(fit.rows)} equations and {len(fit.solution)} parameters; "
+                f"W has shape {W.shape}, the fit {len(fit.rows)} equations, {len(fit.solution)} parameters; "
                 "give the observation that was fitted"
             )
         rows += y.shape[1] if valid is None else np.count_nonzero(valid, axis=1)
         sums = sums.update(residuals(W, y, fit), valid, block.continues)
     if tuple(rows.tolist()) != fit.rows:
         raise SettingError(
-            f"{rows.tolist()} valid rows, but the fit has {list(fit.rows)}; give the rows that were fitted"
+            f"{rows.tolist()} valid rows, the fit has {list(fit.rows)}; give the rows that were fitted"
         )
     return sums.covariance()
 
@@ -223,8 +223,8 @@ def _score_covariance(
 ) -> FloatArray:
     """The sum in brackets for orthonormal columns, W S T; shape (rank, rank).
 
-    A window is a stretch of samples and the `reach` samples before it. Pairs within the latter alone have been
-    counted by the window before and are taken off again.
+    A window is a stretch of samples and the `reach` samples before it. Pairs within the latter alone have
+    been counted by the window before and are taken off again.
     """
     reach = kernel.shape[2] // 2
     total = np.zeros((fit.rank.rank, fit.rank.rank))
@@ -241,20 +241,17 @@ def _score_covariance(
 def _orthonormal_windows(
     blocks: Iterable[ObservationBlock], fit: LeastSquares, step: int
 ) -> Iterator[tuple[FloatArray, bool]]:
-    """Rows of W S T, shape (n_equations, rank, n_samples), 0 where masked; and whether they continue the last."""
+    """Rows of W S T, shape (n_equations, rank, n_samples), 0 where masked; and if they continue the last."""
     transform = [weight * fit.rank.inverse_root.T for weight in fit.weights]
     for block in blocks:
         W, _, valid = checked_observation(block.W, block.y, block.valid)
         for start in range(0, W.shape[1], step):
             part = slice(start, start + step)
-            columns = [
-                W[j, part].T if valid is None else np.where(valid[j, part], W[j, part].T, 0.0)
-                for j in range(len(W))
-            ]
-            yield (
-                np.stack([T @ w for T, w in zip(transform, columns, strict=True)]),
-                block.continues or start > 0,
-            )
+            columns = np.swapaxes(W[:, part], 1, 2)
+            if valid is not None:
+                columns = np.where(valid[:, None, part], columns, 0.0)
+            windows = np.stack([T @ w for T, w in zip(transform, columns, strict=True)])
+            yield windows, block.continues or start > 0
 
 
 def _pair_sum(U: FloatArray, kernel: FloatArray) -> FloatArray:

@@ -57,7 +57,8 @@ class ResidualCovariance:
     @property
     def max_lag(self) -> int:
         """Largest lag, in samples."""
-        return self.products.shape[-1] // 2
+        lags: int = self.products.shape[-1] // 2
+        return lags
 
     def update(
         self, residual: FloatArray, valid: BoolArray | None = None, continues: bool = True
@@ -97,7 +98,7 @@ class ResidualCovariance:
         return ResidualCovariance(products, np.rint(pairs), *old)
 
     def covariance(self) -> FloatArray:
-        """Return gamma_ij(k), mean product over valid pairs, 0 where there is no pair; shape of `products`."""
+        """Return gamma_ij(k), the mean product over valid pairs (0 if there is none); shape of `products`."""
         return self.products / np.maximum(self.pairs, 1.0)
 
 
@@ -127,7 +128,7 @@ def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
 
 
 def default_max_lag(samples: int) -> int:
-    """Return how far correlation is looked for: 10 sqrt(samples), but a quarter of the samples at most.
+    """Return how far correlation is looked for: 10 sqrt(samples), a quarter of the samples at most.
 
     Examples
     --------
@@ -141,8 +142,10 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
     """Return the smallest lag beyond which the correlation is lost in its own uncertainty.
 
     The rule of Politis and White (Econometric Reviews 23, 2004): the smallest m with |r(m+k)| below
-    2 sqrt(log10(N)/N) for k = 1 ... K. Their K of 5 lags is a short look on a slow oscillation, which a filter
-    leaves, so K is at least the number of samples that carry one independent sample.
+    2 sqrt(log10(N)/N) for k = 1 ... K. Their K of 5 lags takes a zero crossing of the slow oscillation that a
+    low-pass leaves for the end of the correlation; here K is at least m, as long again as the correlation.
+    Where nothing is that quiet, the bound is widened to what Bartlett's variance, sum of r^2 / N, gives for a
+    correlated residual, as long as it stays below 0.5.
 
     Parameters
     ----------
@@ -164,17 +167,24 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
     >>> correlation_length(gamma, 10_000)
     1
     """
+    correlation = _correlation(covariance)
     max_lag = covariance.shape[-1] // 2
-    largest = np.max(np.abs(_correlation(covariance)), axis=(0, 1))
+    largest = np.max(np.abs(correlation), axis=(0, 1))
     strength = np.maximum(largest[max_lag:], largest[max_lag::-1])
     threshold = 2.0 * sqrt(log10(max(samples, 2)) / max(samples, 1))
-    look = max(5, ceil(sqrt(log10(max(samples, 2)))), ceil(_samples_per_independent(covariance)))
+    squares = max(1.0, float(np.max(np.sum(np.diagonal(correlation) ** 2, axis=0))))
+    length = _quiet_from(strength, threshold)
+    if length is None and threshold * sqrt(squares) < 0.5:
+        length = _quiet_from(strength, threshold * sqrt(squares))
+    return length
+
+
+def _quiet_from(strength: FloatArray, threshold: float) -> int | None:
+    """First lag that is followed by a stretch below the threshold of 5 lags, and of the same length."""
     above = np.flatnonzero(strength[1:] >= threshold) + 1
-    starts = np.concatenate(
-        [[0], above]
-    )  # a quiet stretch starts after lag 0 or after a lag above the threshold
-    stops = np.concatenate([above, [max_lag + 1]])
-    quiet = np.flatnonzero(stops - starts > np.maximum(look, starts))
+    starts = np.concatenate([[0], above])
+    stops = np.concatenate([above, [len(strength)]])
+    quiet = np.flatnonzero(stops - starts > np.maximum(starts, 5))
     return int(starts[quiet[0]]) if len(quiet) else None
 
 
@@ -210,10 +220,5 @@ def _correlation(covariance: FloatArray) -> FloatArray:
     middle = covariance.shape[-1] // 2
     deviation = np.sqrt(np.maximum(np.diagonal(covariance[:, :, middle]), 0.0))
     scale = np.outer(deviation, deviation)[:, :, None]
-    return np.divide(covariance, scale, out=np.zeros_like(covariance), where=scale > 0.0)
-
-
-def _samples_per_independent(covariance: FloatArray) -> float:
-    """Largest sum over k of r_jj(k)^2, up to the first lag at which the sum hardly grows any more."""
-    squares = np.diagonal(_correlation(covariance)).T ** 2
-    return float(np.max(np.sum(squares, axis=1))) if squares.size else 1.0
+    correlation: FloatArray = np.divide(covariance, scale, out=np.zeros_like(covariance), where=scale > 0.0)
+    return correlation

@@ -102,12 +102,10 @@ def analyse_rank(R: FloatArray, rows: int) -> RankAnalysis:
 def _dependencies(
     basis: FloatArray, scales: FloatArray, noise: float
 ) -> tuple[tuple[int, ...], FloatArray, FloatArray]:
-    """Undetermined parameters, null space and determined combinations, from the null space's orthonormal basis."""
+    """Undetermined parameters, their null space and determined combinations, from its orthonormal basis."""
     undetermined = np.flatnonzero(np.linalg.norm(basis, axis=1) > noise)
     dependent = _dependent_parameters(basis)
-    reduced: FloatArray = np.linalg.solve(
-        basis[dependent].T, basis.T
-    ).T  # the identity at the dependent parameters
+    reduced = np.asarray(np.linalg.solve(basis[dependent].T, basis.T).T, dtype=np.float64)
     reduced[np.abs(reduced) <= noise] = 0.0
     independent = np.setdiff1d(undetermined, dependent)
     grouped = np.zeros((len(independent), len(basis)))

@@ -1,0 +1,55 @@
+"""`generate`: from axis files to generated modules. This is where the symbolic half ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from symid.axis import axis_file, axis_names, load_axis
+from symid.codegen.module import module_text
+from symid.codegen.store import GeneratedFile, compile_module, generated_folder, module_name, orphans, planned_file
+from symid.codegen.model import GeneratedModel
+from symid.symbolic.pipeline import DerivedModel, derive
+
+
+def plan(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> list[GeneratedFile]:
+    """Generated files as they should be and as they are; nothing is written.
+
+    Parameters
+    ----------
+    axes : sequence of str
+        Names or paths of axis files; all axes by default.
+    measured : sequence of str, optional
+        One set of sensors; all of the axis' `sensor_sets` by default.
+
+    Raises
+    ------
+    SymidError
+        If an axis cannot be loaded or derived.
+    """
+    files: list[GeneratedFile] = []
+    for name in axes or axis_names():
+        files += _plan_axis(name, measured)
+    if measured is None:
+        folders = dict.fromkeys(file.path.parent for file in files)
+        paths, names = [file.path for file in files], [Path(name).stem for name in axes]
+        files += [file for folder in folders for file in orphans(folder, paths, names, all_axes=not axes)]
+    return files
+
+
+def _plan_axis(name: str, measured: Sequence[str] | None) -> list[GeneratedFile]:
+    axis, folder = load_axis(name), generated_folder(axis_file(name))
+    models = [derive(axis, signals) for signals in ((measured,) if measured else axis.sensor_sets)]
+    return [planned_file(folder / f"{module_name(axis.name, m.measured)}.py", module_text(m)) for m in models]
+
+
+def compiled(model: DerivedModel) -> GeneratedModel:
+    """Generated model of a derived one, in memory.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> compiled(derive(load_axis("rigid_1m"))).output_names
+    ('F',)
+    """
+    return compile_module(module_text(model), module_name(model.axis.name, model.measured))

@@ -1,0 +1,98 @@
+"""From polynomials and signal expressions to flat NumPy assignments.
+
+Polynomials are written in Horner's form, one variable after the other in the order of the declaration. Equal
+parts are written once: the minimal parameters of a chain share almost everything, and 45 000 terms of an axis
+with eight masses become some hundred operations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import sympy as sp
+from sympy.polys.rings import PolyElement
+from sympy.printing.numpy import NumPyPrinter
+
+
+class _Printer(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
+    """Prints expressions of the law language with ``np`` as NumPy's name."""
+
+    def _module_format(self, fqn: str, register: bool = True) -> str:
+        return super()._module_format(fqn, register).replace("numpy.", "np.")
+
+    def _print_positive(self, expression: Any) -> str:
+        return f"np.heaviside({self._print(expression.args[0])}, 0.0)"
+
+
+def code(expression: sp.Expr) -> str:
+    """NumPy code of an expression.
+
+    Examples
+    --------
+    >>> code(sp.sympify("-sign(q_d1) + 2*q"))
+    '2*q - np.sign(q_d1)'
+    """
+    return str(_Printer().doprint(expression))
+
+
+class PolynomialLowering:
+    """Collects assignments that compute polynomials.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Variable name of each generator; None for a generator that never occurs.
+    """
+
+    def __init__(self, names: Sequence[str | None]) -> None:
+        self.names = tuple(names)
+        self.assignments: list[tuple[str, str]] = []
+        self._known: dict[frozenset[tuple[tuple[int, ...], Any]], str] = {}
+
+    def lower(self, polynomial: PolyElement) -> str:
+        """Code of a polynomial in terms of variables and earlier assignments."""
+        self._number = polynomial.ring.domain.to_sympy
+        return self._lower(dict(polynomial.terms()), 0)
+
+    def _lower(self, terms: Mapping[tuple[int, ...], Any], variable: int) -> str:
+        while variable < len(self.names) and not any(monomial[variable] for monomial in terms):
+            variable += 1
+        if variable == len(self.names):
+            (value,) = terms.values()
+            return code(self._number(value))
+        key = frozenset(terms.items())
+        if key not in self._known:
+            text = self._horner(terms, variable)
+            self._known[key] = text if len(terms) == 1 else self._assign(text)
+        return self._known[key]
+
+    def _horner(self, terms: Mapping[tuple[int, ...], Any], variable: int) -> str:
+        by_power: dict[int, dict[tuple[int, ...], Any]] = {}
+        for monomial, value in terms.items():
+            rest = (*monomial[:variable], 0, *monomial[variable + 1 :])
+            by_power.setdefault(monomial[variable], {})[rest] = value
+        name = self.names[variable]
+        text = ""
+        for power in range(max(by_power), -1, -1):
+            if text:
+                text = f"{name}*{as_factor(text)}" if text != "1" else str(name)
+            if power in by_power:
+                part = self._lower(by_power[power], variable + 1)
+                text = f"{text} + {part}" if text else part
+        return text
+
+    def _assign(self, text: str) -> str:
+        name = f"c{len(self.assignments)}"
+        self.assignments.append((name, text))
+        return name
+
+
+def as_factor(text: str) -> str:
+    """Code in parentheses unless it is a single name or number."""
+    return text if text.isidentifier() or text.isdigit() else f"({text})"
+
+
+def signal_names(expressions: Sequence[sp.Expr]) -> tuple[str, ...]:
+    """Names of all signals in some expressions, sorted."""
+    return tuple(sorted({str(symbol) for expression in expressions for symbol in expression.free_symbols}))

@@ -1,0 +1,97 @@
+"""`GeneratedModel`: what the numeric half knows of an axis, read from a generated module."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.signals import split_derivative
+
+ArrayFunction = Callable[..., FloatArray]
+
+
+@dataclass(frozen=True)
+class GeneratedModel:
+    """A generated module as a record.
+
+    Parameters
+    ----------
+    axis : str
+        Name of the axis.
+    measured : tuple of str
+        Signals of the sensors used.
+    signature : str
+        That of the declaration it was generated from.
+    signals : tuple of str
+        Flat names of the arguments of the functions, in order.
+    output_names : tuple of str
+        What each equation has on its left-hand side.
+    minimal_units, physical_units : mapping of str to str
+        Names and units of the parameters, in order.
+    assumptions : tuple of str
+        What was assumed in the derivation.
+    sliding : tuple of tuple of int
+        For each equation, the rows of `sliding_velocities` whose sign enters it.
+    branches : int
+        Number of solutions of the inverse map in closed form; 0 without one.
+    regressor, output, sliding_velocities, minimal_parameters : callable
+        See the generated module.
+    physical_parameters : callable or None
+        The inverse map, if it exists in closed form.
+    """
+
+    axis: str
+    measured: tuple[str, ...]
+    signature: str
+    signals: tuple[str, ...]
+    output_names: tuple[str, ...]
+    minimal_units: Mapping[str, str]
+    physical_units: Mapping[str, str]
+    assumptions: tuple[str, ...]
+    sliding: tuple[tuple[int, ...], ...]
+    branches: int
+    regressor: ArrayFunction
+    output: ArrayFunction
+    sliding_velocities: ArrayFunction
+    minimal_parameters: ArrayFunction
+    physical_parameters: ArrayFunction | None
+
+    @classmethod
+    def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:
+        """Record of a module's namespace."""
+        return cls(
+            axis=namespace["AXIS"],
+            measured=namespace["MEASURED"],
+            signature=namespace["SIGNATURE"],
+            signals=namespace["SIGNALS"],
+            output_names=namespace["OUTPUT"],
+            minimal_units=MappingProxyType(namespace["MINIMAL_UNITS"]),
+            physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
+            assumptions=namespace["ASSUMPTIONS"],
+            sliding=namespace["SLIDING"],
+            branches=namespace["BRANCHES"],
+            regressor=namespace["regressor"],
+            output=namespace["output"],
+            sliding_velocities=namespace["sliding_velocities"],
+            minimal_parameters=namespace["minimal_parameters"],
+            physical_parameters=namespace.get("physical_parameters"),
+        )
+
+    @property
+    def highest_derivatives(self) -> dict[str, int]:
+        """Highest derivative needed of each measured signal and of the force."""
+        highest: dict[str, int] = {}
+        for name in self.signals:
+            signal, order = split_derivative(name)
+            highest[signal] = max(order, highest.get(signal, 0))
+        return highest
+
+    def sample(self, signals: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Observation W and y of sampled signals, by flat name."""
+        arguments = [np.asarray(signals[name], dtype=float) for name in self.signals]
+        return self.regressor(*arguments), self.output(*arguments)

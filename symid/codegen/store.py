@@ -1,0 +1,134 @@
+"""The folder `generated/`: writing it from `models/`, checking that it is up to date, loading from it."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from symid.axis import Axis, axis_file, load_axis
+from symid.codegen.model import GeneratedModel
+from symid.errors import GeneratedModuleError
+
+FORMAT = 1
+"""Version of the layout of generated modules."""
+
+
+def generated_folder(axis_path: Path) -> Path:
+    """Folder of the modules of an axis file: `generated/` beside its folder `models/`, else beside the file."""
+    folder = axis_path.parent
+    return (folder.parent if folder.name == "models" else folder) / "generated"
+
+
+def module_name(axis: str, measured: Sequence[str]) -> str:
+    """Name of a generated module, without suffix.
+
+    Examples
+    --------
+    >>> module_name("direct_2m1s", ("q2", "ddq1"))
+    'direct_2m1s__q2_ddq1'
+    """
+    return f"{axis}__{'_'.join(measured)}"
+
+
+@dataclass(frozen=True)
+class GeneratedFile:
+    """A module as it should be, and as it is."""
+
+    path: Path
+    wanted: str | None
+    found: str | None
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the file holds what it should."""
+        return self.wanted == self.found
+
+    def diff(self) -> str:
+        """Unified diff from what is there to what should be."""
+        before, after = (text.splitlines(keepends=True) if text else [] for text in (self.found, self.wanted))
+        return "".join(difflib.unified_diff(before, after, f"{self.path.name} (found)", f"{self.path.name} (wanted)"))
+
+
+def planned_file(path: Path, text: str | None) -> GeneratedFile:
+    """A wanted text beside what the file holds now."""
+    return GeneratedFile(path, text, path.read_text(encoding="utf-8") if path.is_file() else None)
+
+
+def orphans(folder: Path, wanted: Sequence[Path], axes: Sequence[str], *, all_axes: bool) -> Iterator[GeneratedFile]:
+    """Modules that no declaration asks for any more: of the given axes, or of any axis."""
+    for path in sorted(folder.glob("*__*.py")):
+        if path not in wanted and (all_axes or path.name.split("__")[0] in axes):
+            yield planned_file(path, None)
+
+
+def write(files: Sequence[GeneratedFile]) -> None:
+    """Write the files that are not current, each as a whole or not at all."""
+    for file in files:
+        if file.is_current:
+            continue
+        if file.wanted is None:
+            file.path.unlink()
+            continue
+        file.path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = file.path.with_suffix(".unfinished")
+        unfinished.write_text(file.wanted, encoding="utf-8")
+        os.replace(unfinished, file.path)
+
+
+def load_generated(axis: str | Axis, measured: Sequence[str] | None = None, folder: Path | None = None) -> GeneratedModel:
+    """Generated model of an axis and a set of sensors. Needs no sympy.
+
+    Parameters
+    ----------
+    axis : str or Axis
+        Name or path of an axis file; an `Axis` object must come with `folder`, or be of a file found by its name.
+    measured : sequence of str, optional
+        Signals of the sensors; the first sensor by default.
+    folder : Path, optional
+        Folder of the module, if it is not the one that belongs to the axis file.
+
+    Raises
+    ------
+    GeneratedModuleError
+        If the module is missing, damaged, or does not belong to the declaration as it is now.
+
+    Examples
+    --------
+    >>> load_generated("direct_2m1s", ("q2",)).signals
+    ('Fm', 'Fm_d1', 'Fm_d2', 'q2_d1', 'q2_d2', 'q2_d3', 'q2_d4')
+    """
+    name_or_path = axis.name if isinstance(axis, Axis) else axis
+    declared = axis if isinstance(axis, Axis) else load_axis(axis)
+    signals = tuple(sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured)))
+    folder = folder or generated_folder(axis_file(name_or_path))
+    path = folder / f"{module_name(declared.name, signals)}.py"
+    command = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
+    if not path.is_file():
+        raise GeneratedModuleError(f"there is no generated module {path.name}; {command}")
+    model = compile_module(path.read_text(encoding="utf-8"), path.name, command)
+    if model.signature != declared.signature:
+        raise GeneratedModuleError(f"generated module {path.name} is older than the declaration of {declared.name!r}; {command}")
+    return model
+
+
+def compile_module(text: str, name: str, cure: str = "generate it again") -> GeneratedModel:
+    """Run the text of a generated module.
+
+    Raises
+    ------
+    GeneratedModuleError
+        If the text is damaged or of another format.
+    """
+    namespace: dict[str, object] = {"__name__": name}
+    try:
+        exec(compile(text, name, "exec"), namespace)
+        if namespace["FORMAT"] != FORMAT:
+            raise GeneratedModuleError(f"generated module {name} has format {namespace['FORMAT']}, this symid reads {FORMAT}; {cure}")
+        return GeneratedModel.from_namespace(namespace)
+    except GeneratedModuleError:
+        raise
+    except Exception as error:  # noqa: BLE001 - a damaged module can fail in any way
+        raise GeneratedModuleError(f"generated module {name} is damaged ({type(error).__name__}: {error}); {cure}") from error

@@ -1,0 +1,70 @@
+"""One more look at the rows: what rounding in the factorisation has cost in digits."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from symid.estimation.least_squares import LeastSquares
+from symid.estimation.triangular import BoolArray, FloatArray, checked_observation
+
+_CHUNK_ROWS = 65_536
+
+
+def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | None = None) -> LeastSquares:
+    """Refine the parameters of a fit by one step on the residual in extended precision.
+
+    The corrected semi-normal equations (Bjorck, Linear Algebra and its Applications 88, 1987): the residual's
+    scalar products with the columns, which the exact solution makes 0, are taken in extended precision and
+    solved for the correction with the R of the fit. Gains digits where conditions are bad but the scaled
+    condition is below about 1e8; costs a few times a copy of the rows.
+
+    Parameters
+    ----------
+    W : array, shape (n_equations, n_samples, n_parameters)
+        Observation matrix.
+    y : array, shape (n_equations, n_samples)
+        Output.
+    fit : LeastSquares
+        The estimate from these rows.
+    valid : bool array, shape (n_samples,) or (n_equations, n_samples), optional
+        Rows that entered the fit.
+
+    Returns
+    -------
+    LeastSquares
+        With new parameters; covariances and norms, which a last digit does not change, as before.
+
+    Raises
+    ------
+    SettingError
+        If the shapes do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symid.estimation.least_squares import estimate
+    >>> from symid.estimation.triangular import triangular_factors
+    >>> x = np.arange(21.0)
+    >>> W, y = np.stack([x**k for k in range(6)], axis=1)[None], sum(x**k for k in range(6))[None]
+    >>> fit = estimate(triangular_factors(W, y))
+    >>> bool(np.max(abs(refine(W, y, fit).parameters - 1)) < 1e-12)
+    True
+    """
+    W, y, mask = checked_observation(W, y, valid)
+    exact = fit.solution.astype(np.longdouble)
+    slope = np.zeros(len(exact), dtype=np.longdouble)
+    for j, weight in enumerate(fit.weights):
+        for start in range(0, W.shape[1], _CHUNK_ROWS):
+            part = slice(start, start + _CHUNK_ROWS)
+            block, output = W[j, part], y[j, part]
+            if mask is not None:
+                block, output = block[mask[j, part]], output[mask[j, part]]
+            columns = block.astype(np.longdouble)
+            slope += weight**2 * ((output - columns @ exact) @ columns)
+    root = fit.rank.inverse_root
+    solution = (exact + root @ (root.T @ slope)).astype(np.float64)
+    parameters = np.where(np.isnan(fit.parameters), np.nan, solution)
+    combined = fit.combinations @ solution
+    for array in (solution, parameters, combined):
+        array.flags.writeable = False
+    return replace(fit, parameters=parameters, solution=solution, combination_values=combined)

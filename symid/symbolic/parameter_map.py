@@ -1,0 +1,273 @@
+"""Maps between minimal and physical parameters, and what the sensors determine of the latter.
+
+The forward map X(theta) is part of the minimal model. Here it is inverted in closed form where one unknown after
+the other can be solved for (paper below [41]), with all branches, and the identifiability of each physical parameter
+is decided: a rank tells whether it is determined at all, and the number of solutions of X(theta) = X(theta0) at
+a random point theta0 whether it is determined uniquely. Both are exact calculations modulo a prime.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from random import Random
+from typing import Any, Literal
+
+import sympy as sp
+from sympy import GF, QQ
+from sympy.polys.densebasic import dup_degree
+from sympy.polys.fields import FracElement
+from sympy.polys.galoistools import gf_sqf_part
+from sympy.polys.groebnertools import groebner
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.orderings import grevlex
+from sympy.polys.rings import PolyElement, PolyRing
+
+from symid.symbolic.minimal import MinimalModel, ParameterFunction
+from symid.symbolic.span import Span
+from symid.symbolic.triangular import MOST_TERMS, TriangularSolution, triangular_solution
+
+Identifiability = Literal["unique", "several", "none"]
+
+_PRIME = 2**31 - 1
+_MOST_UNKNOWNS = 5
+"""Cores with more unknowns than this are too large for a Groebner basis in reasonable time."""
+
+
+@dataclass(frozen=True)
+class ParameterMap:
+    """How minimal and physical parameters determine each other.
+
+    Parameters
+    ----------
+    minimal : mapping of str to sympy.Expr
+        Minimal parameters in terms of the physical ones.
+    solution : TriangularSolution or None
+        Closed form of the inverse map, None if there is none.
+    inverse : tuple of mapping of str to sympy.Expr
+        Physical parameters in terms of the minimal ones, one mapping for each branch; empty without closed form.
+    identifiability : mapping of str to {"unique", "several", "none"}
+        What the sensors determine of each physical parameter.
+    combinations : tuple of sympy.Expr
+        Determined functions of the parameters that are not determined themselves.
+    relations : int
+        How many more minimal than physical parameters are determined: relations that a right model satisfies.
+    counted : bool
+        Whether the solutions were counted; if not, "several" means: determined locally, number of solutions unknown.
+    """
+
+    minimal: Mapping[str, sp.Expr]
+    solution: TriangularSolution | None
+    inverse: tuple[Mapping[str, sp.Expr], ...]
+    identifiability: Mapping[str, Identifiability]
+    combinations: tuple[sp.Expr, ...]
+    relations: int
+    counted: bool
+
+
+def parameter_map(model: MinimalModel) -> ParameterMap:
+    """Parameter map of a minimal model.
+
+    Examples
+    --------
+    >>> from symid.symbolic.pipeline import derive
+    >>> from symid.axis import load_axis
+    >>> parameter_map(derive(load_axis("direct_2m1s"), ("q2",)).minimal).inverse[0]["Mm"]
+    -X2*X3 + X5
+    """
+    names = list(model.source.source.axis.physical_parameters)
+    point = _Point(model)
+    undetermined = point.undetermined()
+    several, counted = point.with_several_values()
+    identifiability: dict[str, Identifiability] = {
+        name: "none" if name in undetermined else "several" if name in several else "unique" for name in names
+    }
+    minimal = {parameter.name: parameter.function.expression for parameter in model.parameters}
+    solution = inverse_map(model)
+    symbols = {sp.Symbol(name) for name in undetermined}
+    return ParameterMap(
+        minimal=minimal,
+        solution=solution,
+        inverse=_branches(model, solution) if solution else (),
+        identifiability=identifiability,
+        combinations=tuple(expression for expression in minimal.values() if expression.free_symbols & symbols),
+        relations=len(model.parameters) - point.rank,
+        counted=counted,
+    )
+
+
+def inverse_map(model: MinimalModel) -> TriangularSolution | None:
+    """Closed form of the inverse map; its polynomials are over the field of the minimal parameters.
+
+    Returns
+    -------
+    TriangularSolution or None
+        None if the parameters are not determined, or not in closed form.
+    """
+    if any(len(parameter.function.numerator) > MOST_TERMS for parameter in model.parameters):
+        return None
+    names = list(model.source.source.axis.physical_parameters)
+    constants = list(model.source.source.constants)
+    trial = _Point(model)
+    if trial.undetermined() or trial.triangular().left:
+        return None
+    field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
+    ring = PolyRing(names, field)
+    system = [
+        _convert(p.function.numerator, ring) - _convert(p.function.denominator, ring) * field.from_sympy(sp.Symbol(p.name))
+        for p in model.parameters
+    ]
+    solution = triangular_solution(system, ring, len(names))
+    return None if solution.left else solution
+
+
+def _convert(polynomial: PolyElement, ring: PolyRing) -> PolyElement:
+    """A polynomial of the operator model's ring, free of s, in a ring of the parameters alone."""
+    domain = polynomial.ring.domain
+    return ring.from_dict({m[1:]: ring.domain.from_sympy(domain.to_sympy(c)) for m, c in polynomial.terms()})
+
+
+def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[str, sp.Expr], ...]:
+    """Explicit expressions in the minimal parameters for each branch."""
+    names = list(model.source.source.axis.physical_parameters)
+    quadratic = [step.unknown for step in solution.steps if step.branches == 2]
+    branches = []
+    for signs in product((1, -1), repeat=len(quadratic)):
+        sign = dict(zip(quadratic, signs, strict=True))
+        values: dict[sp.Symbol, sp.Expr] = {}
+        for step in reversed(solution.steps):
+            parts = [part.as_expr().xreplace(values) for part in step.coefficients]
+            symbol = sp.Symbol(names[step.unknown])
+            if step.branches == 1:
+                values[symbol] = sp.factor(-parts[1] / parts[0])
+            else:
+                a, b, c = (sp.factor(part) for part in parts)
+                values[symbol] = (-b + sign[step.unknown] * sp.sqrt(b**2 - 4 * a * c)) / (2 * a)
+        branches.append({name: values[sp.Symbol(name)] for name in names})
+    return tuple(branches)
+
+
+class _Point:
+    """The forward map at a random point, modulo a prime."""
+
+    def __init__(self, model: MinimalModel) -> None:
+        self.names = list(model.source.source.axis.physical_parameters)
+        self.field = GF(_PRIME, symmetric=False)
+        self.ring = PolyRing(self.names, self.field, grevlex)
+        draw = Random(len(self.names))
+        self.values = [self.field(draw.randrange(1, _PRIME)) for _ in self.names]
+        self.constants = {name: draw.randrange(1, _PRIME) for name in model.source.source.constants}
+        self.functions = [self._fraction(parameter.function) for parameter in model.parameters]
+        self.jacobian = self._jacobian()
+        self.rank = self.jacobian.rank()
+
+    def undetermined(self) -> set[str]:
+        """Parameters that can change without changing any minimal parameter."""
+        null = self.jacobian.nullspace().to_list()
+        return {name for i, name in enumerate(self.names) if any(row[i] for row in null)}
+
+    def system(self) -> list[PolyElement]:
+        """Equations X(theta) = X(theta0), undetermined directions held at theta0."""
+        _, pivots = self.jacobian.rref()
+        held = {i: self.values[i] for i in range(len(self.names)) if i not in pivots}
+        equations = [n - d * (_evaluate(n, self.values) / _evaluate(d, self.values)) for n, d in self.functions]
+        for i, value in held.items():
+            equations = [_fix(equation, i, value) for equation in equations]
+        return [equation for equation in equations if equation]
+
+    def triangular(self) -> TriangularSolution:
+        """Closed form at this point: the same steps exist for general minimal parameters."""
+        return triangular_solution(self.system(), self.ring, len(self.names))
+
+    def with_several_values(self) -> tuple[set[str], bool]:
+        """Parameters that take several values among all solutions, and whether these were counted.
+
+        What monomial steps leave over is a core that only a Groebner basis can count; if it is too large, all its
+        unknowns and those that depend on them are suspected.
+        """
+        solution = triangular_solution(self.system(), self.ring, len(self.names), simple=True)
+        core = sorted({i for e in solution.left for i in range(len(self.names)) if e.degree(i) > 0})
+        counted = len(core) <= _MOST_UNKNOWNS
+        values = _count_values(solution.left, core, self.ring) if core and counted else dict.fromkeys(core, 2)
+        several = {i for i, count in values.items() if count > 1}
+        for step in reversed(solution.steps):
+            if any(part.degree(i) > 0 for part in step.coefficients for i in several):
+                several.add(step.unknown)
+        return {self.names[i] for i in several}, counted
+
+    def _fraction(self, function: ParameterFunction) -> tuple[PolyElement, PolyElement]:
+        return self._modular(function.numerator), self._modular(function.denominator)
+
+    def _modular(self, polynomial: PolyElement) -> PolyElement:
+        return self.ring.from_dict({m[1:]: value for m, c in polynomial.terms() if (value := self._number(c))})
+
+    def _number(self, value: Any) -> Any:
+        if isinstance(value, FracElement):
+            above, below = (self._number_of(part) for part in (value.numer, value.denom))
+            return above / below
+        return self.field(int(value.numerator)) / self.field(int(value.denominator))
+
+    def _number_of(self, polynomial: PolyElement) -> Any:
+        total = self.field(0)
+        names = [str(symbol) for symbol in polynomial.ring.symbols]
+        for monomial, c in polynomial.terms():
+            term = self._number(c)
+            for name, power in zip(names, monomial, strict=True):
+                term *= self.field(self.constants[name]) ** power
+            total += term
+        return total
+
+    def _jacobian(self) -> DomainMatrix:
+        rows = []
+        for n, d in self.functions:
+            value_n, value_d = _evaluate(n, self.values), _evaluate(d, self.values)
+            rows.append(
+                [
+                    (_evaluate(n.diff(x), self.values) * value_d - value_n * _evaluate(d.diff(x), self.values)) / value_d**2
+                    for x in self.ring.gens
+                ]
+            )
+        return DomainMatrix(rows, (len(rows), len(self.names)), self.field)
+
+
+def _evaluate(polynomial: PolyElement, values: Sequence[Any]) -> Any:
+    total = polynomial.ring.domain.zero
+    for monomial, value in polynomial.terms():
+        for base, power in zip(values, monomial, strict=True):
+            if power:
+                value *= base**power
+        total += value
+    return total
+
+
+def _fix(equation: PolyElement, index: int, value: Any) -> PolyElement:
+    """Equation with one generator replaced by a number."""
+    terms: dict[tuple[int, ...], Any] = {}
+    for monomial, c in equation.terms():
+        key = (*monomial[:index], 0, *monomial[index + 1 :])
+        terms[key] = terms.get(key, 0) + c * value ** monomial[index]
+    return equation.ring.from_dict({key: c for key, c in terms.items() if c})
+
+
+def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: PolyRing) -> dict[int, int]:
+    """How many values each unknown takes among the non-zero solutions of a polynomial system.
+
+    A new unknown t with t * (product of the unknowns) = 1 keeps solutions with a zero out. The number of values is
+    the degree of the square-free part of the unknown's minimal polynomial modulo the ideal.
+    """
+    small = PolyRing(("t", *(str(ring.symbols[i]) for i in involved)), ring.domain, grevlex)
+    moved = [small.from_dict({(0, *(m[i] for i in involved)): c for m, c in e.terms()}) for e in system]
+    nonzero = small.from_dict({(1,) * len(small.gens): small.domain.one}) - 1
+    basis = groebner([*moved, nonzero], small)
+    return {i: _number_of_values(generator, basis) for i, generator in zip(involved, small.gens[1:], strict=True)}
+
+
+def _number_of_values(unknown: PolyElement, basis: Sequence[PolyElement]) -> int:
+    span, power, degree = Span(), unknown.ring.one, 0
+    while span.add(dict(power.terms())):
+        power = (power * unknown).rem(list(basis))
+        degree += 1
+    relation = span.coordinates(dict(power.terms())) or {}
+    polynomial = [1] + [int(-relation.get(i, unknown.ring.domain.zero)) % _PRIME for i in reversed(range(degree))]
+    return int(dup_degree(gf_sqf_part(polynomial, _PRIME, sp.ZZ)))

@@ -1,0 +1,71 @@
+"""The symbolic half as a table of contents: from a declared axis to its minimal model and parameter map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from symid.axis import Axis
+from symid.symbolic.elimination import eliminate
+from symid.symbolic.lagrange import inverse_dynamics
+from symid.symbolic.minimal import MinimalModel, minimise
+from symid.symbolic.parameter_map import ParameterMap, parameter_map
+
+
+@dataclass(frozen=True)
+class DerivedModel:
+    """Everything that follows from an axis and a set of sensors.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declaration.
+    measured : tuple of str
+        Signals of the sensors used, in the order of the declaration.
+    minimal : MinimalModel
+        Minimal model; its `source` leads back to the eliminated and to Lagrange's equations.
+    """
+
+    axis: Axis
+    measured: tuple[str, ...]
+    minimal: MinimalModel
+
+    @cached_property
+    def parameter_map(self) -> ParameterMap:
+        """Maps between minimal and physical parameters."""
+        return parameter_map(self.minimal)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What was assumed in the derivation."""
+        return self.minimal.source.assumptions
+
+
+def derive(axis: Axis, measured: Sequence[str] | None = None) -> DerivedModel:
+    """Derive the minimal identification model of an axis.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    measured : sequence of str, optional
+        Signals of the sensors to use; the first sensor by default.
+
+    Raises
+    ------
+    EliminationError
+        If the sensors do not allow it; the message names the element and the sensor that would help.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> model = derive(load_axis("rigid_1m"))
+    >>> [parameter.name for parameter in model.minimal.parameters]
+    ['X1', 'X2', 'X3']
+    """
+    sensors = axis.measured(None if measured is None else tuple(measured))
+    dynamics = inverse_dynamics(axis)
+    eliminated = eliminate(dynamics, sensors)
+    minimal = minimise(eliminated)
+    return DerivedModel(axis, tuple(sensor.signal for sensor in sensors), minimal)

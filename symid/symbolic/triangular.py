@@ -1,0 +1,174 @@
+"""Solving polynomial systems that fall apart: one unknown after the other, square roots where they are needed.
+
+The minimal parameters are low-degree functions of the physical ones, and almost always some equation is linear in
+one of the unknowns that are left. `triangular_solution` uses this again and again; what is left at the end is
+either solved, a relation that the right-hand sides must satisfy, or beyond closed form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sympy.polys.fields import FracElement
+from sympy.polys.rings import PolyElement, PolyRing
+
+MOST_TERMS = 400
+"""A polynomial longer than this ends the search for a closed form."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One solved unknown.
+
+    Parameters
+    ----------
+    unknown : int
+        Index of the generator.
+    coefficients : tuple of PolyElement
+        Of the polynomial in the unknown, by falling power, in the unknowns solved later: two of them for
+        a linear equation, three for a quadratic one.
+    """
+
+    unknown: int
+    coefficients: tuple[PolyElement, ...]
+
+    @property
+    def branches(self) -> int:
+        """Number of solutions: 1 or 2."""
+        return len(self.coefficients) - 1
+
+
+@dataclass(frozen=True)
+class TriangularSolution:
+    """Unknowns in the order in which they were solved; each is given by those behind it.
+
+    Parameters
+    ----------
+    steps : tuple of Step
+        Solved unknowns.
+    relations : int
+        Number of equations that were not needed.
+    left : tuple of PolyElement
+        Equations beyond closed form; empty if all is solved.
+    """
+
+    steps: tuple[Step, ...]
+    relations: int
+    left: tuple[PolyElement, ...] = field(default=())
+
+    @property
+    def branches(self) -> int:
+        """Number of solutions of a complete system."""
+        total = 1
+        for step in self.steps:
+            total *= step.branches
+        return total
+
+
+def triangular_solution(
+    equations: Sequence[PolyElement], ring: PolyRing, unknowns: int, *, simple: bool = False
+) -> TriangularSolution:
+    """Solve a polynomial system for non-zero unknowns, as far as linear and quadratic steps go.
+
+    Parameters
+    ----------
+    equations : sequence of PolyElement
+        Polynomials that vanish.
+    ring : PolyRing
+        Over an exact field that holds the right-hand sides.
+    unknowns : int
+        The first so many generators are unknown.
+    simple : bool
+        Only linear steps whose leading coefficient is a monomial: these neither lose nor invent solutions
+        with non-zero unknowns.
+
+    Examples
+    --------
+    >>> from sympy import QQ
+    >>> ring = PolyRing(("x", "y"), QQ)
+    >>> x, y = ring.gens
+    >>> solution = triangular_solution([x * y - 6, x + y - 5], ring, 2)
+    >>> solution.branches, [step.coefficients for step in solution.steps]
+    (2, [(1, y - 5), (1, -5, 6)])
+    """
+    system = [_without_monomials(equation) for equation in equations]
+    steps: list[Step] = []
+    relations = 0
+    while True:
+        relations += sum(1 for e in system if e.is_ground)
+        system = sorted({e.monic() for e in system if not e.is_ground}, key=lambda e: (len(e), str(e)))
+        if not system:
+            break
+        choice = _next_step(system, unknowns, simple) if all(len(e) <= MOST_TERMS for e in system) else None
+        if choice is None:
+            return TriangularSolution(tuple(steps), relations, tuple(system))
+        equation, step = choice
+        steps.append(step)
+        system = [_without_monomials(_substitute(e, step)) for e in system if e is not equation]
+    return TriangularSolution(tuple(steps), relations)
+
+
+def _next_step(system: Sequence[PolyElement], unknowns: int, simple: bool) -> tuple[PolyElement, Step] | None:
+    """The simplest linear step, else a quadratic equation in a single unknown."""
+    candidates = []
+    for place, equation in enumerate(system):
+        for unknown in range(unknowns):
+            if equation.degree(unknown) == 1:
+                coefficients = _by_falling_power(equation, unknown)
+                leading = coefficients[0]
+                if simple and not leading.is_term:
+                    continue
+                size = sum(_complexity(value) for part in coefficients for value in part.coeffs())
+                cost = (not leading.is_ground, len(leading), sum(map(len, coefficients)), size, place)
+                candidates.append((cost, unknown, equation, coefficients))
+    if candidates:
+        _, unknown, equation, coefficients = min(candidates, key=lambda c: (c[0], c[1]))
+        return equation, Step(unknown, coefficients)
+    for equation in () if simple else system:
+        held = [unknown for unknown in range(unknowns) if equation.degree(unknown) > 0]
+        if len(held) == 1 and equation.degree(held[0]) == 2:
+            return equation, Step(held[0], _by_falling_power(equation, held[0]))
+    return None
+
+
+def _complexity(value: Any) -> int:
+    """Length of a coefficient: terms above and below where it is a fraction of polynomials."""
+    return len(value.numer) + len(value.denom) if isinstance(value, FracElement) else 1
+
+
+def _substitute(equation: PolyElement, step: Step) -> PolyElement:
+    """Put a step's solution into an equation and clear the denominator; reduce by a quadratic step."""
+    degree = equation.degree(step.unknown)
+    if degree <= 0:
+        return equation
+    parts = _by_falling_power(equation, step.unknown)
+    if step.branches == 1:
+        denominator, negative_numerator = step.coefficients
+        total = equation.ring.zero
+        for i, part in enumerate(parts):
+            total += part * (-negative_numerator) ** (degree - i) * denominator**i
+        return total
+    unknown = equation.ring.gens[step.unknown]
+    modulus = sum((c * unknown ** (2 - i) for i, c in enumerate(step.coefficients)), equation.ring.zero)
+    return equation.prem(modulus, equation.ring.gens[step.unknown]) if degree >= 2 else equation
+
+
+def _by_falling_power(equation: PolyElement, unknown: int) -> tuple[PolyElement, ...]:
+    """Coefficients of a polynomial in one unknown, from its degree down to 0."""
+    ring = equation.ring
+    parts: list[dict[tuple[int, ...], object]] = [{} for _ in range(equation.degree(unknown) + 1)]
+    for monomial, value in equation.terms():
+        parts[-1 - monomial[unknown]][(*monomial[:unknown], 0, *monomial[unknown + 1 :])] = value
+    return tuple(ring.from_dict(part) for part in parts)
+
+
+def _without_monomials(equation: PolyElement) -> PolyElement:
+    """Divide by the common monomial: the unknowns are not zero."""
+    if not equation:
+        return equation
+    shared = tuple(map(min, zip(*equation.itermonoms(), strict=True)))
+    if not any(shared):
+        return equation
+    return equation.ring.from_dict({tuple(a - b for a, b in zip(m, shared, strict=True)): c for m, c in equation.terms()})

@@ -1,0 +1,347 @@
+"""Files of all kinds, mapped columns, units, and what happens to damaged files."""
+
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from symid.data import Log, read_log
+from symid.errors import LogError
+from symid.units import Unit
+
+DATA = Path(__file__).parents[2] / "data"
+EXPECTED = {"q2": Unit.of("m"), "ddq1": Unit.of("m/s^2"), "Fm": Unit.of("N")}
+N = 200
+T = 0.004 * np.arange(N)
+Q2 = 0.1 * np.sin(3.0 * T)
+FM = 50.0 * np.cos(2.0 * T) + 1.0
+
+
+def write(path, columns, separator=",", decimal=".", lead=""):
+    """A text file of columns with all digits of the numbers."""
+    rows = zip(*(np.asarray(column, dtype=object) for column in columns.values()), strict=True)
+    lines = [lead + separator.join(columns)]
+    lines += [
+        separator.join(
+            value if isinstance(value, str) else repr(float(value)).replace(".", decimal) for value in row
+        )
+        for row in rows
+    ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def columns(**replaced):
+    return {"t": T, "q2": Q2, "Fm": FM, **replaced}
+
+
+def said(path, **options):
+    """The message of the error, which must be one line and start with the path."""
+    with pytest.raises(LogError) as caught:
+        read_log(path, **{"expected": EXPECTED, **options})
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith(f"{path}: ")
+    assert len(message) < 600
+    return message
+
+
+def assert_same(log):
+    assert isinstance(log, Log)
+    assert log.sampling_period == 0.004
+    assert log["q2"] == pytest.approx(Q2, rel=1e-12)
+    assert log["Fm"] == pytest.approx(FM, rel=1e-12)
+    assert not log["q2"].flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal", "lead"),
+    [(",", ".", ""), (";", ".", ""), (";", ",", ""), ("\t", ".", ""), ("\t", ",", ""), (",", ".", "\ufeff")],
+)
+def test_csv_in_all_dialects(tmp_path, separator, decimal, lead):
+    path = write(tmp_path / "a.csv", columns(), separator, decimal, lead)
+    log = read_log(path, expected=EXPECTED)
+    assert_same(log)
+    assert log.source == str(path)
+    assert list(log.signals) == ["q2", "Fm"]
+
+
+def test_csv_with_spaces_quotes_blank_end_and_other_columns(tmp_path):
+    path = tmp_path / "odd [1].csv"
+    rows = [
+        f' {t!r} , "{q!r}", {f!r} ,idle,'
+        for t, q, f in zip(T.tolist(), Q2.tolist(), FM.tolist(), strict=True)
+    ]
+    path.write_text("t, q2 ,Fm,state\r\n" + "\r\n".join(rows) + "\r\n\r\n\r\n", encoding="utf-8")
+    assert_same(read_log(path, expected=EXPECTED))
+
+
+def test_latin_1_header(tmp_path):
+    path = write(tmp_path / "a.csv", {"t": T, "q2 [µm]": 1e6 * Q2, "Fm": FM})
+    path.write_bytes(path.read_text(encoding="utf-8").encode("latin-1"))
+    assert_same(read_log(path, expected=EXPECTED))
+
+
+def test_parquet_and_mat(tmp_path):
+    pl.DataFrame({**columns(), "state": ["on"] * N}).write_parquet(tmp_path / "a.parquet")
+    assert_same(read_log(tmp_path / "a.parquet", expected=EXPECTED))
+    scipy.io.savemat(
+        tmp_path / "a.mat",
+        {**columns(), "gain": 3.0, "name": "bench", "setup": {"kp": 2.0}, "other": np.zeros((4, 5))},
+    )
+    assert_same(read_log(tmp_path / "a.mat", expected=EXPECTED))
+
+
+def test_units_in_headers_and_given_ones(tmp_path):
+    path = write(tmp_path / "a.csv", {"t [ms]": 1e3 * T, "q2 [mm]": 1e3 * Q2, "Fm [kN]": 1e-3 * FM})
+    assert_same(read_log(path, expected=EXPECTED))
+    path = write(tmp_path / "b.csv", {"time": 1e6 * T, "pos_mm": 1e3 * Q2, "cur [A]": FM / 35.0})
+    log = read_log(
+        path,
+        expected={**EXPECTED, "Fm": Unit.of("A")},
+        columns={"t": "time", "q2": "pos_mm", "Fm": "cur"},
+        units={"t": "us", "q2": "mm"},
+        gains={"Fm": 35.0},
+    )
+    assert_same(log)
+    assert_same(
+        read_log(
+            path,
+            expected={**EXPECTED, "Fm": Unit.of("A")},
+            time_column="time",
+            units={"t": "us", "q2": "mm"},
+            columns={"q2": "pos_mm", "Fm": "cur [A]"},
+            gains={"Fm": 35.0},
+        )
+    )
+
+
+@given(
+    factor=st.sampled_from([("m", 1.0), ("mm", 1e3), ("um", 1e6), ("inch", 1.0 / 0.0254)]),
+    gain=st.floats(0.1, 10.0),
+)
+@settings(max_examples=15)
+def test_written_unit_and_gain_undo_each_other(tmp_path_factory, factor, gain):
+    unit, per_metre = factor
+    path = write(tmp_path_factory.mktemp("g") / "a.csv", columns(q2=Q2 * per_metre / gain))
+    log = read_log(path, expected=EXPECTED, units={"q2": unit}, gains={"q2": gain})
+    assert log["q2"] == pytest.approx(Q2, rel=1e-9)
+
+
+def test_reference_is_kept_if_it_can_be(tmp_path):
+    path = write(tmp_path / "a.csv", columns(**{"reference [mm]": 1e3 * Q2}))
+    assert read_log(path, expected=EXPECTED)["reference"] == pytest.approx(Q2)
+    for bad in (["up"] * N, np.where(T < 0.1, np.nan, Q2)):
+        log = read_log(write(tmp_path / "b.csv", columns(reference=bad)), expected=EXPECTED)
+        assert "reference" not in log.signals
+        assert len(log.notes) == 1
+    assert "a number is required" in said(
+        write(tmp_path / "c.csv", columns(cmd=["up"] * N)), columns={"reference": "cmd"}
+    )
+
+
+def test_alternative_column(tmp_path):
+    path = write(tmp_path / "a.csv", {"t": T, "q2": Q2, "vir": FM / 35.0})
+    alternatives = {"Fm": ("vir", 35.0)}
+    assert_same(read_log(path, expected=EXPECTED, alternatives=alternatives))
+    milli = write(tmp_path / "b.csv", {"t": T, "q2": Q2, "u [mV]": 1e3 * FM / 35.0})
+    assert_same(read_log(milli, expected=EXPECTED, alternatives=alternatives, columns={"vir": "u"}))
+    both = write(tmp_path / "c.csv", columns(vir=np.zeros(N)))
+    assert_same(read_log(both, expected=EXPECTED, alternatives=alternatives))
+    named = read_log(
+        path, expected=EXPECTED, alternatives=alternatives, columns={"Fm": "vir"}, gains={"Fm": 35.0}
+    )
+    assert_same(named)
+    assert "add --column Fm=vir" in said(path, alternatives=alternatives, gains={"Fm": 2.0})
+
+
+def test_named_columns_that_are_missing(tmp_path):
+    path = write(tmp_path / "a.csv", {"t": T, "pos_mm": Q2, "force [N]": FM})
+    message = said(path, columns={"q2": "posmm", "Fm": "kraft"})
+    assert "no column 'posmm' for the signal 'q2' (did you mean 'pos_mm'?)" in message
+    assert "no column 'kraft'" in message
+    assert "the file has t, pos_mm, force [N]" in message
+    message = said(path, columns={"q2": "pos_mm", "q3": "pos_mm"}, gains={"Fn": 2.0})
+    assert "signal 'q3' is not known (did you mean 'q2'?)" in message
+    assert "signal 'Fn'" in message
+
+
+def test_no_time_and_no_signal(tmp_path):
+    path = write(tmp_path / "a.csv", {"time": T, "q2": Q2, "Fm": FM})
+    message = said(path)
+    assert "the file has time, q2, Fm" in message
+    assert "--column t=NAME" in message
+    path = write(tmp_path / "b.csv", {"t": T, "x": Q2})
+    assert "has none of the signals q2, ddq1, Fm" in said(path)
+
+
+def test_swapped_units_are_told_together(tmp_path):
+    message = said(write(tmp_path / "a.csv", {"t": T, "q2 [N]": Q2, "Fm [mm]": FM}))
+    assert "column 'q2 [N]': unit 'N' does not measure" in message
+    assert "column 'Fm [mm]': unit 'mm' does not measure" in message
+    assert "unit 'furlogs' is not known" in said(
+        write(tmp_path / "b.csv", columns()), units={"q2": "furlogs"}
+    )
+    for gain in (0.0, float("nan")):
+        assert "gain" in said(tmp_path / "b.csv", gains={"q2": gain})
+
+
+def test_duplicate_headers(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "\n".join(f"{t},{q},{q},{f}" for t, q, f in zip(T, Q2, FM, strict=True))
+    path.write_text("t,q2,q2,Fm\n" + rows + "\n", encoding="utf-8")
+    assert "column 'q2' is there 2 times" in said(path)
+    path.write_text("t,q2 [m],q2 [mm],Fm\n" + rows + "\n", encoding="utf-8")
+    assert "('q2 [m]', 'q2 [mm]')" in said(path)
+    assert read_log(path, expected=EXPECTED, columns={"q2": "q2 [m]"})["q2"] == pytest.approx(Q2)
+    path.write_text("t,x,x,Fm\n" + rows + "\n", encoding="utf-8")
+    assert list(read_log(path, expected=EXPECTED).signals) == ["Fm"]
+
+
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_text_in_numbers(tmp_path, separator):
+    q2 = [*Q2[:50].tolist(), "err", *Q2[51:150].tolist(), "off", *Q2[151:].tolist()]
+    fm = [*FM[:7].tolist(), "1.2.3", *FM[8:].tolist()]
+    message = said(write(tmp_path / "a.csv", columns(q2=q2, Fm=fm), separator))
+    assert "column 'q2' has 'err' in row 51 and in 1 more" in message
+    assert "column 'Fm' has '1.2.3' in row 8" in message
+
+
+def test_runs_of_missing_values(tmp_path):
+    q2 = Q2.copy()
+    q2[60:70] = np.nan
+    fm = [*FM[:9].tolist(), "", *FM[10:].tolist()]
+    message = said(write(tmp_path / "a.csv", columns(q2=q2, Fm=fm)))
+    assert "'q2' has 10 values empty or not finite, the first at t = 0.24 s (row 61)" in message
+    assert "'Fm' has 1 value empty or not finite, the first at t = 0.036 s (row 10)" in message
+    pl.DataFrame({**columns(), "q2": [None, *Q2[1:].tolist()]}).write_parquet(tmp_path / "a.parquet")
+    assert "'q2' has 1 value empty or not finite" in said(tmp_path / "a.parquet")
+
+
+def test_faults_of_clock_and_channels_are_told_together(tmp_path):
+    time = T.copy()
+    time[20] = time[19]
+    time[120:] += 1.0
+    q2 = Q2.copy()
+    q2[5] = np.inf
+    message = said(write(tmp_path / "a.csv", columns(t=time, q2=q2, Fm=np.full(N, 3.0))))
+    for part in ("1 repeated time", "gap", "'q2' has 1 value", "'Fm' is constant (3)"):
+        assert part in message
+    assert "1 step backwards" in said(write(tmp_path / "b.csv", columns(t=np.where(T < 0.4, T, T - 0.2))))
+
+
+def test_a_constant_column_matters_only_if_the_axis_uses_it(tmp_path):
+    path = write(tmp_path / "a.csv", columns(ddq1=np.zeros(N), supply=np.full(N, 24.0)))
+    assert "'ddq1' is constant (0)" in said(path)
+    assert_same(read_log(path, expected={name: EXPECTED[name] for name in ("q2", "Fm")}))
+
+
+def test_short_logs(tmp_path):
+    short = {name: column[:3] for name, column in columns().items()}
+    assert "has only 3 samples: at least 25 are required" in said(write(tmp_path / "a.csv", short))
+    pl.DataFrame(columns()).head(0).write_parquet(tmp_path / "a.parquet")
+    assert "has no rows" in said(tmp_path / "a.parquet")
+    (tmp_path / "b.csv").write_text("t,q2,Fm\n", encoding="utf-8")
+    assert "has no rows" in said(tmp_path / "b.csv")
+    (tmp_path / "c.csv").write_text("t,q2,Fm", encoding="utf-8")
+    assert "has no rows" in said(tmp_path / "c.csv")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mat"])
+def test_empty_and_foreign_bytes(tmp_path, suffix):
+    path = tmp_path / f"a{suffix}"
+    path.write_bytes(b"")
+    assert "is empty" in said(path)
+    path.write_bytes(bytes(range(256)) * 20)
+    said(path)
+    assert "no such file" in said(tmp_path / f"b{suffix}")
+
+
+def test_directories_and_other_suffixes(tmp_path):
+    assert "is a directory" in said(tmp_path)
+    (tmp_path / "a.xlsx").write_bytes(b"PK")
+    assert "suffix '.xlsx' is not known: give a .csv, .parquet or .mat file" in said(tmp_path / "a.xlsx")
+
+
+def test_headers_that_are_none(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("0,1,2\n1,2,3\n", encoding="utf-8")
+    assert "the first line holds numbers" in said(path)
+    path.write_text("\n0,1,2\n", encoding="utf-8")
+    assert "the first line is empty" in said(path)
+    path.write_text("t,q2,Fm\n0,1,2\n", encoding="utf-16")
+    assert "not text in UTF-8" in said(path)
+
+
+def test_a_log_cut_off_in_its_last_line(tmp_path):
+    path = write(tmp_path / "a.csv", columns())
+    content = path.read_text(encoding="utf-8")
+    path.write_text(content[: content.rindex(",", 0, content.rindex(",")) + 4], encoding="utf-8")
+    assert "'Fm' has 1 value empty or not finite, the first at t = 0.796 s (row 200)" in said(path)
+
+
+@pytest.mark.parametrize("kind", ["parquet", "mat"])
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.7, 0.99])
+def test_truncated_binary_files(tmp_path, kind, share):
+    path = tmp_path / f"a.{kind}"
+    if kind == "parquet":
+        pl.DataFrame(columns()).write_parquet(path)
+    else:
+        scipy.io.savemat(path, columns(), do_compression=True)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+    said(path)
+
+
+@given(seed=st.integers(0, 10_000), kind=st.sampled_from(["csv", "parquet"]))
+@settings(max_examples=60, deadline=None)
+def test_damaged_bytes_give_a_log_or_one_line(tmp_path_factory, seed, kind):
+    path = tmp_path_factory.mktemp("d") / f"a.{kind}"
+    if kind == "csv":
+        write(path, columns())
+    else:
+        pl.DataFrame(columns()).write_parquet(path)
+    rng = np.random.default_rng(seed)
+    content = np.frombuffer(path.read_bytes(), dtype=np.uint8).copy()
+    content[rng.integers(0, content.size, 4)] = rng.integers(0, 256, 4)
+    path.write_bytes(content.tobytes())
+    try:
+        message = read_log(path, expected=EXPECTED).source
+    except LogError as error:
+        message = str(error)
+    assert message.startswith(str(path))
+    assert "\n" not in message
+
+
+def test_matlab_7_3(tmp_path):
+    path = tmp_path / "a.mat"
+    text = b"MATLAB 7.3 MAT-file, Platform: GLNXA64"
+    path.write_bytes(text.ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(500))
+    assert "save it with save(..., '-v7')" in said(path)
+
+
+def test_matlab_arrays_that_are_no_signals(tmp_path):
+    path = tmp_path / "a.mat"
+    scipy.io.savemat(path, columns(q2=np.outer(Q2, [1.0, 2.0]), Fm=FM * (1.0 + 1.0j)))
+    message = said(path)
+    assert "column 'q2' is an array of 200 x 2 where a vector is required" in message
+    assert "column 'Fm' is complex" in message
+    scipy.io.savemat(path, columns(q2=Q2[:150], ref=np.zeros(9)))
+    assert "differ in length (t 200, q2 150, Fm 200)" in said(path)
+    scipy.io.savemat(path, {"t": T, "q2": Q2, "Fm": "text"})
+    assert list(read_log(path, expected=EXPECTED).signals) == ["q2"]
+    assert "no column 'Fm'" in said(path, columns={"Fm": "Fm"})
+
+
+def test_parquet_columns_that_are_no_numbers(tmp_path):
+    path = tmp_path / "a.parquet"
+    pl.DataFrame({**columns(), "q2": ["x"] * N}).write_parquet(path)
+    assert "column 'q2' holds String where numbers are required" in said(path)
+    pl.DataFrame({"t": T, "q2": (1e6 * Q2).astype(np.int32), "Fm": FM.astype(np.float32)}).write_parquet(path)
+    log = read_log(path, expected=EXPECTED, units={"q2": "um"})
+    assert log["q2"] == pytest.approx(Q2, abs=1e-6)
+    assert log["Fm"].dtype == np.float64
