@@ -143,6 +143,18 @@ def corrected_covariance_of_blocks(
     ------
     SettingError
         If the shapes do not fit or the rows are not those of the fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symid.estimation.least_squares import estimate
+    >>> from symid.estimation.triangular import triangular_factors
+    >>> W, y = np.ones((1, 100, 1)), np.random.default_rng(1).standard_normal((1, 100))
+    >>> fit = estimate(triangular_factors(W, y))
+    >>> halves = [ObservationBlock(W[:, half], y[:, half]) for half in (slice(50), slice(50, None))]
+    >>> blockwise = corrected_covariance_of_blocks(lambda: halves, fit)
+    >>> bool(np.allclose(blockwise.covariance, corrected_covariance(W, y, fit).covariance))
+    True
     """
     samples = max(fit.rows)
     lags = default_max_lag(samples) if max_lag is None else max_lag

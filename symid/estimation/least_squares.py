@@ -94,12 +94,13 @@ class LeastSquares:
     @property
     def relative_error(self) -> float:
         """||rho|| / ||y|| over all equations; nan if y is 0 throughout."""
-        return float(_ratio(np.linalg.norm(self.residual_norm), np.linalg.norm(self.y_norm)))
+        norms = (np.linalg.norm(self.residual_norm), np.linalg.norm(self.y_norm))
+        return float(norms[0] / norms[1]) if norms[1] > 0.0 else float("nan")
 
     @property
     def relative_error_equation(self) -> FloatArray:
         """||rho_j|| / ||y_j|| of each equation; nan for homogeneous ones."""
-        return _ratio(self.residual_norm, self.y_norm)
+        return _ratio(self.residual_norm, np.where(self.y_norm > 0.0, self.y_norm, np.nan))
 
 
 def estimate(
@@ -280,7 +281,7 @@ def _with_nan(array: FloatArray, undetermined: list[int]) -> FloatArray:
     return array
 
 
-def _ratio(numerator: FloatArray | np.floating, denominator: FloatArray | np.floating) -> FloatArray:
+def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.divide(numerator, denominator))
 
