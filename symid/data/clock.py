@@ -85,11 +85,14 @@ def inspect_clock(
         )
     intervals = np.diff(time)
     forward = np.flatnonzero(intervals > 0.0)
-    faults = [*_not_finite(time, name), *_not_forward(time, intervals, name)]
+    faults = _not_finite(time, name)
     step = written_step(time)
-    if _too_coarse(intervals, forward.size, step):
+    coarse = _too_coarse(intervals, forward.size, step)
+    if coarse:
         faults.append(f"{name} is written too coarsely, many samples share a time: write more digits")
-    if forward.size < MINIMUM_SAMPLES - 1 or _too_coarse(intervals, forward.size, step):
+    else:
+        faults += _not_forward(time, intervals, name)
+    if forward.size < 2 or coarse:
         return Clock(0.0, float("nan"), tuple(faults) or (f"{name} does not advance: give times in s",))
     rate = _rate(intervals, forward, step)
     faults += _changed(time, rate, name)
@@ -153,7 +156,7 @@ def _too_coarse(intervals: FloatArray, n_forward: int, step: float) -> bool:
 
 def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> _Rate:
     """Periods of consecutive stretches, each without its outliers, and the one place where they change."""
-    length = max(12, forward.size // 64)
+    length = min(max(12, forward.size // 64), forward.size)
     count = forward.size // length
     stretches = intervals[forward[: count * length]].reshape(count, length)
     middle = np.median(stretches, axis=1, keepdims=True)

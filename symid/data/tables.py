@@ -154,8 +154,20 @@ def _read_csv_as_text(
     try:
         frame = _scan_csv(path, separator, width, positions, pl.String())
     except _POLARS_FAILURES as error:
-        raise _damaged(path, "CSV", error) from error
+        raise _uneven(path, separator, width) or _damaged(path, "CSV", error) from error
     return [_values_of_text(series, separator) for series in _without_blank_end(frame)]
+
+
+def _uneven(path: Path, separator: str, width: int) -> LogError | None:
+    """Error that names the first row with more fields than there are columns, if there is one."""
+    with path.open(encoding="utf-8", errors="replace", newline="") as file:
+        for row, line in enumerate(file):
+            n_fields = line.count(separator) + 1
+            if n_fields > width:
+                return LogError(
+                    f"{path}: row {row} has {n_fields} fields where there are {width} columns: correct it"
+                )
+    return None
 
 
 def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:

@@ -277,6 +277,11 @@ def test_headers_that_are_none(tmp_path):
     assert "not text in UTF-8" in said(path)
 
 
+def test_rows_with_too_many_fields(tmp_path):
+    path = write(tmp_path / "a.csv", columns(Fm=[*FM[:30].tolist(), "1,5", *FM[31:].tolist()]))
+    assert "row 31 has 4 fields where there are 3 columns" in said(path)
+
+
 def test_a_log_cut_off_in_its_last_line(tmp_path):
     path = write(tmp_path / "a.csv", columns())
     content = path.read_text(encoding="utf-8")
