@@ -81,6 +81,7 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
     return tuple(faults)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
 def inspect_spans(
     time: FloatArray,
     signals: Mapping[str, FloatArray],

@@ -16,6 +16,7 @@ MINIMUM_SAMPLES: Final = 25
 _CLOCK_DIFFERENCE: Final = (
     0.002  # relative; the rates of real clocks differ by 0.0001, changed settings by more
 )
+_LARGEST_TIME: Final = 1e12  # s, 30 000 years: beyond it a number is damaged
 _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
 
 
@@ -83,6 +84,7 @@ def inspect_clock(
         return Clock(
             0.0, float("nan"), (f"has only {describe(time.size, 'sample')}: at least {minimum} are required",)
         )
+    time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
     forward = np.flatnonzero(intervals > 0.0)
     faults = _not_finite(time, name)
@@ -129,7 +131,7 @@ def _not_finite(time: FloatArray, name: str) -> list[str]:
     if not bad.size:
         return []
     return [
-        f"{name} has {describe(bad.size, 'value')} empty or not finite, "
+        f"{name} has {describe(bad.size, 'value')} empty or no possible time, "
         f"the first in row {bad[0] + 1}: repair or cut out those rows"
     ]
 
@@ -161,7 +163,8 @@ def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> 
     stretches = intervals[forward[: count * length]].reshape(count, length)
     middle = np.median(stretches, axis=1, keepdims=True)
     distance = np.abs(stretches - middle)
-    regular = distance <= 0.05 * middle + 1.01 * step
+    nearest = np.min(distance, axis=1, keepdims=True)  # at least one interval must count
+    regular = distance <= np.maximum(0.05 * middle + 1.01 * step, nearest)
     periods = np.sum(stretches * regular, axis=1) / np.sum(regular, axis=1)
     spread = 1.4826 * float(np.median(distance))
     usual = float(np.median(periods))

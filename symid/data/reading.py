@@ -216,7 +216,8 @@ def _read(
     faults, notes = [], []
     for source, column in zip(sources, columns, strict=True):
         if not isinstance(column, str):
-            values[source.signal] = column if source.factor == 1.0 else source.factor * column
+            with np.errstate(over="ignore"):  # what leaves the range is reported as not finite
+                values[source.signal] = column if source.factor == 1.0 else source.factor * column
         elif source.signal in optional:
             notes.append(f"column {table.headers[source.position]!r} {column}; left out")
         else:

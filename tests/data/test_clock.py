@@ -71,7 +71,7 @@ def test_all_faults_are_told_at_once():
     assert "1 step backwards" in text
     assert "(row 301)" in text
     assert "1 value that are empty" not in text
-    assert "empty or not finite, the first in row 451" in text
+    assert "empty or no possible time, the first in row 451" in text
     assert "gap" in text
     assert "\n" not in text
 
