@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "ballscrew_2m1s"
 MEASURED = ("qm",)
-SIGNATURE = "e0419a0f64bced1e"
+SIGNATURE = "b28c54b67c1af72a"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
@@ -16,6 +16,7 @@ MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "kg*s", "X7": "kg*s^2"}
 PHYSICAL_PARAMETERS = ("Mm", "Fvm", "Fsm", "Kt", "Ft", "Ml", "Fvl")
 PHYSICAL_UNITS = {"Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kt": "N/m", "Ft": "N*s/m", "Ml": "kg", "Fvl": "N*s/m"}
+SIGNED = ()  # physical parameters that may be negative
 ASSUMPTIONS = ("derivatives of sign(qm_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 2  # solutions of the inverse map in closed form

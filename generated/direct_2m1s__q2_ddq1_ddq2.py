@@ -8,7 +8,7 @@ import numpy as np
 
 AXIS = "direct_2m1s"
 MEASURED = ("q2", "ddq1", "ddq2")
-SIGNATURE = "db4b0d89fa7c1da6"
+SIGNATURE = "a935b0f9a6768460"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d2", "q2_d1", "ddq1", "ddq1_d1", "ddq1_d2", "ddq2", "ddq2_d1")
@@ -17,6 +17,7 @@ MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6")
 MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N", "X4": "kg", "X5": "N*s/m", "X6": "N/m"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N"}
+SIGNED = ()  # physical parameters that may be negative
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), ())  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "direct_2m1s"
 MEASURED = ("q2", "ddq2")
-SIGNATURE = "db4b0d89fa7c1da6"
+SIGNATURE = "a935b0f9a6768460"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "ddq2", "ddq2_d1", "ddq2_d2")
@@ -16,6 +16,7 @@ MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "kg*s", "X7": "kg*s^2"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N"}
+SIGNED = ()  # physical parameters that may be negative
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

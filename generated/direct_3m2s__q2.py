@@ -8,7 +8,7 @@ import numpy as np
 
 AXIS = "direct_3m2s"
 MEASURED = ("q2",)
-SIGNATURE = "8e8da38c64188eb6"
+SIGNATURE = "aad701d8336cefb5"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "Fm_d3", "Fm_d4", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "q2_d5", "q2_d6")
@@ -17,6 +17,7 @@ MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7", "X8", "X9", "X10
 MINIMAL_UNITS = {"X1": "s^4", "X2": "s^3", "X3": "s^2", "X4": "s", "X5": "N*s/m", "X6": "N", "X7": "kg", "X8": "kg*s", "X9": "kg*s^2", "X10": "kg*s^3", "X11": "kg*s^4"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kl": "N/m", "Fl": "N*s/m", "Ml": "kg"}
+SIGNED = ()  # physical parameters that may be negative
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 0  # solutions of the inverse map in closed form

@@ -9,7 +9,7 @@ import numpy as np
 
 AXIS = "direct_3m2s"
 MEASURED = ("q2", "ddq1")
-SIGNATURE = "8e8da38c64188eb6"
+SIGNATURE = "aad701d8336cefb5"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "ddq1", "ddq1_d1", "ddq1_d2")
@@ -18,6 +18,7 @@ MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7", "X8", "X9", "X10
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "kg", "X7": "kg*s", "X8": "kg*s", "X9": "kg*s^2", "X10": "kg", "X11": "N*s/m", "X12": "N/m"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kl": "N/m", "Fl": "N*s/m", "Ml": "kg"}
+SIGNED = ()  # physical parameters that may be negative
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), ())  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

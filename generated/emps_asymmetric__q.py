@@ -8,7 +8,7 @@ import numpy as np
 
 AXIS = "emps_asymmetric"
 MEASURED = ("q",)
-SIGNATURE = "5c517afd74b6245e"
+SIGNATURE = "cdded01d780fc09b"
 FORMAT = 1
 
 SIGNALS = ("F", "q_d1", "q_d2")
@@ -17,6 +17,7 @@ MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5")
 MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N", "X4": "N*s/m", "X5": "N"}
 PHYSICAL_PARAMETERS = ("M", "Fvp", "Fcp", "Fvn", "Fcn")
 PHYSICAL_UNITS = {"M": "kg", "Fvp": "N*s/m", "Fcp": "N", "Fvn": "N*s/m", "Fcn": "N"}
+SIGNED = ()  # physical parameters that may be negative
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

@@ -91,6 +91,11 @@ class Axis:
         return {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
 
     @property
+    def signed_parameters(self) -> tuple[str, ...]:
+        """Physical parameters that may be negative; masses, springs, dampers and friction levels may not."""
+        return tuple(term.parameter for law in self.laws for term in law.terms() if term.signed)
+
+    @property
     def signal_units(self) -> dict[str, Unit]:
         """Unit of the drive's and of every sensor's signal."""
         second = Unit.of("s")

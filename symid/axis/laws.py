@@ -30,12 +30,15 @@ class Term:
         In q (displacement of the joint), v (its velocity), numbers and `FUNCTIONS`.
     length_power, time_power : int
         Dimension of the expression as length^a / time^b, from which the parameter's unit follows.
+    signed : bool
+        Whether the parameter may be negative.
     """
 
     parameter: str
     expression: str
     length_power: int = 0
     time_power: int = 0
+    signed: bool = False
 
     def unit(self, force: Unit, length: Unit) -> Unit:
         """Unit of the parameter in a joint with these units of force and displacement."""
@@ -116,4 +119,4 @@ class OffsetForce(Law):
     level: str
 
     def terms(self) -> tuple[Term, ...]:
-        return (Term(self.level, "1"),)
+        return (Term(self.level, "1", signed=True),)

@@ -1,0 +1,61 @@
+"""The command line: one module a command, loaded when it is called."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+import click
+
+from symid.errors import SymidError
+
+COMMANDS = {
+    "demo": "symid.cli.demo",
+    "show": "symid.cli.show",
+    "generate": "symid.cli.generate",
+    "identify": "symid.cli.identify",
+}
+
+
+class _Commands(click.Group):
+    """A group that imports a command when it is needed: `--help` and typing errors need no sympy."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(COMMANDS[cmd_name]).command
+        assert isinstance(command, click.Command)
+        return command
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="symid")
+def group() -> None:
+    """Declare a machine axis, derive its regressors, identify it from logs."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; a user's mistake is one line on standard error and exit code 2."""
+    try:
+        code = group.main(arguments, prog_name="symid", standalone_mode=False)
+    except click.UsageError as error:
+        hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
+        code = _fail(error.format_message() + hint)
+    except click.Abort:
+        code = _fail("interrupted", 130)
+    except SymidError as error:
+        code = _fail(str(error))
+    except BrokenPipeError:
+        sys.stderr.close()
+        code = 0
+    except OSError as error:
+        code = _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _fail(message: str, code: int = 2) -> int:
+    print(f"symid: {' '.join(message.split())}", file=sys.stderr)
+    return code

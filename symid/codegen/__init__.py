@@ -1,0 +1,9 @@
+"""Generated NumPy modules: their text, the folder that holds them, and the record that the numeric half reads.
+
+Importing this package needs no sympy; `symid.codegen.generate` does.
+"""
+
+from symid.codegen.model import GeneratedModel
+from symid.codegen.store import load_generated
+
+__all__ = ["GeneratedModel", "load_generated"]

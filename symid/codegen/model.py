@@ -33,6 +33,8 @@ class GeneratedModel:
         What each equation has on its left-hand side.
     minimal_units, physical_units : mapping of str to str
         Names and units of the parameters, in order.
+    signed : tuple of str
+        Physical parameters that may be negative.
     assumptions : tuple of str
         What was assumed in the derivation.
     sliding : tuple of tuple of int
@@ -52,6 +54,7 @@ class GeneratedModel:
     output_names: tuple[str, ...]
     minimal_units: Mapping[str, str]
     physical_units: Mapping[str, str]
+    signed: tuple[str, ...]
     assumptions: tuple[str, ...]
     sliding: tuple[tuple[int, ...], ...]
     branches: int
@@ -72,6 +75,7 @@ class GeneratedModel:
             output_names=namespace["OUTPUT"],
             minimal_units=MappingProxyType(namespace["MINIMAL_UNITS"]),
             physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
+            signed=namespace["SIGNED"],
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
             branches=namespace["BRANCHES"],

@@ -34,6 +34,7 @@ MINIMAL_PARAMETERS = {minimal}
 MINIMAL_UNITS = {minimal_units}
 PHYSICAL_PARAMETERS = {physical}
 PHYSICAL_UNITS = {physical_units}
+SIGNED = {signed}  # physical parameters that may be negative
 ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = {branches}  # solutions of the inverse map in closed form
@@ -110,6 +111,7 @@ def module_text(model: DerivedModel) -> str:
         minimal_units=_dictionary({p.name: str(p.unit) for p in minimal.parameters}),
         physical=_tuple(list(physical)),
         physical_units=_dictionary(physical),
+        signed=_tuple(model.axis.signed_parameters),
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
         branches=solution.branches if solution else 0,
@@ -131,7 +133,8 @@ def module_text(model: DerivedModel) -> str:
 def _signals(model: DerivedModel) -> tuple[str, ...]:
     """Signals used, the force first, then the sensors in the order of the declaration, by order of derivative."""
     minimal = model.minimal
-    names = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
+    written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
+    names = [name for name in written if name not in minimal.source.source.constants]
     ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
     return tuple(sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1])))
 

@@ -11,7 +11,7 @@ The derivative of a jump, such as that of sign(v), is taken as zero, as the pape
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -19,8 +19,8 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Between, Body, Joint, Sensor
 from symid.errors import EliminationError
-from symid.signals import derivative_name
-from symid.symbolic.expressions import is_smooth, time_derivative
+from symid.signals import derivative_name, split_derivative
+from symid.symbolic.expressions import is_smooth, positive, time_derivative
 from symid.symbolic.kernel import EliminationRow, divisible, left_kernel
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics, LawInput
 from symid.symbolic.measurement import Measurement, measurement, motion_columns
@@ -68,6 +68,22 @@ class InputOutputEquation:
     motion: tuple[RegressorTerm, ...]
     force: Mapping[int, PolyElement]
     multipliers: Mapping[str, PolyElement]
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the coefficients are linear in the physical parameters and the force has numbers for coefficients."""
+        linear = all(sum(m) == 1 for t in self.motion for m in t.coefficient.itermonoms())
+        return linear and all(c.is_ground for c in self.force.values())
+
+    def plus(self, other: InputOutputEquation) -> InputOutputEquation:
+        """Sum of two equations."""
+        terms = {t.expression: t for t in self.motion}
+        for t in other.motion:
+            mine = terms.get(t.expression)
+            terms[t.expression] = replace(t, coefficient=t.coefficient + mine.coefficient) if mine else t
+        motion = sorted((t for t in terms.values() if t.coefficient), key=lambda t: (not t.smooth, -t.order))
+        force = add(self.force, other.force, 1)
+        return InputOutputEquation(tuple(motion), force, add(self.multipliers, other.multipliers, 1))
 
 
 @dataclass(frozen=True)
@@ -127,7 +143,20 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     signals = _SignalWriter(operators, known)
     equations = [signals.equation(row) for row in combined]
     equations.sort(key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0)))
-    return InputOutputModel(model, operators, tuple(measured), tuple(equations), signals.assumptions(known))
+    driven = tuple(_driven(equation, equations) for equation in equations)
+    return InputOutputModel(model, operators, tuple(measured), driven, signals.assumptions(equations))
+
+
+def _driven(equation: InputOutputEquation, equations: Sequence[InputOutputEquation]) -> InputOutputEquation:
+    """Add an equation that holds the force to one that does not, if both are linear in the physical parameters.
+
+    0 = D X holds for X = 0 too: with noise in D, least squares would shrink the parameters towards it. The sum says
+    the same in common with the other equation. Of those that hold the force, the one that leaves fewest terms is taken.
+    """
+    if equation.force or not equation.is_linear:
+        return equation
+    sums = [equation.plus(other) for other in equations if other.force and other.is_linear]
+    return min(sums, key=lambda e: (max(e.force), sum(len(t.coefficient) for t in e.motion)), default=equation)
 
 
 class _SignalWriter:
@@ -136,6 +165,7 @@ class _SignalWriter:
     def __init__(self, operators: OperatorModel, known: Measurement) -> None:
         self.operators, self.known = operators, known
         self.axis: Axis = operators.source.axis
+        self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
         self.dropped: dict[str, None] = {}
 
     def equation(self, row: EliminationRow) -> InputOutputEquation:
@@ -171,7 +201,10 @@ class _SignalWriter:
                 expression = self._law_signal(entry, power)
                 if expression == 0:
                     continue
-                total = coefficient + (terms[expression].coefficient if expression in terms else 0)
+                expression, factor = self._without_factor(expression)
+                if -expression in terms:
+                    expression, factor = -expression, -factor
+                total = coefficient * factor + (terms[expression].coefficient if expression in terms else 0)
                 order = -1 if not expression.free_symbols else 1 + power if entry.expression.has(sp.Symbol("v")) else power
                 terms[expression] = RegressorTerm(expression, order, False, total)
         return list(terms.values())
@@ -208,14 +241,38 @@ class _SignalWriter:
             )
             for symbol, order in used.items()
         }
-        return expression.xreplace(values)
+        return self._with_plain_jumps(expression.xreplace(values))
 
-    def assumptions(self, known: Measurement) -> tuple[str, ...]:
+    def _with_plain_jumps(self, expression: sp.Expr) -> sp.Expr:
+        """Jumps in arguments whose first signal has the factor 1 or -1: sign(ratio*v) is sign(v) or -sign(v).
+
+        Friction on both sides of a gear would otherwise give two columns that are multiples of each other.
+        """
+        plain = {}
+        for jump in expression.atoms(sp.sign, positive):
+            argument = sp.expand(jump.args[0])
+            first = min(argument.free_symbols - set(self.constants), key=str)
+            factor = argument.coeff(first)
+            if factor not in (1, -1):
+                direction = 1 if factor.subs(self.constants) > 0 else -1
+                plain[jump] = jump.func(direction * sp.expand(argument / factor))
+        return expression.xreplace(plain)
+
+    def _without_factor(self, expression: sp.Expr) -> tuple[sp.Expr, Any]:
+        """A law's signal without a constant factor, and that factor as an element of the coefficient field."""
+        field = self.operators.ring.domain
+        factor, rest = expression.as_independent(*(expression.free_symbols - set(self.constants)), as_Add=False)
+        return (expression, field.one) if factor in (1, -1) or rest == 1 else (rest, field.from_sympy(factor))
+
+    def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
         """What has to be said about the equations written."""
         said = [f"derivatives of {jump} are taken as zero" for jump in self.dropped]
-        used = {signal for i in range(len(known.basis)) for k in range(3, 5) for signal, _, _ in known.derivative(i, k)}
+        written = {symbol for e in equations for term in e.motion for symbol in term.expression.free_symbols}
+        used = {split_derivative(str(symbol))[0] for symbol in written}
         said += [
-            f"{sensor.signal} repeats what the other sensors measure and is not used" for sensor in known.repeated if sensor.signal not in used
+            f"{sensor.signal} repeats what the other sensors measure and is not used"
+            for sensor in self.known.repeated
+            if sensor.signal not in used
         ]
         return tuple(said)
 

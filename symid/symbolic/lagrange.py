@@ -225,7 +225,7 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
     inputs: dict[tuple[sp.Expr, sp.Expr], LawInput] = {}
     power = sp.Symbol(axis.drive.signal) * kinematics.rate(kinematics.displacement(axis.drive.at), 1)
 
-    def resist(parameter: str, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str) -> None:
+    def resist(parameter: sp.Expr, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str) -> None:
         nonlocal power
         constant = not expression.free_symbols
         key = (ONE, ONE) if constant else (expression, displacement)
@@ -233,7 +233,7 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
             symbol = ONE_INPUT if constant else sp.Symbol(f"input_{len(inputs)}")
             inputs[key] = LawInput(symbol, ONE if constant else expression, joint, element)
         factor = expression if constant else ONE
-        power -= parameter_symbol(parameter) * factor * inputs[key].symbol * kinematics.rate(displacement, 1)
+        power -= parameter * factor * inputs[key].symbol * kinematics.rate(displacement, 1)
 
     for element in axis.elements:
         if isinstance(element, Law):
@@ -241,13 +241,13 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
             for term in element.terms():
                 if not term.is_linear:
                     displacement = kinematics.displacement(element.at)
-                    resist(term.parameter, law_expression(term.expression), element.at, displacement, label)
+                    resist(parameter_symbol(term.parameter), law_expression(term.expression), element.at, displacement, label)
         elif isinstance(element, PendulumWeight):
             gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
             at = Between(first=GROUND, second=element.body)
             label = f"PendulumWeight of {element.body.name!r}"
             angle = kinematics.absolute(element.body)
-            resist(element.moment, gravity * sp.sin(sp.Symbol("q")), at, angle, label)
+            resist(parameter_symbol(element.moment) * gravity, sp.sin(sp.Symbol("q")), at, angle, label)
         elif isinstance(element, Weight):
             inputs.setdefault((ONE, ONE), LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}"))
     return tuple(inputs.values()), power

@@ -12,7 +12,6 @@ order, as [15].
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -161,8 +160,7 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     Fvm*Fvs/Ks + Mm
     """
     force = model.source.axis.drive.signal
-    rows = [_with_output(equation, force) for equation in model.equations]
-    rows = [_scaled(row, others) for row, *others in _each_with_the_others(rows)]
+    rows = [_scaled(_with_output(equation, force)) for equation in model.equations]
     basis, shares = _basis(model, [columns for _, columns in rows])
     order = sorted(range(len(basis)), key=lambda j: _place(j, basis, shares, rows))
     units = model.source.axis.physical_parameters
@@ -204,22 +202,10 @@ def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, li
     return (sign * sp.Symbol(derivative_name(force, lowest)) if equation.force else sp.Integer(0)), columns
 
 
-def _each_with_the_others(rows: list[Any]) -> Iterator[list[Any]]:
-    for i, row in enumerate(rows):
-        yield [row, *rows[:i], *rows[i + 1 :]]
-
-
-def _scaled(row: tuple[sp.Expr, list[_Column]], others: list[tuple[sp.Expr, list[_Column]]]) -> tuple[sp.Expr, list[_Column]]:
-    """An equation without force fixes its parameters up to a factor only, unless a forced equation shares some of them.
-
-    Where none does, the term of the highest derivative becomes the output.
-    """
+def _scaled(row: tuple[sp.Expr, list[_Column]]) -> tuple[sp.Expr, list[_Column]]:
+    """An equation without force fixes its parameters up to a factor only: its highest derivative becomes its output."""
     output, columns = row
-    elsewhere = Span()
-    for other_output, other_columns in others:
-        for column in other_columns if other_output != 0 else ():
-            elsewhere.add(column.function.coordinates)
-    if output != 0 or any(elsewhere.coordinates(column.function.coordinates) is not None for column in columns):
+    if output != 0:
         return row
     leader = max((column for column in columns if column.smooth), key=lambda column: column.order)
     divisor = leader.function.numerator

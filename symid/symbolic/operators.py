@@ -88,7 +88,7 @@ def operator_model(model: InverseDynamicModel) -> OperatorModel:
     return OperatorModel(model, ring, motion, inputs, force)
 
 
-def add(row: Mapping[str, Any], other: Mapping[str, Any], factor: Any) -> dict[str, Any]:
+def add(row: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> dict[Any, Any]:
     """row + factor * other, without zero entries."""
     total = dict(row)
     for column, entry in other.items():

@@ -1,0 +1,86 @@
+"""Options that several commands share, and what they mean."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from symid.errors import SettingError
+
+json_option = click.option("--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output).")
+measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
+
+
+def signal_list(text: str | None) -> tuple[str, ...] | None:
+    """Signals of a comma-separated list."""
+    return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def assignments(values: tuple[str, ...], option: str) -> dict[str, str]:
+    """Mapping of options such as ``--column q2=pos_mm``, each ``NAME=VALUE``.
+
+    Raises
+    ------
+    SettingError
+        If one has no equals sign.
+    """
+    pairs = {}
+    for value in values:
+        name, equals, right = value.partition("=")
+        if not (name and equals and right):
+            raise SettingError(f"{option} {value!r} is not NAME=VALUE: write for example {option} q2=pos_mm")
+        pairs[name.strip()] = right.strip()
+    return pairs
+
+
+def number(text: str, what: str) -> float:
+    """A finite number.
+
+    Raises
+    ------
+    SettingError
+        If the text is none.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise SettingError(f"{what} is {text!r}: it must be a finite number")
+    return value
+
+
+def write_json(record: object, file: str) -> None:
+    """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
+    text = json.dumps(_finite(record), indent=2, ensure_ascii=False)
+    if file == "-":
+        sys.stdout.write(text + "\n")
+    else:
+        Path(file).write_text(text + "\n", encoding="utf-8")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def shared(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Apply several option decorators, the first one shown first in the help."""
+
+    def decorate(function: Any) -> Any:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return decorate

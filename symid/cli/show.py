@@ -1,0 +1,23 @@
+"""`symid show`: what follows from a declaration."""
+
+from __future__ import annotations
+
+import click
+
+from symid.axis import load_axis
+from symid.cli.options import json_option, measured_option, signal_list, write_json
+from symid.report.derivation import derivation_record, print_derivation
+from symid.symbolic import derive
+
+
+@click.command("show", epilog="Example: symid show direct_2m1s --measured q2,ddq1")
+@click.argument("axis")
+@measured_option
+@json_option
+def command(axis: str, measured: str | None, json_file: str | None) -> None:
+    """Show the equations of motion, the eliminated model, the regressor and the parameter maps of AXIS."""
+    model = derive(load_axis(axis), signal_list(measured))
+    if json_file:
+        write_json(derivation_record(model), json_file)
+    if json_file != "-":
+        print_derivation(model)

@@ -1,0 +1,156 @@
+"""From minimal to physical parameters: the inverse map with its branches, fitted where it is overdetermined.
+
+The physical parameters theta minimise (X - X(theta))' C^-1 (X - X(theta)), C being the covariance of the estimated
+minimal parameters X. Their covariance is (J' C^-1 J)^-1 with J = dX/dtheta. Where there are as many of one kind as
+of the other this is the exact inverse map with propagated deviations; where there are more minimal parameters, the
+minimum itself is a test of the structure: it follows a chi-square distribution if the model is right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.optimize import least_squares
+from scipy.stats import chi2
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+
+_STEP = 1e-30
+"""Complex step: the forward map is rational, so its derivative is exact to rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class PhysicalEstimate:
+    """Physical parameters of one branch of the inverse map.
+
+    Parameters
+    ----------
+    parameters : array of shape (n_physical,)
+        Values in the order of the declaration.
+    covariance : array of shape (n_physical, n_physical)
+        Propagated to first order.
+    relations : int
+        Number of relations between the minimal parameters that the structure demands.
+    disagreement : float
+        Chi-square of these relations; nan without any.
+    """
+
+    parameters: FloatArray
+    covariance: FloatArray
+    relations: int
+    disagreement: float
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Of the parameters, shape (n_physical,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def disagreement_probability(self) -> float:
+        """Probability of a disagreement as large as this if the structure is right; nan without relations."""
+        return float(chi2.sf(self.disagreement, self.relations)) if self.relations else float("nan")
+
+    def negative(self, model: GeneratedModel) -> tuple[str, ...]:
+        """Parameters that are negative beyond what their deviation explains, and must not be."""
+        limits = -3 * np.nan_to_num(self.standard_deviations)
+        below = zip(model.physical_units, self.parameters < limits, strict=True)
+        return tuple(name for name, is_below in below if is_below and name not in model.signed)
+
+
+def jacobian(model: GeneratedModel, physical: FloatArray) -> FloatArray:
+    """Derivatives of the minimal by the physical parameters, of shape (n_minimal, n_physical)."""
+    columns = []
+    for i, value in enumerate(physical):
+        step = _STEP * max(abs(value), 1.0)
+        shifted = physical.astype(complex)
+        shifted[i] += 1j * step
+        columns.append(model.minimal_parameters(*shifted).imag / step)
+    return np.stack(columns, axis=1)
+
+
+def physical_estimates(
+    model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, start: Mapping[str, float] | None = None
+) -> tuple[PhysicalEstimate, ...]:
+    """Physical parameters of estimated minimal ones, one record for each branch, physically possible ones first.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Holds the maps.
+    minimal : array of shape (n_minimal,)
+        Estimated minimal parameters, all finite.
+    covariance : array of shape (n_minimal, n_minimal)
+        Their covariance.
+    start : mapping of str to float, optional
+        Nominal values, needed where the inverse map has no closed form.
+
+    Returns
+    -------
+    tuple of PhysicalEstimate
+        Empty if there is neither a closed form nor a start, or no start leads to a determined solution.
+    """
+    names = list(model.physical_units)
+    starts: list[FloatArray] = []
+    if model.physical_parameters is not None:
+        with np.errstate(all="ignore"):
+            starts += [model.physical_parameters(*minimal, branch=branch) for branch in range(model.branches)]
+    elif start is not None and all(name in start for name in names):
+        starts.append(np.array([start[name] for name in names], dtype=float))
+    found = [_fitted(model, minimal, covariance, guess) for guess in starts if np.all(np.isfinite(guess))]
+    estimates = [estimate for estimate in found if estimate is not None]
+    estimates.sort(key=lambda e: (len(e.negative(model)), np.nan_to_num(e.disagreement)))
+    return tuple(_distinct(estimates))
+
+
+def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, guess: FloatArray) -> PhysicalEstimate | None:
+    """Weighted fit from a start, in parameters scaled by it."""
+    scale = np.where(guess == 0, 1.0, np.abs(guess))
+    spread = np.sqrt(np.diag(covariance))
+    spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)
+    root = _root(covariance, spread)
+    if root is None:
+        return None
+
+    def misfit(relative: FloatArray) -> FloatArray:
+        return np.asarray(solve_triangular(root, (model.minimal_parameters(*(relative * scale)) - minimal) / spread, lower=True))
+
+    def slope(relative: FloatArray) -> FloatArray:
+        columns = jacobian(model, relative * scale) * scale / spread[:, None]
+        return np.asarray(solve_triangular(root, columns, lower=True))
+
+    relations = minimal.size - guess.size
+    exact = relations == 0 and model.physical_parameters is not None
+    with np.errstate(all="ignore"):
+        if not np.all(np.isfinite(slope(guess / scale))):
+            return None
+        relative = guess / scale if exact else least_squares(misfit, guess / scale, jac=slope, method="lm").x
+        gradient = slope(relative)
+    _, triangle = np.linalg.qr(gradient)
+    if not np.all(np.isfinite(triangle)) or np.linalg.cond(triangle) > 1 / np.finfo(float).eps:
+        return None
+    factor = scale[:, None] * solve_triangular(triangle, np.eye(guess.size))
+    disagreement = float(np.sum(misfit(relative) ** 2)) if relations else float("nan")
+    return PhysicalEstimate(relative * scale, factor @ factor.T, relations, disagreement)
+
+
+def _root(covariance: FloatArray, spread: FloatArray) -> FloatArray | None:
+    """Cholesky factor of the correlation matrix."""
+    correlation = covariance / np.outer(spread, spread)
+    np.fill_diagonal(correlation, 1.0)
+    try:
+        return np.asarray(np.linalg.cholesky(correlation))
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _distinct(estimates: list[PhysicalEstimate]) -> list[PhysicalEstimate]:
+    """Estimates without repetitions: two starts may lead to the same minimum."""
+    kept: list[PhysicalEstimate] = []
+    for estimate in estimates:
+        if not any(np.allclose(estimate.parameters, other.parameters, rtol=1e-6) for other in kept):
+            kept.append(estimate)
+    return kept
