@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "ballscrew_2m1s"
 MEASURED = ("qm",)
-SIGNATURE = "b28c54b67c1af72a"
+SIGNATURE = "4f33a312c6dcc16a"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
@@ -17,6 +17,7 @@ MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "
 PHYSICAL_PARAMETERS = ("Mm", "Fvm", "Fsm", "Kt", "Ft", "Ml", "Fvl")
 PHYSICAL_UNITS = {"Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kt": "N/m", "Ft": "N*s/m", "Ml": "kg", "Fvl": "N*s/m"}
 SIGNED = ()  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ("derivatives of sign(qm_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 2  # solutions of the inverse map in closed form

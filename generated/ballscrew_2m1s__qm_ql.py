@@ -8,7 +8,7 @@ import numpy as np
 
 AXIS = "ballscrew_2m1s"
 MEASURED = ("qm", "ql")
-SIGNATURE = "b28c54b67c1af72a"
+SIGNATURE = "4f33a312c6dcc16a"
 FORMAT = 1
 
 SIGNALS = ("Fm", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
@@ -18,6 +18,7 @@ MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N*s/m", "X4": "N", "X5": "N/m
 PHYSICAL_PARAMETERS = ("Mm", "Fvm", "Fsm", "Kt", "Ft", "Ml", "Fvl")
 PHYSICAL_UNITS = {"Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kt": "N/m", "Ft": "N*s/m", "Ml": "kg", "Fvl": "N*s/m"}
 SIGNED = ()  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "direct_2m1s"
 MEASURED = ("q2", "ddq2")
-SIGNATURE = "a935b0f9a6768460"
+SIGNATURE = "0f265ed37a627907"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "ddq2", "ddq2_d1", "ddq2_d2")
@@ -17,6 +17,7 @@ MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N"}
 SIGNED = ()  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

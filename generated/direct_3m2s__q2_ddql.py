@@ -9,7 +9,7 @@ import numpy as np
 
 AXIS = "direct_3m2s"
 MEASURED = ("q2", "ddql")
-SIGNATURE = "aad701d8336cefb5"
+SIGNATURE = "7e40a45d09aecf18"
 FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "ddql", "ddql_d1", "ddql_d2")
@@ -19,6 +19,7 @@ MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kl": "N/m", "Fl": "N*s/m", "Ml": "kg"}
 SIGNED = ()  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), ())  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "emps"
 MEASURED = ("q",)
-SIGNATURE = "8df018bb26b66654"
+SIGNATURE = "e7477d6e28104c10"
 FORMAT = 1
 
 SIGNALS = ("F", "q_d1", "q_d2")
@@ -17,6 +17,7 @@ MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N", "X4": "N"}
 PHYSICAL_PARAMETERS = ("M", "Fv", "Fc", "OF")
 PHYSICAL_UNITS = {"M": "kg", "Fv": "N*s/m", "Fc": "N", "OF": "N"}
 SIGNED = ("OF",)  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

@@ -8,7 +8,7 @@ import numpy as np
 
 AXIS = "emps_asymmetric"
 MEASURED = ("q",)
-SIGNATURE = "cdded01d780fc09b"
+SIGNATURE = "dd49fa2fa9c0181c"
 FORMAT = 1
 
 SIGNALS = ("F", "q_d1", "q_d2")
@@ -18,6 +18,7 @@ MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N", "X4": "N*s/m", "X5": "N"}
 PHYSICAL_PARAMETERS = ("M", "Fvp", "Fcp", "Fvn", "Fcn")
 PHYSICAL_UNITS = {"M": "kg", "Fvp": "N*s/m", "Fcp": "N", "Fvn": "N*s/m", "Fcn": "N"}
 SIGNED = ()  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "motor_bench"
 MEASURED = ("qm",)
-SIGNATURE = "35d4ae4c03034e67"
+SIGNATURE = "d6a67d3ff6e0289d"
 FORMAT = 1
 
 SIGNALS = ("iq", "iq_d1", "iq_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
@@ -17,9 +17,10 @@ MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "s*A/rad", "X4": "s^2*A/rad", "X5
 PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")
 PHYSICAL_UNITS = {"Jm": "s^2*A/rad", "Fvm": "s*A/rad", "Kt": "A/rad", "Ft": "s*A/rad", "Pt": "A", "Jl": "s^2*A/rad", "Fvl": "s*A/rad"}
 SIGNED = ("Pt",)  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((),)  # for each equation, the rows of sliding_velocities whose sign enters it
-BRANCHES = 0  # solutions of the inverse map in closed form
+BRANCHES = 2  # solutions of the inverse map in closed form
 
 
 def regressor(iq, iq_d1, iq_d2, qm_d1, qm_d2, qm_d3, qm_d4):
@@ -61,3 +62,19 @@ def minimal_parameters(Jm, Fvm, Kt, Ft, Pt, Jl, Fvl):
     c5 = Fvm*Jl + Ft*Jl
     c6 = Jm*c0 + c5
     return np.array([Jl/Kt, c0/Kt, c1, c4/Kt, c6/Kt, (Jm*Jl)/Kt])
+
+
+def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 2 solutions."""
+    Pt = np.nan  # not seen by these sensors
+    a = 1
+    b = (-4*X1**2*X3 + 2*X1*X2**2*X3 - 2*X1*X2*X4 + 4*X1*X5 - 2*X2*X6)/(4*X1**2 - X1*X2**2)
+    c = (X1**3*X3**2 - X1**2*X2**2*X3**2 + X1**2*X2*X3*X4 - 2*X1**2*X3*X5 + X1*X2**2*X3*X5 + X1*X2*X3*X6 - X1*X2*X4*X5 + X1*X5**2 - X2**3*X3*X6 + X2**2*X4*X6 - X2*X5*X6)/(4*X1**3 - X1**2*X2**2)
+    sign = 1 - 2*(branch // 1 % 2)
+    Fvl = (sign*np.sqrt(np.maximum(b*b - 4*a*c, 0.0)) - b)/(2*a)
+    Jl = (2*Fvl*X1**2 - X1**2*X3 + X1*X5 - X2*X6)/(X1*X2)
+    Fvm = -Fvl + X3
+    Ft = -(Fvl*X1 - Jl*X2)/X1
+    Jm = X6/X1
+    Kt = Jl*Jm/X6
+    return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])

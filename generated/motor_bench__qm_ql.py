@@ -8,7 +8,7 @@ import numpy as np
 
 AXIS = "motor_bench"
 MEASURED = ("qm", "ql")
-SIGNATURE = "35d4ae4c03034e67"
+SIGNATURE = "d6a67d3ff6e0289d"
 FORMAT = 1
 
 SIGNALS = ("iq", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
@@ -18,6 +18,7 @@ MINIMAL_UNITS = {"X1": "s^2*A/rad", "X2": "s*A/rad", "X3": "s*A/rad", "X4": "A/r
 PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")
 PHYSICAL_UNITS = {"Jm": "s^2*A/rad", "Fvm": "s*A/rad", "Kt": "A/rad", "Ft": "s*A/rad", "Pt": "A", "Jl": "s^2*A/rad", "Fvl": "s*A/rad"}
 SIGNED = ("Pt",)  # physical parameters that may be negative
+PER_LOG = ("X5",)  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((), ())  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

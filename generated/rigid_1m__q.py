@@ -7,7 +7,7 @@ import numpy as np
 
 AXIS = "rigid_1m"
 MEASURED = ("q",)
-SIGNATURE = "b64b38afebfa92bd"
+SIGNATURE = "f12a5cd49080d146"
 FORMAT = 1
 
 SIGNALS = ("F", "q_d1", "q_d2")
@@ -17,6 +17,7 @@ MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N"}
 PHYSICAL_PARAMETERS = ("M", "Fv", "Fs")
 PHYSICAL_UNITS = {"M": "kg", "Fv": "N*s/m", "Fs": "N"}
 SIGNED = ()  # physical parameters that may be negative
+PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = 1  # solutions of the inverse map in closed form

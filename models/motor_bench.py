@@ -1,9 +1,9 @@
 """Two motors joined by a flexible coupling, the bench of data/flex_motor_bench. The torque is in units of current.
 
-The encoders are incremental: their zeros differ by an unknown angle, which acts as a preload of the coupling.
+The encoders are incremental: their zeros differ by an unknown angle, which differs from log to log.
 """
 
-from symid import Axis, Between, Body, Drive, OffsetForce, Position, Spring, ViscousFriction
+from symid import Axis, Between, Body, Drive, Position, Spring, UnknownZero, ViscousFriction
 
 motor = Body("motor", inertia="Jm")
 load = Body("load", inertia="Jl")
@@ -16,7 +16,7 @@ axis = Axis(
         motor,
         ViscousFriction(motor, "Fvm"),
         Spring("transmission", coupling, stiffness="Kt", damping="Ft"),
-        OffsetForce(coupling, "Pt"),
+        UnknownZero(coupling, "Pt"),
         load,
         ViscousFriction(load, "Fvl"),
     ),

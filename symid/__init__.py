@@ -17,6 +17,7 @@ from symid.axis import (
     Position,
     Spring,
     Term,
+    UnknownZero,
     Velocity,
     ViscousFriction,
     Weight,

@@ -21,7 +21,7 @@ from symid.axis.elements import (
     Weight,
     derivative_order,
 )
-from symid.axis.laws import AsymmetricFriction, CoulombFriction, Law, OffsetForce, Term, ViscousFriction
+from symid.axis.laws import AsymmetricFriction, CoulombFriction, Law, OffsetForce, Term, UnknownZero, ViscousFriction
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
 
 __all__ = [
@@ -46,6 +46,7 @@ __all__ = [
     "Sensor",
     "Spring",
     "Term",
+    "UnknownZero",
     "Velocity",
     "ViscousFriction",
     "Weight",

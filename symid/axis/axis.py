@@ -96,6 +96,11 @@ class Axis:
         return tuple(term.parameter for law in self.laws for term in law.terms() if term.signed)
 
     @property
+    def log_parameters(self) -> tuple[str, ...]:
+        """Physical parameters that have another value in each log."""
+        return tuple(term.parameter for law in self.laws for term in law.terms() if term.per_log)
+
+    @property
     def signal_units(self) -> dict[str, Unit]:
         """Unit of the drive's and of every sensor's signal."""
         second = Unit.of("s")

@@ -32,6 +32,8 @@ class Term:
         Dimension of the expression as length^a / time^b, from which the parameter's unit follows.
     signed : bool
         Whether the parameter may be negative.
+    per_log : bool
+        Whether the parameter belongs to a log and not to the axis.
     """
 
     parameter: str
@@ -39,6 +41,7 @@ class Term:
     length_power: int = 0
     time_power: int = 0
     signed: bool = False
+    per_log: bool = False
 
     def unit(self, force: Unit, length: Unit) -> Unit:
         """Unit of the parameter in a joint with these units of force and displacement."""
@@ -120,3 +123,16 @@ class OffsetForce(Law):
 
     def terms(self) -> tuple[Term, ...]:
         return (Term(self.level, "1", signed=True),)
+
+
+@dataclass(frozen=True)
+class UnknownZero(Law):
+    """The force of a spring whose deflection is measured from an unknown zero, as between two incremental encoders.
+
+    It acts like a preload, but has another value in each log: it is estimated with each log and says nothing of the axis.
+    """
+
+    preload: str
+
+    def terms(self) -> tuple[Term, ...]:
+        return (Term(self.preload, "1", signed=True, per_log=True),)

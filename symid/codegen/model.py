@@ -35,6 +35,8 @@ class GeneratedModel:
         Names and units of the parameters, in order.
     signed : tuple of str
         Physical parameters that may be negative.
+    per_log : tuple of str
+        Minimal parameters that differ from log to log.
     assumptions : tuple of str
         What was assumed in the derivation.
     sliding : tuple of tuple of int
@@ -55,6 +57,7 @@ class GeneratedModel:
     minimal_units: Mapping[str, str]
     physical_units: Mapping[str, str]
     signed: tuple[str, ...]
+    per_log: tuple[str, ...]
     assumptions: tuple[str, ...]
     sliding: tuple[tuple[int, ...], ...]
     branches: int
@@ -76,6 +79,7 @@ class GeneratedModel:
             minimal_units=MappingProxyType(namespace["MINIMAL_UNITS"]),
             physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
             signed=namespace["SIGNED"],
+            per_log=namespace["PER_LOG"],
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
             branches=namespace["BRANCHES"],
@@ -94,6 +98,17 @@ class GeneratedModel:
             signal, order = split_derivative(name)
             highest[signal] = max(order, highest.get(signal, 0))
         return highest
+
+    @property
+    def force(self) -> str:
+        """Name of the drive's signal."""
+        return next(name for name in self.highest_derivatives if name not in self.measured)
+
+    @property
+    def most_differentiated(self) -> str:
+        """The measured signal of which the highest derivative is needed."""
+        highest = self.highest_derivatives
+        return max((name for name in self.measured if name in highest), key=highest.__getitem__)
 
     def sample(self, signals: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Observation W and y of sampled signals, by flat name."""

@@ -35,6 +35,7 @@ MINIMAL_UNITS = {minimal_units}
 PHYSICAL_PARAMETERS = {physical}
 PHYSICAL_UNITS = {physical_units}
 SIGNED = {signed}  # physical parameters that may be negative
+PER_LOG = {per_log}  # minimal parameters that differ from log to log
 ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
 BRANCHES = {branches}  # solutions of the inverse map in closed form
@@ -112,6 +113,7 @@ def module_text(model: DerivedModel) -> str:
         physical=_tuple(list(physical)),
         physical_units=_dictionary(physical),
         signed=_tuple(model.axis.signed_parameters),
+        per_log=_tuple(_log_parameters(model)),
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
         branches=solution.branches if solution else 0,
@@ -137,6 +139,12 @@ def _signals(model: DerivedModel) -> tuple[str, ...]:
     names = [name for name in written if name not in minimal.source.source.constants]
     ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
     return tuple(sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1])))
+
+
+def _log_parameters(model: DerivedModel) -> tuple[str, ...]:
+    """Minimal parameters that are a log's own."""
+    own = set(model.axis.log_parameters)
+    return tuple(p.name for p in model.minimal.parameters if p.function.names & own)
 
 
 def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
@@ -194,7 +202,8 @@ def _forward(model: DerivedModel) -> str:
 
 def _inverse(model: DerivedModel, solution: TriangularSolution) -> str:
     names = list(model.axis.physical_parameters)
-    lines: list[str] = []
+    solved = {step.unknown for step in solution.steps}
+    lines = [f"{name} = np.nan  # not seen by these sensors" for i, name in enumerate(names) if i not in solved]
     passed = 1
     for step in reversed(solution.steps):
         name = names[step.unknown]

@@ -163,6 +163,8 @@ def identify(
     runs = (logs,) if isinstance(logs, Log) else tuple(logs)
     if not runs:
         raise SettingError("there is no log: give at least one")
+    if len(runs) > 1 and model.per_log:
+        raise SettingError(f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify the logs one by one")
     observations = tuple(observe(model, log, preparation or Preparation()) for log in runs)
     blocks = _blocks(observations)
     factors = [f for o in observations for f in triangular_factors(o.W, o.y, o.valid)]
@@ -195,11 +197,22 @@ def predict(found: Identification, log: Log) -> tuple[Observation, tuple[Equatio
         The other log's observation, and how well each equation is met there.
     """
     observation = observe(found.model, log, found.observations[0].preparation)
-    errors = observation.y - observation.W @ found.fit.solution
+    errors = observation.y - observation.W @ _with_own_parameters(found, observation)
     return observation, tuple(
         _of_rows(name, errors[j][observation.valid[j]], observation.y[j][observation.valid[j]])
         for j, name in enumerate(found.model.output_names)
     )
+
+
+def _with_own_parameters(found: Identification, observation: Observation) -> FloatArray:
+    """Identified parameters, those that differ from log to log (unknown zeros) fitted to the log at hand."""
+    solution = found.fit.solution.copy()
+    own = [i for i, name in enumerate(found.model.minimal_units) if name in found.model.per_log]
+    if own:
+        solution[own] = 0.0
+        rest = observation.y - observation.W @ solution
+        solution[own] = estimate(triangular_factors(observation.W[:, :, own], rest, observation.valid), "ols").solution
+    return solution
 
 
 def _blocks(observations: Sequence[Observation]) -> list[ObservationBlock]:

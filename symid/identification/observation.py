@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, shift
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -88,28 +88,18 @@ def _filtered(model: GeneratedModel, log: Log, chosen: Preparation) -> dict[str,
     """Low-passed signals; the force only if the preparation says so."""
     assert chosen.cutoff_hz is not None
     raw = {name: log[name] for name in model.highest_derivatives}
-    force = _force_of(model)
-    if chosen.held:
-        raw[force] = _centred(raw[force])
     lowpass = LowPass(chosen.cutoff_hz, chosen.order)
-    names = [name for name in raw if chosen.filter_force or name != force]
-    if not names:
-        return raw
+    names = [name for name in raw if chosen.filter_force or name != model.force]
     rows = lowpass.apply(np.stack([raw[name] for name in names]), log.sampling_frequency, workers=2)
-    return {**raw, **dict(zip(names, rows, strict=True))}
+    signals = {**raw, **dict(zip(names, rows, strict=True))}
+    for name, seconds in chosen.late.items():
+        signals[name] = _earlier(signals[name], seconds / log.sampling_period)
+    return signals
 
 
-def _force_of(model: GeneratedModel) -> str:
-    return next(name for name in model.highest_derivatives if name not in model.measured)
-
-
-def _centred(held: FloatArray) -> FloatArray:
-    """Mean of a held force over the sample period centred on each sample: half of the last value, half of the new one."""
-    centred = np.empty_like(held)
-    centred[0] = held[0]
-    np.add(held[1:], held[:-1], out=centred[1:])
-    centred[1:] *= 0.5
-    return centred
+def _earlier(values: FloatArray, samples: float) -> FloatArray:
+    """Signal moved to an earlier time by any number of samples, by splines of the fifth order."""
+    return np.asarray(shift(values, -samples, order=5, mode="nearest"))
 
 
 def _differentiated(model: GeneratedModel, signals: Mapping[str, FloatArray], period: float) -> dict[str, FloatArray]:

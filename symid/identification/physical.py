@@ -30,7 +30,7 @@ class PhysicalEstimate:
     Parameters
     ----------
     parameters : array of shape (n_physical,)
-        Values in the order of the declaration.
+        Values in the order of the declaration; nan for those that the sensors do not see.
     covariance : array of shape (n_physical, n_physical)
         Propagated to first order.
     relations : int
@@ -100,14 +100,16 @@ def physical_estimates(
             starts += [model.physical_parameters(*minimal, branch=branch) for branch in range(model.branches)]
     elif start is not None and all(name in start for name in names):
         starts.append(np.array([start[name] for name in names], dtype=float))
-    found = [_fitted(model, minimal, covariance, guess) for guess in starts if np.all(np.isfinite(guess))]
+    found = [_fitted(model, minimal, covariance, guess) for guess in starts]
     estimates = [estimate for estimate in found if estimate is not None]
     estimates.sort(key=lambda e: (len(e.negative(model)), np.nan_to_num(e.disagreement)))
     return tuple(_distinct(estimates))
 
 
-def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, guess: FloatArray) -> PhysicalEstimate | None:
-    """Weighted fit from a start, in parameters scaled by it."""
+def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, start: FloatArray) -> PhysicalEstimate | None:
+    """Weighted fit from a start, in parameters scaled by it; those that start as nan are not seen and stay so."""
+    seen = np.isfinite(start)
+    guess = start[seen]
     scale = np.where(guess == 0, 1.0, np.abs(guess))
     spread = np.sqrt(np.diag(covariance))
     spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)
@@ -115,11 +117,16 @@ def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, 
     if root is None:
         return None
 
+    def whole(relative: FloatArray) -> FloatArray:
+        physical = np.zeros(start.size)
+        physical[seen] = relative * scale
+        return physical
+
     def misfit(relative: FloatArray) -> FloatArray:
-        return np.asarray(solve_triangular(root, (model.minimal_parameters(*(relative * scale)) - minimal) / spread, lower=True))
+        return np.asarray(solve_triangular(root, (model.minimal_parameters(*whole(relative)) - minimal) / spread, lower=True))
 
     def slope(relative: FloatArray) -> FloatArray:
-        columns = jacobian(model, relative * scale) * scale / spread[:, None]
+        columns = jacobian(model, whole(relative))[:, seen] * scale / spread[:, None]
         return np.asarray(solve_triangular(root, columns, lower=True))
 
     relations = minimal.size - guess.size
@@ -134,7 +141,9 @@ def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, 
         return None
     factor = scale[:, None] * solve_triangular(triangle, np.eye(guess.size))
     disagreement = float(np.sum(misfit(relative) ** 2)) if relations else float("nan")
-    return PhysicalEstimate(relative * scale, factor @ factor.T, relations, disagreement)
+    parameters, complete = np.full(start.size, np.nan), np.full((start.size, start.size), np.nan)
+    parameters[seen], complete[np.ix_(seen, seen)] = relative * scale, factor @ factor.T
+    return PhysicalEstimate(parameters, complete, relations, disagreement)
 
 
 def _root(covariance: FloatArray, spread: FloatArray) -> FloatArray | None:
@@ -151,6 +160,6 @@ def _distinct(estimates: list[PhysicalEstimate]) -> list[PhysicalEstimate]:
     """Estimates without repetitions: two starts may lead to the same minimum."""
     kept: list[PhysicalEstimate] = []
     for estimate in estimates:
-        if not any(np.allclose(estimate.parameters, other.parameters, rtol=1e-6) for other in kept):
+        if not any(np.allclose(estimate.parameters, other.parameters, rtol=1e-6, equal_nan=True) for other in kept):
             kept.append(estimate)
     return kept

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import signal
+from scipy.optimize import brentq
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, derivatives
+from symid.data import Log, central_difference_gain, derivatives
 from symid.errors import SettingError
 
 _COHERENT = 0.8
 _MARGIN = 1.5
 _LEAST_SEGMENTS = 8
+_NOISE_SHARE = 0.005
+_FAITHFUL = 0.97
 
 
 @dataclass(frozen=True)
@@ -37,8 +41,9 @@ class Preparation:
         Samples left out at the beginning and at the end.
     standstill : float, optional
         Speed below which rows do not enter equations with a law that jumps at standstill; 0 keeps all rows.
-    held : bool
-        Whether a sample of the force is held until the next one, so that it acts half a sample late.
+    late : mapping of str to float
+        Seconds by which signals were recorded later than the others; they are moved back by so much. A force that acts
+        later than it is recorded has a negative value; one that is held from sample to sample, minus half a period.
     """
 
     cutoff_hz: float | None = None
@@ -47,7 +52,7 @@ class Preparation:
     decimation: int | None = None
     trim: tuple[int, int] | None = None
     standstill: float | None = None
-    held: bool = False
+    late: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, value, least in (("decimation", self.decimation, 1), ("standstill", self.standstill, 0.0)):
@@ -58,36 +63,67 @@ class Preparation:
 
 
 def coherent_band(log: Log, model: GeneratedModel) -> float:
-    """Highest frequency at which force and acceleration are coherent, in Hz: above it a log holds only noise.
+    """Highest frequency at which force and motion are coherent, in Hz: above it a log holds only noise.
 
     The magnitude-squared coherence is averaged over segments (Welch); a frequency counts where it exceeds 0.8, and
     the spectrum is smoothed over five lines so that lines of noise do not count.
     """
-    force = next(name for name in model.highest_derivatives if name not in model.measured)
-    highest = {name: order for name, order in model.highest_derivatives.items() if name in model.measured}
-    name = max(highest, key=lambda n: (highest[n], -model.measured.index(n)))
-    motion: FloatArray = derivatives(log[name], log.sampling_period, 2)[1] if highest[name] >= 2 else log[name]
-    length = min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1))
-    if length < 32:
-        return log.sampling_frequency / 5
+    force, name = model.force, model.most_differentiated
+    motion: FloatArray = derivatives(log[name], log.sampling_period, 2)[1]
+    length = _segment(log)
     frequency, coherence = signal.coherence(log[force], motion, fs=log.sampling_frequency, nperseg=length, detrend="linear")
     smooth = np.convolve(np.nan_to_num(coherence), np.full(5, 0.2), mode="same")
     above = np.flatnonzero(smooth > _COHERENT)
     return float(frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 
 
+def quiet_band(log: Log, model: GeneratedModel) -> float:
+    """Highest cutoff at which noise is no more than `_NOISE_SHARE` of the power of the highest derivative, in Hz.
+
+    Noise in the columns of W draws the parameters towards zero by about this share (errors in variables). Its level is
+    that of the log itself above 0.7 of the Nyquist frequency, taken as white.
+    """
+    name = model.most_differentiated
+    frequency, power = signal.welch(log[name], fs=log.sampling_frequency, nperseg=_segment(log), detrend="linear")
+    noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
+    gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[name])
+    share = np.cumsum(noise * gain)[1:] / np.maximum(np.cumsum(power * gain)[1:], np.finfo(float).tiny)
+    quiet = np.flatnonzero(share < _NOISE_SHARE)
+    return float(frequency[1:][quiet[-1]]) if quiet.size else float(frequency[1:][np.argmin(share)])
+
+
+def faithful_band(log: Log, model: GeneratedModel) -> float:
+    """Frequency at which repeated central differences lose 3 % of the highest derivative [36], in Hz.
+
+    Models with derivatives of different orders in one equation are biased by the difference of these losses.
+    """
+    order = max(model.highest_derivatives.values())
+    if order == 0:
+        return log.sampling_frequency / 2
+
+    def excess(frequency: float) -> float:
+        return float(central_difference_gain(frequency, log.sampling_period)) ** order - _FAITHFUL
+
+    return float(brentq(excess, 1e-6 * log.sampling_frequency, 0.5 * log.sampling_frequency))
+
+
+def _segment(log: Log) -> int:
+    return max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
+
+
 def completed(given: Preparation, log: Log, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
-    The cutoff lies 1.5 times above the coherent band, at most at 0.2 of the sampling frequency; the decimation keeps
+    The cutoff is the lowest of 1.5 times the coherent band, the quiet band, and the faithful band; the decimation keeps
     the cutoff below 0.8 of the new Nyquist frequency; trimming leaves out three periods of the cutoff frequency, the
     time in which a Butterworth filter forgets its start to a thousandth.
     """
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
     if cutoff is None:
-        cutoff = float(f"{min(_MARGIN * coherent_band(log, model), 0.2 * rate):.3g}")
+        bands = (_MARGIN * coherent_band(log, model), quiet_band(log, model), faithful_band(log, model))
+        cutoff = float(f"{min(bands):.3g}")
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
     edge = min(math.ceil(3 * rate / cutoff) + max(model.highest_derivatives.values()), log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
-    return Preparation(cutoff, given.order, given.filter_force, decimation, trim, given.standstill, given.held)
+    return replace(given, cutoff_hz=cutoff, decimation=decimation, trim=trim)

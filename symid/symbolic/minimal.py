@@ -64,6 +64,13 @@ class ParameterFunction:
         return {(below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale for m, c in self.numerator.terms()}
 
     @property
+    def names(self) -> set[str]:
+        """Names of the physical parameters in it."""
+        ring = self.numerator.ring
+        parts = (self.numerator, self.denominator)
+        return {str(x) for i, x in enumerate(ring.symbols) if any(part.degree(i) > 0 for part in parts)}
+
+    @property
     def is_linear(self) -> bool:
         """Whether it is a sum of physical parameters times numbers."""
         return self.denominator.is_ground and all(sum(m) == 1 for m in self.numerator.itermonoms())

@@ -103,14 +103,14 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     Returns
     -------
     TriangularSolution or None
-        None if the parameters are not determined, or not in closed form.
+        None if parameters are not determined, or not in closed form. Parameters of which nothing is seen are left out.
     """
     if any(len(parameter.function.numerator) > MOST_TERMS for parameter in model.parameters):
         return None
     names = list(model.source.source.axis.physical_parameters)
     constants = list(model.source.source.constants)
     trial = _Point(model)
-    if trial.undetermined() or trial.triangular().left:
+    if trial.undetermined() & set().union(*(p.function.names for p in model.parameters)) or trial.triangular().left:
         return None
     field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
     ring = PolyRing(names, field)
@@ -144,7 +144,7 @@ def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[s
             else:
                 a, b, c = (sp.factor(part) for part in parts)
                 values[symbol] = (-b + sign[step.unknown] * sp.sqrt(b**2 - 4 * a * c)) / (2 * a)
-        branches.append({name: values[sp.Symbol(name)] for name in names})
+        branches.append({name: values[symbol] for name in names if (symbol := sp.Symbol(name)) in values})
     return tuple(branches)
 
 
