@@ -12,6 +12,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
 OUTPUT = ("Fm",)
+OUTPUT_UNITS = ("N",)
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "kg*s", "X7": "kg*s^2"}
 PHYSICAL_PARAMETERS = ("Mm", "Fvm", "Fsm", "Kt", "Ft", "Ml", "Fvl")

@@ -13,6 +13,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("Fm", "Fm")
+OUTPUT_UNITS = ("N", "N")
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
 MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N*s/m", "X4": "N", "X5": "N/m", "X6": "kg", "X7": "N*s/m"}
 PHYSICAL_PARAMETERS = ("Mm", "Fvm", "Fsm", "Kt", "Ft", "Ml", "Fvl")

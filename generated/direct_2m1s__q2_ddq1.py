@@ -13,6 +13,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "ddq1", "ddq1_d1", "ddq1_d2")
 OUTPUT = ("Fm", "-Fm_d2")
+OUTPUT_UNITS = ("N", "kg*m/s^4")
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6")
 MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N", "X4": "kg", "X5": "N*s/m", "X6": "N/m"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm")

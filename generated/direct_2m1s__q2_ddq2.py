@@ -12,6 +12,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "ddq2", "ddq2_d1", "ddq2_d2")
 OUTPUT = ("Fm",)
+OUTPUT_UNITS = ("N",)
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "kg*s", "X7": "kg*s^2"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm")

@@ -13,6 +13,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "Fm_d3", "Fm_d4", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "q2_d5", "q2_d6")
 OUTPUT = ("Fm",)
+OUTPUT_UNITS = ("N",)
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7", "X8", "X9", "X10", "X11")
 MINIMAL_UNITS = {"X1": "s^4", "X2": "s^3", "X3": "s^2", "X4": "s", "X5": "N*s/m", "X6": "N", "X7": "kg", "X8": "kg*s", "X9": "kg*s^2", "X10": "kg*s^3", "X11": "kg*s^4"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml")

@@ -14,6 +14,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "ddq1", "ddq1_d1", "ddq1_d2")
 OUTPUT = ("Fm", "-Fm_d2")
+OUTPUT_UNITS = ("N", "kg*m/s^4")
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7", "X8", "X9", "X10", "X11", "X12")
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "kg", "X7": "kg*s", "X8": "kg*s", "X9": "kg*s^2", "X10": "kg", "X11": "N*s/m", "X12": "N/m"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml")

@@ -14,6 +14,7 @@ FORMAT = 1
 
 SIGNALS = ("Fm", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "ddq1", "ddq1_d1", "ddq1_d2", "ddql", "ddql_d1")
 OUTPUT = ("Fm", "-Fm_d2", "Fm_d2")
+OUTPUT_UNITS = ("N", "kg*m/s^4", "kg*m/s^4")
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7", "X8", "X9")
 MINIMAL_UNITS = {"X1": "kg", "X2": "kg", "X3": "N*s/m", "X4": "N", "X5": "kg", "X6": "N*s/m", "X7": "N/m", "X8": "N*s/m", "X9": "N/m"}
 PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml")

@@ -12,6 +12,7 @@ FORMAT = 1
 
 SIGNALS = ("F", "q_d1", "q_d2")
 OUTPUT = ("F",)
+OUTPUT_UNITS = ("N",)
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4")
 MINIMAL_UNITS = {"X1": "kg", "X2": "N*s/m", "X3": "N", "X4": "N"}
 PHYSICAL_PARAMETERS = ("M", "Fv", "Fc", "OF")

@@ -12,6 +12,7 @@ FORMAT = 1
 
 SIGNALS = ("iq", "iq_d1", "iq_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
 OUTPUT = ("iq",)
+OUTPUT_UNITS = ("A",)
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6")
 MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "s*A/rad", "X4": "s^2*A/rad", "X5": "s^3*A/rad", "X6": "s^4*A/rad"}
 PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")

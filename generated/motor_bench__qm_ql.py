@@ -13,6 +13,7 @@ FORMAT = 1
 
 SIGNALS = ("iq", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("iq", "iq")
+OUTPUT_UNITS = ("A", "A")
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
 MINIMAL_UNITS = {"X1": "s^2*A/rad", "X2": "s*A/rad", "X3": "s*A/rad", "X4": "A/rad", "X5": "A", "X6": "s^2*A/rad", "X7": "s*A/rad"}
 PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")

@@ -10,10 +10,10 @@ import click
 from symid.errors import SymidError
 
 COMMANDS = {
-    "demo": "symid.cli.demo",
-    "show": "symid.cli.show",
-    "generate": "symid.cli.generate",
-    "identify": "symid.cli.identify",
+    "demo": "Identify the shipped EMPS axis from its real log.",
+    "show": "Equations, regressor and parameter maps of an axis.",
+    "generate": "Write the generated modules of axes.",
+    "identify": "Parameters and their deviations from logs.",
 }
 
 
@@ -23,10 +23,14 @@ class _Commands(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(COMMANDS[cmd_name]).command
+        command = import_module(f"symid.cli.{cmd_name}").command
         assert isinstance(command, click.Command)
         return command
 

@@ -29,8 +29,8 @@ class GeneratedModel:
         That of the declaration it was generated from.
     signals : tuple of str
         Flat names of the arguments of the functions, in order.
-    output_names : tuple of str
-        What each equation has on its left-hand side.
+    output_names, output_units : tuple of str
+        What each equation has on its left-hand side, and its unit.
     minimal_units, physical_units : mapping of str to str
         Names and units of the parameters, in order.
     signed : tuple of str
@@ -54,6 +54,7 @@ class GeneratedModel:
     signature: str
     signals: tuple[str, ...]
     output_names: tuple[str, ...]
+    output_units: tuple[str, ...]
     minimal_units: Mapping[str, str]
     physical_units: Mapping[str, str]
     signed: tuple[str, ...]
@@ -76,6 +77,7 @@ class GeneratedModel:
             signature=namespace["SIGNATURE"],
             signals=namespace["SIGNALS"],
             output_names=namespace["OUTPUT"],
+            output_units=namespace["OUTPUT_UNITS"],
             minimal_units=MappingProxyType(namespace["MINIMAL_UNITS"]),
             physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
             signed=namespace["SIGNED"],

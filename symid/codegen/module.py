@@ -13,6 +13,7 @@ from symid.signals import split_derivative
 from symid.symbolic.expressions import is_smooth
 from symid.symbolic.parameter_map import inverse_map
 from symid.symbolic.pipeline import DerivedModel
+from symid.units import Unit
 from symid.symbolic.triangular import TriangularSolution
 
 
@@ -30,6 +31,7 @@ FORMAT = {format}
 
 SIGNALS = {signals}
 OUTPUT = {output_names}
+OUTPUT_UNITS = {output_units}
 MINIMAL_PARAMETERS = {minimal}
 MINIMAL_UNITS = {minimal_units}
 PHYSICAL_PARAMETERS = {physical}
@@ -108,6 +110,7 @@ def module_text(model: DerivedModel) -> str:
         format=FORMAT,
         signals=_tuple(signals),
         output_names=_tuple([str(y) for y in minimal.output]),
+        output_units=_tuple([_output_unit(model, y) for y in minimal.output]),
         minimal=_tuple([p.name for p in minimal.parameters]),
         minimal_units=_dictionary({p.name: str(p.unit) for p in minimal.parameters}),
         physical=_tuple(list(physical)),
@@ -139,6 +142,13 @@ def _signals(model: DerivedModel) -> tuple[str, ...]:
     names = [name for name in written if name not in minimal.source.source.constants]
     ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
     return tuple(sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1])))
+
+
+def _output_unit(model: DerivedModel, output: sp.Expr) -> str:
+    """Unit of an output: that of its signal by time to the order of derivative."""
+    ((name,), units) = signal_names([output]), model.axis.signal_units
+    signal, order = split_derivative(name)
+    return str(units[signal] / Unit.of("s") ** order)
 
 
 def _log_parameters(model: DerivedModel) -> tuple[str, ...]:

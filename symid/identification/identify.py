@@ -72,7 +72,7 @@ class Identification:
         Covariance corrected for the correlation of the residual.
     physical : tuple of PhysicalEstimate
         One for each branch of the inverse map, the physically possible ones first; with classical deviations.
-    physical_correlated : tuple of PhysicalEstimate
+    physical_corrected : tuple of PhysicalEstimate
         The same with corrected deviations.
     status : str
         "ok", or what keeps the result from being complete.
@@ -88,7 +88,7 @@ class Identification:
     fit: LeastSquares
     correlated: CorrelatedCovariance
     physical: tuple[PhysicalEstimate, ...]
-    physical_correlated: tuple[PhysicalEstimate, ...]
+    physical_corrected: tuple[PhysicalEstimate, ...]
     status: Status
     message: str
     notes: tuple[str, ...]
@@ -104,6 +104,11 @@ class Identification:
         if not self.physical:
             return {}
         return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
+
+    @property
+    def output_units(self) -> dict[str, str]:
+        """Unit of each output, by its name."""
+        return dict(zip(self.model.output_names, self.model.output_units, strict=True))
 
     @property
     def residuals(self) -> tuple[EquationResidual, ...]:
@@ -172,7 +177,7 @@ def identify(
     if len(blocks) == 1 and fit.status == "ok":
         fit = refine(blocks[0].W, blocks[0].y, fit, blocks[0].valid)
     correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
-    physical, physical_correlated = _physical(model, fit, correlated, nominal)
+    physical, physical_corrected = _physical(model, fit, correlated, nominal)
     status, message = _verdict(model, fit, physical)
     return Identification(
         model=model,
@@ -181,7 +186,7 @@ def identify(
         fit=fit,
         correlated=correlated,
         physical=physical,
-        physical_correlated=physical_correlated,
+        physical_corrected=physical_corrected,
         status=status,
         message=message,
         notes=tuple(note for log in runs for note in log.notes),

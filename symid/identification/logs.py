@@ -1,0 +1,55 @@
+"""Which columns an axis expects of a log, and which of its sensors a log holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from symid.axis import Axis
+from symid.data import Log
+from symid.errors import LogError
+from symid.units import Unit
+
+
+def axis_columns(axis: Axis, measured: Sequence[str] | None = None) -> tuple[dict[str, Unit], Mapping[str, tuple[str, float]]]:
+    """Signals and units that an axis expects of a log, and the command from which its force can be made.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    measured : sequence of str, optional
+        Sensors to use; all by default.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> axis_columns(load_axis("emps"))[1]
+    {'F': ('vir', 35.15065188248547)}
+    """
+    used = {sensor.signal for sensor in axis.measured(tuple(measured))} if measured else {s.signal for s in axis.sensors}
+    expected = {name: unit for name, unit in axis.signal_units.items() if name == axis.drive.signal or name in used}
+    drive = axis.drive
+    if drive.command is None or drive.gain is None:
+        return expected, {}
+    return expected, {drive.signal: (drive.command, drive.gain)}
+
+
+def measured_signals(axis: Axis, logs: Sequence[Log], measured: Sequence[str] | None = None) -> tuple[str, ...]:
+    """Sensors to use: those asked for, else those that all logs hold.
+
+    Raises
+    ------
+    LogError
+        If a log lacks the force or a sensor that is needed.
+    """
+    held = [sensor.signal for sensor in axis.sensors if all(sensor.signal in log.signals for log in logs)]
+    wanted = list(measured) if measured else held
+    needed = [axis.drive.signal, *(wanted or [axis.sensors[0].signal])]
+    for log in logs:
+        missing = [name for name in needed if name not in log.signals]
+        if missing:
+            raise LogError(
+                f"{log.source}: there is no column for {', '.join(missing)}, which axis {axis.name!r} needs: "
+                f"map one with --column {missing[0]}=NAME"
+            )
+    return tuple(wanted)

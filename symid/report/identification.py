@@ -1,0 +1,193 @@
+"""An identification as a JSON record and as a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from symid.arrays import FloatArray
+from symid.estimation.least_squares import relative_standard_deviation
+from symid.identification import EquationResidual, Identification
+
+
+def identification_record(
+    found: Identification, validation: tuple[str, Sequence[EquationResidual]] | None = None
+) -> dict[str, Any]:
+    """What `symid identify --json` writes.
+
+    Deviations come twice: ``std`` is the classical one of the paper [22]-[30], which takes the residual as white;
+    ``std_corrected`` allows for its correlation.
+    """
+    prepared = found.observations[0].preparation
+    record: dict[str, Any] = {
+        "axis": found.model.axis,
+        "measured": list(found.model.measured),
+        "method": found.fit.method,
+        "log": list(found.logs),
+        "status": found.status,
+        "message": found.message,
+        "notes": list(found.notes),
+        "filter": {
+            "cutoff_hz": prepared.cutoff_hz,
+            "order": prepared.order,
+            "decimation": prepared.decimation,
+            "force_filtered": prepared.filter_force,
+            "trim": list(prepared.trim or ()),
+            "late_s": dict(prepared.late),
+        },
+        "samples": max(found.fit.rows),
+        "rows": list(found.fit.rows),
+        "condition_number": found.fit.condition_number,
+        "condition_number_scaled": found.fit.condition_number_scaled,
+        "minimal": _parameters(
+            found.model.minimal_units, found.fit.parameters, found.fit.standard_deviations, found.correlated.standard_deviations
+        ),
+        "physical": _physical(found, 0),
+        "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
+        "relations": _relations(found),
+        "residual": _residuals(found, found.residuals),
+        "correlation": {
+            "status": found.correlated.status,
+            "bandwidth": found.correlated.bandwidth,
+            "effective_samples": found.correlated.effective_samples,
+        },
+        "assumptions": list(found.model.assumptions),
+    }
+    if validation is not None:
+        record["validation"] = {"log": validation[0], "residual": _residuals(found, validation[1])}
+    return record
+
+
+def _parameters(units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray) -> dict[str, dict[str, Any]]:
+    relative = relative_standard_deviation(values, stds)
+    relative_corrected = relative_standard_deviation(values, corrected)
+    return {
+        name: {
+            "value": float(values[i]),
+            "std": float(stds[i]),
+            "relative_std_percent": float(relative[i]),
+            "std_corrected": float(corrected[i]),
+            "relative_std_corrected_percent": float(relative_corrected[i]),
+            "unit": unit,
+        }
+        for i, (name, unit) in enumerate(units.items())
+    }
+
+
+def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
+    if branch >= len(found.physical):
+        return {}
+    estimate = found.physical[branch]
+    corrected = np.full(estimate.parameters.shape, np.nan)
+    if branch < len(found.physical_corrected):
+        corrected = found.physical_corrected[branch].standard_deviations
+    return _parameters(found.model.physical_units, estimate.parameters, estimate.standard_deviations, corrected)
+
+
+def _relations(found: Identification) -> dict[str, Any] | None:
+    """How far the minimal parameters disagree with the structure that relates them."""
+    if not found.physical_corrected or not found.physical_corrected[0].relations:
+        return None
+    estimate = found.physical_corrected[0]
+    return {
+        "count": estimate.relations,
+        "chi_square": estimate.disagreement,
+        "probability": estimate.disagreement_probability,
+    }
+
+
+def _residuals(found: Identification, residuals: Sequence[EquationResidual]) -> dict[str, dict[str, Any]]:
+    names = _distinct([residual.output for residual in residuals])
+    return {
+        name: {
+            "rms": r.rms,
+            "relative": r.relative,
+            "unit": found.output_units.get(r.output, ""),
+            "norm": r.norm,
+            "std": r.deviation,
+            "rows": r.rows,
+        }
+        for name, r in zip(names, residuals, strict=True)
+    }
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Names of equations; one that occurs again gets the number of its equation."""
+    return [name if names.index(name) == i else f"{name} (equation {i + 1})" for i, name in enumerate(names)]
+
+
+def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
+    """Print what `identification_record` holds."""
+    console = console or Console(highlight=False, soft_wrap=True)
+    console.print(f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}", markup=True)
+    settings = record["filter"]
+    console.print(
+        f"{sum(record['rows'])} rows, cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), decimation {settings['decimation']}, "
+        f"condition {record['condition_number']:.6g} ({record['condition_number_scaled']:.4g} scaled)\n"
+    )
+    if record["physical"]:
+        console.print(_parameter_table("Physical parameters", record["physical"]))
+    for i, branch in enumerate(record["physical_branches"]):
+        console.print(_parameter_table(f"Physical parameters, solution {i + 2}", branch))
+    if any(record["minimal"][x]["value"] != p["value"] for x, p in zip(record["minimal"], record["physical"].values(), strict=False)):
+        console.print(_parameter_table("Minimal parameters", record["minimal"]))
+    if not record["physical"]:
+        console.print(_parameter_table("Minimal parameters", record["minimal"]))
+    console.print(_residual_table("Residual", record["residual"]))
+    if "validation" in record:
+        console.print(_residual_table(f"Residual on {record['validation']['log']}", record["validation"]["residual"]))
+    relations = record["relations"]
+    if relations is not None:
+        console.print(
+            f"{relations['count']} relation(s) between the minimal parameters disagree by chi-square {relations['chi_square']:.3g} "
+            f"(probability {relations['probability']:.2g} if structure and noise are as assumed)"
+        )
+    for line in (*record["notes"], *record["assumptions"]):
+        console.print(f"note: {line}", markup=False)
+    if record["status"] != "ok":
+        console.print(f"[bold]{record['status']}[/bold]: {record['message']}")
+
+
+def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    table.add_column("")
+    for heading in ("value", "std", "std corrected", "% of value"):
+        table.add_column(heading, justify="right")
+    table.add_column("unit")
+    for name, p in parameters.items():
+        std, corrected = p["std"], p["std_corrected"]
+        table.add_row(
+            name, _rounded(p["value"], std), _rounded(std, std), _rounded(corrected, corrected), _percent(p["relative_std_corrected_percent"]), p["unit"]
+        )
+    return table
+
+
+def _residual_table(title: str, residuals: dict[str, dict[str, Any]]) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    table.add_column("output")
+    for heading in ("rows", "norm", "rms", "std", "relative"):
+        table.add_column(heading, justify="right")
+    table.add_column("unit")
+    for name, r in residuals.items():
+        relative = f"{100 * r['relative']:.4f} %" if math.isfinite(r["relative"]) else "-"
+        table.add_row(name, str(r["rows"]), f"{r['norm']:.7g}", f"{r['rms']:.5g}", f"{r['std']:.5g}", relative, r["unit"])
+    return table
+
+
+def _rounded(value: float, deviation: float) -> str:
+    """Value with the digits that its deviation leaves, and some more for comparison."""
+    if not math.isfinite(value):
+        return "-"
+    if not math.isfinite(deviation) or deviation <= 0 or value == 0:
+        return f"{value:.7g}"
+    digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(deviation)) + 5
+    return f"{value:.{min(max(digits, 4), 10)}g}"
+
+
+def _percent(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "-"
