@@ -67,7 +67,7 @@ def minimal_parameters(Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 2 solutions."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 2."""
     a = 1
     b = (-4*X1**2*X3 + 2*X1*X2**2*X3 - 2*X1*X2*X5 + 4*X1*X6 - 2*X2*X7)/(4*X1**2 - X1*X2**2)
     c = (X1**3*X3**2 - X1**2*X2**2*X3**2 + X1**2*X2*X3*X5 - 2*X1**2*X3*X6 + X1*X2**2*X3*X6 + X1*X2*X3*X7 - X1*X2*X5*X6 + X1*X6**2 - X2**3*X3*X7 + X2**2*X5*X7 - X2*X6*X7)/(4*X1**3 - X1**2*X2**2)

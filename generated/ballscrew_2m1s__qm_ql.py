@@ -65,7 +65,7 @@ def minimal_parameters(Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     Mm = X1
     Ml = X6
     Kt = X5

@@ -64,7 +64,7 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     Ms = X7*(X2*X3 - X5)/(X1*X2*X3 - X1*X5 + X7)
     Mm = -X2*X3 + X5
     Ks = Mm*Ms/X7

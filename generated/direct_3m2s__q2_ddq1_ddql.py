@@ -69,7 +69,7 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     Ms = X5
     Mm = X1
     Ml = X2

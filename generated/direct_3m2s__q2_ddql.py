@@ -83,7 +83,7 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     Kl = -X10*(X12 + X2*X3 - X5)/(X2*X3 - X5)
     Fl = -X12*(X12*X2 + X2**2*X3 - X2*X5 + X8)/X9
     Ks = -X12*(X2*X3 - X5)/(X1*X12 - X9)

@@ -59,7 +59,7 @@ def minimal_parameters(M, Fvp, Fcp, Fvn, Fcn):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     M = X1
     Fvp = X2
     Fvn = X4

@@ -14,9 +14,9 @@ SIGNALS = ("iq", "iq_d1", "iq_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
 OUTPUT = ("iq",)
 OUTPUT_UNITS = ("A",)
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6")
-MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "s*A/rad", "X4": "s^2*A/rad", "X5": "s^3*A/rad", "X6": "s^4*A/rad"}
+MINIMAL_UNITS = {"X1": "s^2", "X2": "s", "X3": "A*s/rad", "X4": "A*s^2/rad", "X5": "A*s^3/rad", "X6": "A*s^4/rad"}
 PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")
-PHYSICAL_UNITS = {"Jm": "s^2*A/rad", "Fvm": "s*A/rad", "Kt": "A/rad", "Ft": "s*A/rad", "Pt": "A", "Jl": "s^2*A/rad", "Fvl": "s*A/rad"}
+PHYSICAL_UNITS = {"Jm": "A*s^2/rad", "Fvm": "A*s/rad", "Kt": "A/rad", "Ft": "A*s/rad", "Pt": "A", "Jl": "A*s^2/rad", "Fvl": "A*s/rad"}
 SIGNED = ("Pt",)  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
@@ -66,7 +66,7 @@ def minimal_parameters(Jm, Fvm, Kt, Ft, Pt, Jl, Fvl):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 2 solutions."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 2."""
     Pt = np.nan  # not seen by these sensors
     a = 1
     b = (-4*X1**2*X3 + 2*X1*X2**2*X3 - 2*X1*X2*X4 + 4*X1*X5 - 2*X2*X6)/(4*X1**2 - X1*X2**2)

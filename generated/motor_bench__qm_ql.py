@@ -15,9 +15,9 @@ SIGNALS = ("iq", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("iq", "iq")
 OUTPUT_UNITS = ("A", "A")
 MINIMAL_PARAMETERS = ("X1", "X2", "X3", "X4", "X5", "X6", "X7")
-MINIMAL_UNITS = {"X1": "s^2*A/rad", "X2": "s*A/rad", "X3": "s*A/rad", "X4": "A/rad", "X5": "A", "X6": "s^2*A/rad", "X7": "s*A/rad"}
+MINIMAL_UNITS = {"X1": "A*s^2/rad", "X2": "A*s/rad", "X3": "A*s/rad", "X4": "A/rad", "X5": "A", "X6": "A*s^2/rad", "X7": "A*s/rad"}
 PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")
-PHYSICAL_UNITS = {"Jm": "s^2*A/rad", "Fvm": "s*A/rad", "Kt": "A/rad", "Ft": "s*A/rad", "Pt": "A", "Jl": "s^2*A/rad", "Fvl": "s*A/rad"}
+PHYSICAL_UNITS = {"Jm": "A*s^2/rad", "Fvm": "A*s/rad", "Kt": "A/rad", "Ft": "A*s/rad", "Pt": "A", "Jl": "A*s^2/rad", "Fvl": "A*s/rad"}
 SIGNED = ("Pt",)  # physical parameters that may be negative
 PER_LOG = ("X5",)  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
@@ -64,7 +64,7 @@ def minimal_parameters(Jm, Fvm, Kt, Ft, Pt, Jl, Fvl):
 
 
 def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     Pt = X5
     Kt = X4
     Jm = X1

@@ -56,7 +56,7 @@ def minimal_parameters(M, Fv, Fs):
 
 
 def physical_parameters(X1, X2, X3, branch=0):
-    """Physical parameters of minimal ones, of shape (n_physical,); `branch` chooses among 1 solution."""
+    """Physical parameters of minimal ones, of shape (n_physical,); `branch` is below 1."""
     M = X1
     Fv = X2
     Fs = X3

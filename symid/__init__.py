@@ -1,5 +1,7 @@
 """symid: declare a machine axis, derive its regressors, identify it, and learn why simulation and machine differ."""
 
+from typing import TYPE_CHECKING, Any
+
 from symid.axis import (
     GROUND,
     Acceleration,
@@ -24,5 +26,74 @@ from symid.axis import (
     chain,
     load_axis,
 )
+from symid.errors import SymidError
+
+if TYPE_CHECKING:
+    from symid.codegen.generate import compiled, plan
+    from symid.codegen.store import load_generated
+    from symid.data import Log, read_log
+    from symid.identification import Identification, Preparation, identify, predict
+    from symid.symbolic import DerivedModel, derive
 
 __version__ = "0.1.0"
+
+_ROOMS = {
+    "compiled": "symid.codegen.generate",
+    "derive": "symid.symbolic",
+    "DerivedModel": "symid.symbolic",
+    "identify": "symid.identification",
+    "Identification": "symid.identification",
+    "load_generated": "symid.codegen.store",
+    "Log": "symid.data",
+    "plan": "symid.codegen.generate",
+    "predict": "symid.identification",
+    "Preparation": "symid.identification",
+    "read_log": "symid.data",
+}
+"""Rooms that load sympy or scipy, opened when a name is used: declaring an axis needs neither."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ROOMS:
+        raise AttributeError(f"module 'symid' has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(_ROOMS[name]), name)
+
+
+__all__ = [
+    "GROUND",
+    "Acceleration",
+    "AsymmetricFriction",
+    "Axis",
+    "Between",
+    "Body",
+    "CoulombFriction",
+    "Damper",
+    "DerivedModel",
+    "Drive",
+    "Geared",
+    "Identification",
+    "Law",
+    "Log",
+    "OffsetForce",
+    "PendulumWeight",
+    "Position",
+    "Preparation",
+    "Spring",
+    "SymidError",
+    "Term",
+    "UnknownZero",
+    "Velocity",
+    "ViscousFriction",
+    "Weight",
+    "chain",
+    "compiled",
+    "derive",
+    "identify",
+    "load_axis",
+    "load_generated",
+    "plan",
+    "predict",
+    "read_log",
+]

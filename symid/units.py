@@ -15,7 +15,7 @@ from symid.errors import LogError
 if TYPE_CHECKING:
     import pint
 
-BASE_UNITS = ("kg", "m", "s", "A", "rad", "V")
+BASE_UNITS = ("kg", "A", "V", "m", "s", "rad")
 """Base units in printing order. The volt is kept as its own unit: drives are often identified in volts."""
 
 
@@ -106,7 +106,7 @@ def _power(name: str, power: int) -> str:
 
 
 @cache
-def _registry() -> pint.UnitRegistry:
+def _registry() -> pint.UnitRegistry[float]:
     # pint takes half a second to load; logs in plain SI never need it.
     import pint
 
@@ -144,11 +144,15 @@ def to_si(text: str, expected: Unit | None = None) -> float:
     registry = _registry()
     try:
         quantity = registry.Quantity(1.0, registry.parse_units(text)).to_base_units()
-    except Exception as error:  # noqa: BLE001 - pint raises a dozen unrelated types on text that is no unit
-        raise LogError(f"unit {text!r} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V") from error
+    except Exception as error:
+        raise LogError(
+            f"unit {text!r} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
+        ) from error
     if expected is not None:
         wanted = registry.parse_units(str(expected).replace("^", "**"))
         if quantity.dimensionality != wanted.dimensionality:
-            raise LogError(f"unit {text!r} does not measure what is expected here: give a unit that converts to {expected}")
+            raise LogError(
+                f"unit {text!r} does not measure what is expected here: give a unit that converts to {expected}"
+            )
         return float(quantity.to(wanted).magnitude)
     return float(quantity.magnitude)

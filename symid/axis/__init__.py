@@ -21,7 +21,15 @@ from symid.axis.elements import (
     Weight,
     derivative_order,
 )
-from symid.axis.laws import AsymmetricFriction, CoulombFriction, Law, OffsetForce, Term, UnknownZero, ViscousFriction
+from symid.axis.laws import (
+    AsymmetricFriction,
+    CoulombFriction,
+    Law,
+    OffsetForce,
+    Term,
+    UnknownZero,
+    ViscousFriction,
+)
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
 
 __all__ = [

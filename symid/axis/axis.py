@@ -104,7 +104,10 @@ class Axis:
     def signal_units(self) -> dict[str, Unit]:
         """Unit of the drive's and of every sensor's signal."""
         second = Unit.of("s")
-        units = {sensor.signal: length_unit(sensor.body) / second ** derivative_order(sensor) for sensor in self.sensors}
+        units = {
+            sensor.signal: length_unit(sensor.body) / second ** derivative_order(sensor)
+            for sensor in self.sensors
+        }
         return {self.drive.signal: self.force_unit(self.drive.at), **units}
 
     @property
@@ -200,4 +203,3 @@ def _canonical(value: object) -> object:
     if isinstance(value, tuple):
         return tuple(_canonical(item) for item in value)
     return value
-

@@ -57,9 +57,18 @@ def chain(
         fault
         for wrong, fault in (
             (masses < 1, f"masses is {masses}: a chain has at least one"),
-            (springs not in (masses - 1, masses), f"springs is {springs}: {masses} masses take {masses - 1} or {masses} springs"),
-            (not 1 <= driven <= max(masses, 1), f"driven is {driven}: it must be one of the masses 1 to {masses}"),
-            (any(not 1 <= i <= masses for i in accelerometers), f"accelerometers {tuple(accelerometers)} must be masses"),
+            (
+                springs not in (masses - 1, masses),
+                f"springs is {springs}: {masses} masses take {masses - 1} or {masses} springs",
+            ),
+            (
+                not 1 <= driven <= max(masses, 1),
+                f"driven is {driven}: it must be one of the masses 1 to {masses}",
+            ),
+            (
+                any(not 1 <= i <= masses for i in accelerometers),
+                f"accelerometers {tuple(accelerometers)} must be masses",
+            ),
         )
         if wrong
     ]

@@ -129,7 +129,8 @@ class OffsetForce(Law):
 class UnknownZero(Law):
     """The force of a spring whose deflection is measured from an unknown zero, as between two incremental encoders.
 
-    It acts like a preload, but has another value in each log: it is estimated with each log and says nothing of the axis.
+    It acts like a preload, but has another value in each log: it is estimated with each log and says nothing
+    of the axis.
     """
 
     preload: str

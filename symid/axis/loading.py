@@ -40,11 +40,15 @@ def axis_file(name_or_path: str) -> Path:
         path = Path(name_or_path).resolve()
         if path.is_file():
             return path
-        raise SymidError(f"there is no axis file {name_or_path!r}: give the path of a file that defines axis = Axis(...)")
+        raise SymidError(
+            f"there is no axis file {name_or_path!r}: give the path of a file that defines axis = Axis(...)"
+        )
     for folder in models_folders():
         if (path := folder / f"{name_or_path}.py").is_file():
             return path
-    raise SymidError(f"there is no axis {name_or_path!r}: choose from {', '.join(axis_names())}, or give a path to a .py file")
+    raise SymidError(
+        f"there is no axis {name_or_path!r}: choose from {', '.join(axis_names())}, or give a path to a .py file"
+    )
 
 
 def load_axis(name_or_path: str) -> Axis:
@@ -67,7 +71,7 @@ def load_axis(name_or_path: str) -> Axis:
         axis = runpy.run_path(str(path)).get("axis")
     except SymidError:
         raise
-    except Exception as error:  # noqa: BLE001 - a user's file can fail in any way
+    except Exception as error:
         raise SymidError(f"axis file {path.name} cannot be run: {type(error).__name__}: {error}") from error
     if not isinstance(axis, Axis):
         raise SymidError(f"axis file {path.name} defines no axis: end it with axis = Axis(...)")

@@ -81,7 +81,8 @@ def _field_faults(element: object) -> Iterator[str]:
         value = getattr(element, field, None)
         allowed = (Body, Between) if field == "at" else (Body, Ground)
         if value is not None and not isinstance(value, allowed):
-            yield f"{label}: {field}={value!r} must be the {' or '.join(kind.__name__ for kind in allowed)} object itself"
+            kinds = " or ".join(kind.__name__ for kind in allowed)
+            yield f"{label}: {field}={value!r} must be the {kinds} object itself"
         if isinstance(value, Between):
             for end in (value.first, value.second):
                 if not isinstance(end, (Body, Ground)):
@@ -171,7 +172,12 @@ def _number_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
     if drive.gain is not None:
         numbers.append(("drive: gain", drive.gain))
     for what, value in numbers:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or value == 0:
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, (int, float))
+            or not math.isfinite(value)
+            or value == 0
+        ):
             yield f"{what} is {value!r}: it must be a finite number other than 0"
     if (drive.command is None) != (drive.gain is None):
         yield "drive: command and gain belong together: give both or neither"
@@ -231,6 +237,9 @@ def _label(element: object) -> str:
     if isinstance(element, Drive):
         return "drive"
     at = getattr(element, "at", None) or getattr(element, "body", None)
-    ends = " and ".join(repr(name) for name in _ends(at)) if isinstance(at, Between) else repr(getattr(at, "name", at))
+    ends = (
+        " and ".join(repr(name) for name in _ends(at))
+        if isinstance(at, Between)
+        else repr(getattr(at, "name", at))
+    )
     return f"{kind} at {ends}"
-

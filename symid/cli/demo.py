@@ -12,7 +12,9 @@ from symid.identification import Preparation, identify, predict
 from symid.identification.logs import axis_columns
 from symid.report.identification import identification_record, print_identification
 
-PUBLISHED_RECIPE = Preparation(cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0)
+PUBLISHED_RECIPE = Preparation(
+    cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0
+)
 """Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 
 

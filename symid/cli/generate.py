@@ -14,7 +14,9 @@ from symid.codegen.store import write
 @click.command("generate", epilog="Example: symid generate direct_2m1s")
 @click.argument("axes", nargs=-1, metavar="[AXIS ...]")
 @measured_option
-@click.option("--check", is_flag=True, help="Write nothing; exit with 1 and print a diff if anything is stale.")
+@click.option(
+    "--check", is_flag=True, help="Write nothing; exit with 1 and print a diff if anything is stale."
+)
 @json_option
 def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file: str | None) -> None:
     """Write the generated modules of each AXIS (of all axes in models/ by default)."""
@@ -23,10 +25,16 @@ def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file:
     if not check:
         write(files)
     if json_file:
-        write_json({"checked": len(files), "stale" if check else "written": [file.path.name for file in stale]}, json_file)
+        write_json(
+            {"checked": len(files), "stale" if check else "written": [file.path.name for file in stale]},
+            json_file,
+        )
     if json_file != "-":
         for file in stale:
-            print(file.diff() if check else f"{'removed' if file.wanted is None else 'wrote'} {file.path.name}", end="" if check else "\n")
+            print(
+                file.diff() if check else f"{'removed' if file.wanted is None else 'wrote'} {file.path.name}",
+                end="" if check else "\n",
+            )
         print(f"{len(files) - len(stale)} of {len(files)} modules are current")
     if check and stale:
         sys.exit(1)

@@ -9,7 +9,15 @@ from typing import Any
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.options import assignments, json_option, measured_option, number, shared, signal_list, write_json
+from symid.cli.options import (
+    assignments,
+    json_option,
+    measured_option,
+    number,
+    shared,
+    signal_list,
+    write_json,
+)
 from symid.codegen import load_generated
 from symid.data import Log, read_log
 from symid.errors import SettingError
@@ -19,34 +27,85 @@ from symid.report.identification import identification_record, print_identificat
 from symid.units import Unit, to_si
 
 log_options = shared(
-    click.option("--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."),
-    click.option("--unit", multiple=True, metavar="SIGNAL=UNIT", help="Unit of a signal's column, such as q2=mm."),
-    click.option("--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."),
+    click.option(
+        "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."
+    ),
+    click.option(
+        "--unit", multiple=True, metavar="SIGNAL=UNIT", help="Unit of a signal's column, such as q2=mm."
+    ),
+    click.option(
+        "--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."
+    ),
 )
 
 preparation_options = shared(
-    click.option("--cutoff", metavar="HZ", help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log]."),
+    click.option(
+        "--cutoff",
+        metavar="HZ",
+        help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log].",
+    ),
     click.option("--order", default=4, show_default=True, help="Order of one pass of the filter."),
-    click.option("--filter", "filtered", type=click.Choice(["all", "motion"]), default="all", show_default=True, help="Whether the force passes the filter too."),
-    click.option("--decimation", type=int, metavar="N", help="One row for every N samples [chosen from the cutoff]."),
-    click.option("--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."),
-    click.option("--standstill", metavar="SPEED", help="Speed below which rows do not enter friction equations; 0 keeps all [1 % of the highest]."),
-    click.option("--held", multiple=True, metavar="SIGNAL", help="A force that is held from sample to sample, so that it acts half a sample late."),
-    click.option("--late", multiple=True, metavar="SIGNAL=TIME", help="Time by which a signal was recorded late, such as q2=125us."),
+    click.option(
+        "--filter",
+        "filtered",
+        type=click.Choice(["all", "motion"]),
+        default="all",
+        show_default=True,
+        help="Whether the force passes the filter too.",
+    ),
+    click.option(
+        "--decimation", type=int, metavar="N", help="One row for every N samples [chosen from the cutoff]."
+    ),
+    click.option(
+        "--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."
+    ),
+    click.option(
+        "--standstill",
+        metavar="SPEED",
+        help="Speed below which rows do not enter friction equations; 0 keeps all [1 % of the highest].",
+    ),
+    click.option(
+        "--held",
+        multiple=True,
+        metavar="SIGNAL",
+        help="A force that is held from sample to sample, so that it acts half a sample late.",
+    ),
+    click.option(
+        "--late",
+        multiple=True,
+        metavar="SIGNAL=TIME",
+        help="Time by which a signal was recorded late, such as q2=125us.",
+    ),
 )
 
 
 @click.command("identify", epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm")
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
-@click.option("--method", type=click.Choice(["wls", "ols"]), default="wls", show_default=True, help="Weighted or ordinary least squares.")
+@click.option(
+    "--method",
+    type=click.Choice(["wls", "ols"]),
+    default="wls",
+    show_default=True,
+    help="Weighted or ordinary least squares.",
+)
 @measured_option
 @log_options
 @preparation_options
-@click.option("--ddof", type=int, help="Subtracted from the rows in the residual's deviation [the number of parameters].")
-@click.option("--nominal", metavar="P.json", help="Nominal parameters, a start where the inverse map has no closed form.")
+@click.option(
+    "--ddof",
+    type=int,
+    help="Subtracted from the rows in the residual's deviation [the number of parameters].",
+)
+@click.option(
+    "--nominal",
+    metavar="P.json",
+    help="Nominal parameters, a start where the inverse map has no closed form.",
+)
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
-@click.option("--plot", metavar="FILE", help="Draw measured and predicted force and the residual (png, svg or pdf).")
+@click.option(
+    "--plot", metavar="FILE", help="Draw measured and predicted force and the residual (png, svg or pdf)."
+)
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
@@ -68,7 +127,9 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
         plot_identification(found, options["plot"], validation)
-    record = identification_record(found, None if validation is None else (options["validation"], validation[1]))
+    record = identification_record(
+        found, None if validation is None else (options["validation"], validation[1])
+    )
     if options["json_file"]:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
@@ -76,7 +137,9 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 
 
 def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
-    gains = {name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()}
+    gains = {
+        name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
+    }
     expected, alternatives = axis_columns(declared, signal_list(options["measured"]))
     return read_log(
         file,
@@ -94,7 +157,9 @@ def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparati
         late[signal] = late.get(signal, 0.0) - log.sampling_period / 2
     unknown = [name for name in late if name not in declared.signal_units]
     if unknown:
-        raise SettingError(f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}")
+        raise SettingError(
+            f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
+        )
     return Preparation(
         cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
         order=options["order"],
@@ -109,7 +174,9 @@ def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparati
 def _seconds(text: str, signal: str) -> float:
     """A time such as 125us or -0.0001."""
     digits = text.rstrip("abcdefghijklmnopqrstuvwxyzµ")
-    return number(digits, f"--late {signal}") * (to_si(text[len(digits) :], Unit.of("s")) if len(digits) < len(text) else 1.0)
+    return number(digits, f"--late {signal}") * (
+        to_si(text[len(digits) :], Unit.of("s")) if len(digits) < len(text) else 1.0
+    )
 
 
 def _trim(text: str | None) -> tuple[int, int] | None:
@@ -130,10 +197,12 @@ def _nominal(file: str | None, declared: Axis) -> dict[str, float] | None:
         values = json.loads(Path(file).read_text(encoding="utf-8"))
         nominal = {str(name): float(value) for name, value in values.items()}
     except (ValueError, TypeError, AttributeError) as error:
-        raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})') from error
+        raise SettingError(
+            f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})'
+        ) from error
     missing = [name for name in declared.physical_parameters if name not in nominal]
     if missing:
-        raise SettingError(f"{file} lacks {', '.join(missing)}: give a value for each physical parameter of {declared.name!r}")
+        raise SettingError(
+            f"{file} lacks {', '.join(missing)}: give a value for each physical parameter of {declared.name!r}"
+        )
     return nominal
-
-

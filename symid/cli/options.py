@@ -13,7 +13,9 @@ import click
 
 from symid.errors import SettingError
 
-json_option = click.option("--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output).")
+json_option = click.option(
+    "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
+)
 measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
 
 

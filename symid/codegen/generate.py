@@ -6,9 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from symid.axis import axis_file, axis_names, load_axis
-from symid.codegen.module import module_text
-from symid.codegen.store import GeneratedFile, compile_module, generated_folder, module_name, orphans, planned_file
 from symid.codegen.model import GeneratedModel
+from symid.codegen.module import module_text
+from symid.codegen.store import (
+    GeneratedFile,
+    compile_module,
+    generated_folder,
+    module_name,
+    orphans,
+    planned_file,
+)
 from symid.symbolic.pipeline import DerivedModel, derive
 
 

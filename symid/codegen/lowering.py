@@ -19,7 +19,7 @@ class _Printer(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
     """Prints expressions of the law language with ``np`` as NumPy's name."""
 
     def _module_format(self, fqn: str, register: bool = True) -> str:
-        return super()._module_format(fqn, register).replace("numpy.", "np.")
+        return str(super()._module_format(fqn, register)).replace("numpy.", "np.")
 
     def _print_positive(self, expression: Any) -> str:
         return f"np.heaviside({self._print(expression.args[0])}, 0.0)"

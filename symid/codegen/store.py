@@ -49,7 +49,9 @@ class GeneratedFile:
     def diff(self) -> str:
         """Unified diff from what is there to what should be."""
         before, after = (text.splitlines(keepends=True) if text else [] for text in (self.found, self.wanted))
-        return "".join(difflib.unified_diff(before, after, f"{self.path.name} (found)", f"{self.path.name} (wanted)"))
+        return "".join(
+            difflib.unified_diff(before, after, f"{self.path.name} (found)", f"{self.path.name} (wanted)")
+        )
 
 
 def planned_file(path: Path, text: str | None) -> GeneratedFile:
@@ -57,7 +59,9 @@ def planned_file(path: Path, text: str | None) -> GeneratedFile:
     return GeneratedFile(path, text, path.read_text(encoding="utf-8") if path.is_file() else None)
 
 
-def orphans(folder: Path, wanted: Sequence[Path], axes: Sequence[str], *, all_axes: bool) -> Iterator[GeneratedFile]:
+def orphans(
+    folder: Path, wanted: Sequence[Path], axes: Sequence[str], *, all_axes: bool
+) -> Iterator[GeneratedFile]:
     """Modules that no declaration asks for any more: of the given axes, or of any axis."""
     for path in sorted(folder.glob("*__*.py")):
         if path not in wanted and (all_axes or path.name.split("__")[0] in axes):
@@ -78,7 +82,9 @@ def write(files: Sequence[GeneratedFile]) -> None:
         os.replace(unfinished, file.path)
 
 
-def load_generated(axis: str | Axis, measured: Sequence[str] | None = None, folder: Path | None = None) -> GeneratedModel:
+def load_generated(
+    axis: str | Axis, measured: Sequence[str] | None = None, folder: Path | None = None
+) -> GeneratedModel:
     """Generated model of an axis and a set of sensors. Needs no sympy.
 
     Parameters
@@ -102,7 +108,9 @@ def load_generated(axis: str | Axis, measured: Sequence[str] | None = None, fold
     """
     name_or_path = axis.name if isinstance(axis, Axis) else axis
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
-    signals = tuple(sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured)))
+    signals = tuple(
+        sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
+    )
     folder = folder or generated_folder(axis_file(name_or_path))
     path = folder / f"{module_name(declared.name, signals)}.py"
     command = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
@@ -110,7 +118,9 @@ def load_generated(axis: str | Axis, measured: Sequence[str] | None = None, fold
         raise GeneratedModuleError(f"there is no generated module {path.name}; {command}")
     model = compile_module(path.read_text(encoding="utf-8"), path.name, command)
     if model.signature != declared.signature:
-        raise GeneratedModuleError(f"generated module {path.name} is older than the declaration of {declared.name!r}; {command}")
+        raise GeneratedModuleError(
+            f"generated module {path.name} is older than the declaration of {declared.name!r}; {command}"
+        )
     return model
 
 
@@ -126,9 +136,13 @@ def compile_module(text: str, name: str, cure: str = "generate it again") -> Gen
     try:
         exec(compile(text, name, "exec"), namespace)
         if namespace["FORMAT"] != FORMAT:
-            raise GeneratedModuleError(f"generated module {name} has format {namespace['FORMAT']}, this symid reads {FORMAT}; {cure}")
+            raise GeneratedModuleError(
+                f"generated module {name} has format {namespace['FORMAT']}, this symid reads {FORMAT}; {cure}"
+            )
         return GeneratedModel.from_namespace(namespace)
     except GeneratedModuleError:
         raise
-    except Exception as error:  # noqa: BLE001 - a damaged module can fail in any way
-        raise GeneratedModuleError(f"generated module {name} is damaged ({type(error).__name__}: {error}); {cure}") from error
+    except Exception as error:
+        raise GeneratedModuleError(
+            f"generated module {name} is damaged ({type(error).__name__}: {error}); {cure}"
+        ) from error

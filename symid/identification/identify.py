@@ -17,7 +17,11 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.estimation.corrected_covariance import CorrelatedCovariance, ObservationBlock, corrected_covariance_of_blocks
+from symid.estimation.corrected_covariance import (
+    CorrelatedCovariance,
+    ObservationBlock,
+    corrected_covariance_of_blocks,
+)
 from symid.estimation.least_squares import LeastSquares, Method, estimate
 from symid.estimation.refinement import refine
 from symid.estimation.triangular import triangular_factors
@@ -114,7 +118,9 @@ class Identification:
     def residuals(self) -> tuple[EquationResidual, ...]:
         """How well each equation is met, over all logs."""
         equations = range(len(self.model.output_names))
-        return tuple(_residual(self, j, [k * len(equations) + j for k in range(len(self.logs))]) for j in equations)
+        return tuple(
+            _residual(self, j, [k * len(equations) + j for k in range(len(self.logs))]) for j in equations
+        )
 
 
 def identify(
@@ -169,7 +175,9 @@ def identify(
     if not runs:
         raise SettingError("there is no log: give at least one")
     if len(runs) > 1 and model.per_log:
-        raise SettingError(f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify the logs one by one")
+        raise SettingError(
+            f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
+        )
     observations = tuple(observe(model, log, preparation or Preparation()) for log in runs)
     blocks = _blocks(observations)
     factors = [f for o in observations for f in triangular_factors(o.W, o.y, o.valid)]
@@ -216,7 +224,9 @@ def _with_own_parameters(found: Identification, observation: Observation) -> Flo
     if own:
         solution[own] = 0.0
         rest = observation.y - observation.W @ solution
-        solution[own] = estimate(triangular_factors(observation.W[:, :, own], rest, observation.valid), "ols").solution
+        solution[own] = estimate(
+            triangular_factors(observation.W[:, :, own], rest, observation.valid), "ols"
+        ).solution
     return solution
 
 
@@ -237,9 +247,12 @@ def _blocks(observations: Sequence[Observation]) -> list[ObservationBlock]:
 
 
 def _physical(
-    model: GeneratedModel, fit: LeastSquares, correlated: CorrelatedCovariance, nominal: Mapping[str, float] | None
+    model: GeneratedModel,
+    fit: LeastSquares,
+    correlated: CorrelatedCovariance,
+    nominal: Mapping[str, float] | None,
 ) -> tuple[tuple[PhysicalEstimate, ...], tuple[PhysicalEstimate, ...]]:
-    """Physical parameters with classical and with corrected deviations; the values are those of the latter's weights."""
+    """Physical parameters with classical and with corrected deviations."""
     if fit.status != "ok" or not np.all(np.isfinite(fit.covariance)):
         return (), ()
     classical = physical_estimates(model, fit.parameters, fit.covariance, nominal)
@@ -248,17 +261,28 @@ def _physical(
     return classical, physical_estimates(model, fit.parameters, correlated.covariance, nominal)
 
 
-def _verdict(model: GeneratedModel, fit: LeastSquares, physical: tuple[PhysicalEstimate, ...]) -> tuple[Status, str]:
+def _verdict(
+    model: GeneratedModel, fit: LeastSquares, physical: tuple[PhysicalEstimate, ...]
+) -> tuple[Status, str]:
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
-        return "too_few_rows", f"{sum(fit.rows)} rows are left for {len(names)} parameters: give a longer log or --standstill 0"
+        return (
+            "too_few_rows",
+            f"{sum(fit.rows)} rows are left for {len(names)} parameters: give a longer log or --standstill 0",
+        )
     if fit.status == "rank_deficient":
         missing = ", ".join(names[i] for i in fit.undetermined)
         return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
     if not physical:
-        return "no_physical_parameters", "the inverse map has no closed form: give --nominal P.json with nominal values as a start"
+        return (
+            "no_physical_parameters",
+            "the inverse map has no closed form: give --nominal P.json with nominal values as a start",
+        )
     if negative := physical[0].negative(model):
-        return "not_physical", f"{', '.join(negative)} came out negative: the model, the filter or the log does not fit"
+        return (
+            "not_physical",
+            f"{', '.join(negative)} came out negative: the model, the filter or the log does not fit",
+        )
     return "ok", ""
 
 

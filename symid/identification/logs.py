@@ -10,7 +10,9 @@ from symid.errors import LogError
 from symid.units import Unit
 
 
-def axis_columns(axis: Axis, measured: Sequence[str] | None = None) -> tuple[dict[str, Unit], Mapping[str, tuple[str, float]]]:
+def axis_columns(
+    axis: Axis, measured: Sequence[str] | None = None
+) -> tuple[dict[str, Unit], Mapping[str, tuple[str, float]]]:
     """Signals and units that an axis expects of a log, and the command from which its force can be made.
 
     Parameters
@@ -26,15 +28,23 @@ def axis_columns(axis: Axis, measured: Sequence[str] | None = None) -> tuple[dic
     >>> axis_columns(load_axis("emps"))[1]
     {'F': ('vir', 35.15065188248547)}
     """
-    used = {sensor.signal for sensor in axis.measured(tuple(measured))} if measured else {s.signal for s in axis.sensors}
-    expected = {name: unit for name, unit in axis.signal_units.items() if name == axis.drive.signal or name in used}
+    used = (
+        {sensor.signal for sensor in axis.measured(tuple(measured))}
+        if measured
+        else {s.signal for s in axis.sensors}
+    )
+    expected = {
+        name: unit for name, unit in axis.signal_units.items() if name == axis.drive.signal or name in used
+    }
     drive = axis.drive
     if drive.command is None or drive.gain is None:
         return expected, {}
     return expected, {drive.signal: (drive.command, drive.gain)}
 
 
-def measured_signals(axis: Axis, logs: Sequence[Log], measured: Sequence[str] | None = None) -> tuple[str, ...]:
+def measured_signals(
+    axis: Axis, logs: Sequence[Log], measured: Sequence[str] | None = None
+) -> tuple[str, ...]:
     """Sensors to use: those asked for, else those that all logs hold.
 
     Raises

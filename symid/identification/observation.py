@@ -71,7 +71,9 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation) -> Observ
     signals = _differentiated(model, _filtered(model, log, chosen), log.sampling_period)
     before, after = chosen.trim or (0, 0)
     if before + after >= log.n_samples:
-        raise SettingError(f"trimming {before} and {after} of {log.n_samples} samples leaves nothing: trim less")
+        raise SettingError(
+            f"trimming {before} and {after} of {log.n_samples} samples leaves nothing: trim less"
+        )
     inner = slice(before, log.n_samples - after)
     W, y = model.sample({name: values[inner] for name, values in signals.items()})
     sliding = model.sliding_velocities(*(signals[name][inner] for name in model.signals))
@@ -102,7 +104,9 @@ def _earlier(values: FloatArray, samples: float) -> FloatArray:
     return np.asarray(shift(values, -samples, order=5, mode="nearest"))
 
 
-def _differentiated(model: GeneratedModel, signals: Mapping[str, FloatArray], period: float) -> dict[str, FloatArray]:
+def _differentiated(
+    model: GeneratedModel, signals: Mapping[str, FloatArray], period: float
+) -> dict[str, FloatArray]:
     """Flat names with the derivatives that the model needs, by central differences."""
     flat: dict[str, FloatArray] = {}
     for name, highest in model.highest_derivatives.items():
@@ -120,7 +124,8 @@ def _usable_rows(model: GeneratedModel, sliding: FloatArray, chosen: Preparation
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
     them are left out: there filtered velocity and filtered friction have different signs.
     """
-    assert chosen.cutoff_hz is not None and chosen.decimation is not None
+    assert chosen.cutoff_hz is not None
+    assert chosen.decimation is not None
     usable = np.ones((len(model.sliding), sliding.shape[1]), dtype=bool)
     if chosen.standstill == 0:
         return usable
@@ -128,7 +133,9 @@ def _usable_rows(model: GeneratedModel, sliding: FloatArray, chosen: Preparation
     near = []
     for velocity in sliding:
         speed = np.abs(velocity)
-        threshold = chosen.standstill if chosen.standstill is not None else _STANDSTILL_SHARE * float(speed.max())
+        threshold = (
+            chosen.standstill if chosen.standstill is not None else _STANDSTILL_SHARE * float(speed.max())
+        )
         slow = speed < threshold
         slow[1:] |= np.signbit(velocity[1:]) != np.signbit(velocity[:-1])
         near.append(maximum_filter1d(slow, 2 * margin + 1))

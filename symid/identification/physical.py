@@ -73,7 +73,10 @@ def jacobian(model: GeneratedModel, physical: FloatArray) -> FloatArray:
 
 
 def physical_estimates(
-    model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, start: Mapping[str, float] | None = None
+    model: GeneratedModel,
+    minimal: FloatArray,
+    covariance: FloatArray,
+    start: Mapping[str, float] | None = None,
 ) -> tuple[PhysicalEstimate, ...]:
     """Physical parameters of estimated minimal ones, one record for each branch, physically possible ones first.
 
@@ -106,7 +109,9 @@ def physical_estimates(
     return tuple(_distinct(estimates))
 
 
-def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, start: FloatArray) -> PhysicalEstimate | None:
+def _fitted(
+    model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, start: FloatArray
+) -> PhysicalEstimate | None:
     """Weighted fit from a start, in parameters scaled by it; those that start as nan are not seen and stay so."""
     seen = np.isfinite(start)
     guess = start[seen]
@@ -123,7 +128,11 @@ def _fitted(model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, 
         return physical
 
     def misfit(relative: FloatArray) -> FloatArray:
-        return np.asarray(solve_triangular(root, (model.minimal_parameters(*whole(relative)) - minimal) / spread, lower=True))
+        return np.asarray(
+            solve_triangular(
+                root, (model.minimal_parameters(*whole(relative)) - minimal) / spread, lower=True
+            )
+        )
 
     def slope(relative: FloatArray) -> FloatArray:
         columns = jacobian(model, whole(relative))[:, seen] * scale / spread[:, None]
@@ -160,6 +169,8 @@ def _distinct(estimates: list[PhysicalEstimate]) -> list[PhysicalEstimate]:
     """Estimates without repetitions: two starts may lead to the same minimum."""
     kept: list[PhysicalEstimate] = []
     for estimate in estimates:
-        if not any(np.allclose(estimate.parameters, other.parameters, rtol=1e-6, equal_nan=True) for other in kept):
+        if not any(
+            np.allclose(estimate.parameters, other.parameters, rtol=1e-6, equal_nan=True) for other in kept
+        ):
             kept.append(estimate)
     return kept

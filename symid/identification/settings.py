@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import signal
 from scipy.optimize import brentq
+from scipy.signal import coherence, welch
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -71,8 +71,8 @@ def coherent_band(log: Log, model: GeneratedModel) -> float:
     force, name = model.force, model.most_differentiated
     motion: FloatArray = derivatives(log[name], log.sampling_period, 2)[1]
     length = _segment(log)
-    frequency, coherence = signal.coherence(log[force], motion, fs=log.sampling_frequency, nperseg=length, detrend="linear")
-    smooth = np.convolve(np.nan_to_num(coherence), np.full(5, 0.2), mode="same")
+    frequency, coherent = coherence(log[force], motion, fs=log.sampling_frequency, nperseg=length)
+    smooth = np.convolve(np.nan_to_num(coherent), np.full(5, 0.2), mode="same")
     above = np.flatnonzero(smooth > _COHERENT)
     return float(frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 
@@ -84,7 +84,7 @@ def quiet_band(log: Log, model: GeneratedModel) -> float:
     that of the log itself above 0.7 of the Nyquist frequency, taken as white.
     """
     name = model.most_differentiated
-    frequency, power = signal.welch(log[name], fs=log.sampling_frequency, nperseg=_segment(log), detrend="linear")
+    frequency, power = welch(log[name], fs=log.sampling_frequency, nperseg=_segment(log))
     noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
     gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[name])
     share = np.cumsum(noise * gain)[1:] / np.maximum(np.cumsum(power * gain)[1:], np.finfo(float).tiny)

@@ -40,10 +40,16 @@ def print_derivation(model: DerivedModel, console: Console | None = None) -> Non
     console = console or Console(highlight=False, soft_wrap=True)
     record = derivation_record(model)
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
-    _section(console, "Equations of motion (coordinates relative to the body that carries)", record["equations_of_motion"])
+    _section(
+        console,
+        "Equations of motion (coordinates relative to the body that carries)",
+        record["equations_of_motion"],
+    )
     for name, value in record["constants"].items():
         console.print(f"    with {name} = {value:g}")
-    regressor = Table(box=None, pad_edge=False, title_justify="left", title="Minimal model y = D X, columns of D")
+    regressor = Table(
+        box=None, pad_edge=False, title_justify="left", title="Minimal model y = D X, columns of D"
+    )
     regressor.add_column("X")
     for output in record["output"]:
         regressor.add_column(f"y = {output}")
@@ -55,26 +61,46 @@ def print_derivation(model: DerivedModel, console: Console | None = None) -> Non
     console.print(regressor)
     console.print()
     for i, branch in enumerate(record["inverse_branches"]):
-        which = f", solution {i + 1} of {len(record['inverse_branches'])}" if len(record["inverse_branches"]) > 1 else ""
-        _section(console, f"Inverse map{which}", [f"{name} = {_shortened(value)}" for name, value in branch.items()])
+        which = (
+            f", solution {i + 1} of {len(record['inverse_branches'])}"
+            if len(record["inverse_branches"]) > 1
+            else ""
+        )
+        _section(
+            console,
+            f"Inverse map{which}",
+            [f"{name} = {_shortened(value)}" for name, value in branch.items()],
+        )
     if not record["inverse_branches"]:
-        _section(console, "Inverse map", ["no closed form; identification solves for the parameters numerically"])
+        _section(
+            console, "Inverse map", ["no closed form; identification solves for the parameters numerically"]
+        )
     _print_identifiability(console, record)
 
 
 def _print_identifiability(console: Console, record: dict[str, Any]) -> None:
-    words = {"unique": "determined uniquely", "several": "determined up to a finite choice", "none": "not determined"}
+    words = {
+        "unique": "determined uniquely",
+        "several": "determined up to a finite choice",
+        "none": "not determined",
+    }
     lines = []
     for kind, meaning in words.items():
         names = [name for name, value in record["identifiability"].items() if value == kind]
         if names:
             lines.append(f"{meaning}: {', '.join(names)}")
     if not record["identifiability_counted"]:
-        lines.append("the solutions were not counted (the system is large): a finite choice may be a unique value")
+        lines.append(
+            "the solutions were not counted (the system is large): a finite choice may be a unique value"
+        )
     if record["determined_combinations"]:
-        lines.append(f"determined combinations: {', '.join(map(_shortened, record['determined_combinations']))}")
+        lines.append(
+            f"determined combinations: {', '.join(map(_shortened, record['determined_combinations']))}"
+        )
     if record["relations"]:
-        lines.append(f"{record['relations']} more minimal than physical parameters: as many relations check the structure")
+        lines.append(
+            f"{record['relations']} more minimal than physical parameters: as many relations check the structure"
+        )
     _section(console, "Identifiability", lines)
     if record["assumptions"]:
         _section(console, "Assumptions", record["assumptions"])
@@ -88,4 +114,8 @@ def _section(console: Console, title: str, lines: list[str]) -> None:
 
 
 def _shortened(expression: str, most: int = 400) -> str:
-    return expression if len(expression) <= most else f"{expression[:most]} ... ({len(expression)} characters; --json has all)"
+    return (
+        expression
+        if len(expression) <= most
+        else f"{expression[:most]} ... ({len(expression)} characters; --json has all)"
+    )

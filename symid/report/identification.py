@@ -45,7 +45,10 @@ def identification_record(
         "condition_number": found.fit.condition_number,
         "condition_number_scaled": found.fit.condition_number_scaled,
         "minimal": _parameters(
-            found.model.minimal_units, found.fit.parameters, found.fit.standard_deviations, found.correlated.standard_deviations
+            found.model.minimal_units,
+            found.fit.parameters,
+            found.fit.standard_deviations,
+            found.correlated.standard_deviations,
         ),
         "physical": _physical(found, 0),
         "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
@@ -63,7 +66,9 @@ def identification_record(
     return record
 
 
-def _parameters(units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray) -> dict[str, dict[str, Any]]:
+def _parameters(
+    units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray
+) -> dict[str, dict[str, Any]]:
     relative = relative_standard_deviation(values, stds)
     relative_corrected = relative_standard_deviation(values, corrected)
     return {
@@ -86,7 +91,9 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
     corrected = np.full(estimate.parameters.shape, np.nan)
     if branch < len(found.physical_corrected):
         corrected = found.physical_corrected[branch].standard_deviations
-    return _parameters(found.model.physical_units, estimate.parameters, estimate.standard_deviations, corrected)
+    return _parameters(
+        found.model.physical_units, estimate.parameters, estimate.standard_deviations, corrected
+    )
 
 
 def _relations(found: Identification) -> dict[str, Any] | None:
@@ -124,27 +131,33 @@ def _distinct(names: list[str]) -> list[str]:
 def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
     """Print what `identification_record` holds."""
     console = console or Console(highlight=False, soft_wrap=True)
-    console.print(f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}", markup=True)
+    console.print(
+        f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",
+        markup=True,
+    )
     settings = record["filter"]
     console.print(
-        f"{sum(record['rows'])} rows, cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), decimation {settings['decimation']}, "
+        f"{sum(record['rows'])} rows, cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), "
+        f"decimation {settings['decimation']}, "
         f"condition {record['condition_number']:.6g} ({record['condition_number_scaled']:.4g} scaled)\n"
     )
     if record["physical"]:
         console.print(_parameter_table("Physical parameters", record["physical"]))
     for i, branch in enumerate(record["physical_branches"]):
         console.print(_parameter_table(f"Physical parameters, solution {i + 2}", branch))
-    if any(record["minimal"][x]["value"] != p["value"] for x, p in zip(record["minimal"], record["physical"].values(), strict=False)):
-        console.print(_parameter_table("Minimal parameters", record["minimal"]))
-    if not record["physical"]:
+    physical_values = {p["value"] for p in record["physical"].values()}
+    if any(p["value"] not in physical_values for p in record["minimal"].values()):
         console.print(_parameter_table("Minimal parameters", record["minimal"]))
     console.print(_residual_table("Residual", record["residual"]))
     if "validation" in record:
-        console.print(_residual_table(f"Residual on {record['validation']['log']}", record["validation"]["residual"]))
+        console.print(
+            _residual_table(f"Residual on {record['validation']['log']}", record["validation"]["residual"])
+        )
     relations = record["relations"]
     if relations is not None:
         console.print(
-            f"{relations['count']} relation(s) between the minimal parameters disagree by chi-square {relations['chi_square']:.3g} "
+            f"{relations['count']} relation(s) between the minimal parameters disagree by "
+            f"chi-square {relations['chi_square']:.3g} "
             f"(probability {relations['probability']:.2g} if structure and noise are as assumed)"
         )
     for line in (*record["notes"], *record["assumptions"]):
@@ -162,7 +175,12 @@ def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table
     for name, p in parameters.items():
         std, corrected = p["std"], p["std_corrected"]
         table.add_row(
-            name, _rounded(p["value"], std), _rounded(std, std), _rounded(corrected, corrected), _percent(p["relative_std_corrected_percent"]), p["unit"]
+            name,
+            _rounded(p["value"], std),
+            _rounded(std, std),
+            _rounded(corrected, corrected),
+            _percent(p["relative_std_corrected_percent"]),
+            p["unit"],
         )
     return table
 
@@ -175,7 +193,15 @@ def _residual_table(title: str, residuals: dict[str, dict[str, Any]]) -> Table:
     table.add_column("unit")
     for name, r in residuals.items():
         relative = f"{100 * r['relative']:.4f} %" if math.isfinite(r["relative"]) else "-"
-        table.add_row(name, str(r["rows"]), f"{r['norm']:.7g}", f"{r['rms']:.5g}", f"{r['std']:.5g}", relative, r["unit"])
+        table.add_row(
+            name,
+            str(r["rows"]),
+            f"{r['norm']:.7g}",
+            f"{r['rms']:.5g}",
+            f"{r['std']:.5g}",
+            relative,
+            r["unit"],
+        )
     return table
 
 

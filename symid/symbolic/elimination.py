@@ -21,7 +21,7 @@ from symid.axis import Axis, Between, Body, Joint, Sensor
 from symid.errors import EliminationError
 from symid.signals import derivative_name, split_derivative
 from symid.symbolic.expressions import is_smooth, positive, time_derivative
-from symid.symbolic.kernel import EliminationRow, divisible, left_kernel
+from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics, LawInput
 from symid.symbolic.measurement import Measurement, measurement, motion_columns
 from symid.symbolic.operators import OperatorModel, Row, add, operator_model
@@ -141,10 +141,69 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     kernel = left_kernel(rows, known.unknown, operators.ring)
     combined = divisible(kernel, {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order})
     signals = _SignalWriter(operators, known)
-    equations = [signals.equation(row) for row in combined]
-    equations.sort(key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0)))
+    equations = [signals.equation(row) for row in _distinct(combined, operators)]
+    equations.sort(
+        key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0))
+    )
     driven = tuple(_driven(equation, equations) for equation in equations)
     return InputOutputModel(model, operators, tuple(measured), driven, signals.assumptions(equations))
+
+
+def _distinct(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[EliminationRow]:
+    """Rows reduced until none holds every signal of another one, or of its derivatives.
+
+    Otherwise a multiple of the other could be added to it without a trace, and no data would determine its parameters.
+    A row linear in the physical parameters cannot be added: they stand in the other equations too, and cannot change alone.
+    """
+    reduced = list(rows)
+    while True:
+        pairs = ((i, j) for i in range(len(reduced)) for j in range(len(reduced)) if i != j)
+        smaller = ((i, _reduced_by(reduced[i], reduced[j], operators)) for i, j in pairs)
+        found = next(((i, row) for i, row in smaller if row), None)
+        if found is None:
+            return reduced
+        reduced[found[0]] = found[1]
+
+
+def _reduced_by(
+    row: EliminationRow, other: EliminationRow, operators: OperatorModel
+) -> EliminationRow | None:
+    """The row without its highest signal of the other row, if it holds all signals of that row or of a derivative."""
+    if other.is_linear:
+        return None
+    s = operators.ring.gens[0]
+    for order in range(1 + max(0, row.degree - other.degree)):
+        mine = _signals_of(row, operators)
+        shifted = other.scaled(s**order)
+        theirs = _signals_of(shifted, operators)
+        if theirs.keys() <= mine.keys():
+            leading = max(theirs, key=lambda signal: (signal[0] == "", signal[1]))
+            _, own_factor, other_factor = mine[leading].cofactors(theirs[leading])
+            return primitive(
+                row.combine(other_factor, shifted, -own_factor), operators.ring, keep_powers_of_s=True
+            )
+    return None
+
+
+def _signals_of(row: EliminationRow, operators: OperatorModel) -> dict[tuple[str, int], PolyElement]:
+    """Coefficients of a row by signal and order of derivative; the drive's name is empty here."""
+    columns = dict(row.entries)
+    for balance, multiplier in row.multipliers.items():
+        columns = add(columns, {"": operators.force[balance]} if operators.force[balance] else {}, multiplier)
+        columns = add(columns, operators.inputs[balance], multiplier)
+    smooth = {
+        "",
+        *row.entries,
+        *(str(w.symbol) for w in operators.source.inputs if _has_derivatives(w.expression)),
+    }
+    powers = (
+        (column, order, c) for column, entry in columns.items() for order, c in _by_power(entry).items()
+    )
+    return {(column, order): c for column, order, c in powers if order == 0 or column in smooth}
+
+
+def _has_derivatives(expression: sp.Expr) -> bool:
+    return bool(expression.free_symbols) and not isinstance(expression, (sp.sign, positive))
 
 
 def _driven(equation: InputOutputEquation, equations: Sequence[InputOutputEquation]) -> InputOutputEquation:
@@ -156,7 +215,9 @@ def _driven(equation: InputOutputEquation, equations: Sequence[InputOutputEquati
     if equation.force or not equation.is_linear:
         return equation
     sums = [equation.plus(other) for other in equations if other.force and other.is_linear]
-    return min(sums, key=lambda e: (max(e.force), sum(len(t.coefficient) for t in e.motion)), default=equation)
+    return min(
+        sums, key=lambda e: (max(e.force), sum(len(t.coefficient) for t in e.motion)), default=equation
+    )
 
 
 class _SignalWriter:
@@ -174,7 +235,11 @@ class _SignalWriter:
         inputs: Row = {}
         for balance, multiplier in row.multipliers.items():
             inputs = add(inputs, self.operators.inputs[balance], multiplier)
-            force = add(force, {"": self.operators.force[balance]}, multiplier) if self.operators.force[balance] else force
+            force = (
+                add(force, {"": self.operators.force[balance]}, multiplier)
+                if self.operators.force[balance]
+                else force
+            )
         terms = [*self._motion_terms(row), *self._law_terms(inputs)]
         forces = {order: -c for order, c in _by_power(force[""]).items()} if force else {}
         return InputOutputEquation(tuple(terms), dict(sorted(forces.items())), row.multipliers)
@@ -205,7 +270,13 @@ class _SignalWriter:
                 if -expression in terms:
                     expression, factor = -expression, -factor
                 total = coefficient * factor + (terms[expression].coefficient if expression in terms else 0)
-                order = -1 if not expression.free_symbols else 1 + power if entry.expression.has(sp.Symbol("v")) else power
+                order = (
+                    -1
+                    if not expression.free_symbols
+                    else 1 + power
+                    if entry.expression.has(sp.Symbol("v"))
+                    else power
+                )
                 terms[expression] = RegressorTerm(expression, order, False, total)
         return list(terms.values())
 
@@ -214,13 +285,17 @@ class _SignalWriter:
         if not entry.expression.free_symbols:
             return sp.Integer(0) if power else entry.expression
         displacements = sp.symbols(f"u:{power + 2}", real=True)
-        expression = entry.expression.xreplace({sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]})
+        expression = entry.expression.xreplace(
+            {sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]}
+        )
         if power and not is_smooth(expression):
-            jumps = sorted({str(self._written(e, entry)) for e in expression.atoms(sp.Function) if not is_smooth(e)})
+            jumps = sorted(
+                {str(self._written(e, entry)) for e in expression.atoms(sp.Function) if not is_smooth(e)}
+            )
             self.dropped.update(dict.fromkeys(jumps))
         for _ in range(power):
             expression = time_derivative(expression, displacements)
-        return self._written(expression, entry)
+        return self._written(expression, entry) if expression != 0 else expression
 
     def _written(self, expression: sp.Expr, entry: LawInput) -> sp.Expr:
         used = {symbol: int(str(symbol)[1:]) for symbol in expression.free_symbols}
@@ -261,7 +336,9 @@ class _SignalWriter:
     def _without_factor(self, expression: sp.Expr) -> tuple[sp.Expr, Any]:
         """A law's signal without a constant factor, and that factor as an element of the coefficient field."""
         field = self.operators.ring.domain
-        factor, rest = expression.as_independent(*(expression.free_symbols - set(self.constants)), as_Add=False)
+        factor, rest = expression.as_independent(
+            *(expression.free_symbols - set(self.constants)), as_Add=False
+        )
         return (expression, field.one) if factor in (1, -1) or rest == 1 else (rest, field.from_sympy(factor))
 
     def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
@@ -283,14 +360,16 @@ def _by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
     if entry is not None:
         for monomial, value in entry.terms():
             powers.setdefault(monomial[0], {})[(0, *monomial[1:])] = value
-    return {power: entry.ring.from_dict(terms) for power, terms in powers.items()} if entry is not None else {}
+    return (
+        {power: entry.ring.from_dict(terms) for power, terms in powers.items()} if entry is not None else {}
+    )
 
 
 def _advice(axis: Axis, entry: LawInput, lowest: int) -> str:
     quantity = "position" if lowest == 0 else "position or velocity"
     return (
-        f"axis {axis.name!r}: {entry.element} acts on a motion that the sensors do not see, and a nonlinear law cannot be "
-        f"eliminated: add a {quantity} sensor of {_motion(entry.joint)}, or leave the law out"
+        f"axis {axis.name!r}: {entry.element} acts on a motion that the sensors do not see, and a nonlinear law "
+        f"cannot be eliminated: add a {quantity} sensor of {_motion(entry.joint)}, or leave the law out"
     )
 
 

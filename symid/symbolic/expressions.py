@@ -21,7 +21,7 @@ class positive(sp.Function):  # type: ignore[misc]  # noqa: N801 - sympy has no 
         """Value for numbers; unevaluated otherwise."""
         return sp.Integer(int(argument > 0)) if argument.is_Number else None
 
-    def fdiff(self, argindex: int = 1) -> Any:  # noqa: ARG002 - the signature is sympy's
+    def fdiff(self, argindex: int = 1) -> Any:
         """Derivative, zero by convention."""
         return sp.Integer(0)
 
@@ -54,12 +54,16 @@ def law_expression(text: str) -> sp.Expr:
     >>> law_expression("v*positive(v)").free_symbols
     {v}
     """
-    functions = "Integer Float Rational Symbol".split()
+    functions = ["Integer", "Float", "Rational", "Symbol"]
     try:
-        expression = parse_expr(text, local_dict=dict(_LANGUAGE), global_dict={name: getattr(sp, name) for name in functions})
+        expression = parse_expr(
+            text, local_dict=dict(_LANGUAGE), global_dict={name: getattr(sp, name) for name in functions}
+        )
         unknown = sorted(str(s) for s in expression.free_symbols if str(s) not in ("q", "v"))
-    except Exception as error:  # noqa: BLE001 - the parser raises whatever evaluating the text raises
-        raise SymidError(f"law expression {text!r} cannot be read: use q, v, numbers and {', '.join(_LANGUAGE)}") from error
+    except Exception as error:
+        raise SymidError(
+            f"law expression {text!r} cannot be read: use q, v, numbers and {', '.join(_LANGUAGE)}"
+        ) from error
     if unknown:
         raise SymidError(f"law expression {text!r} uses {', '.join(unknown)}: only q and v vary in a law")
     return expression
@@ -78,7 +82,8 @@ def time_derivative(expression: sp.Expr, displacement: tuple[sp.Symbol, ...]) ->
     """
     return sp.Add(
         *(
-            sp.diff(expression, symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)) * displacement[order + 1]
+            sp.diff(expression, symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0))
+            * displacement[order + 1]
             for order, symbol in enumerate(displacement[:-1])
             if expression.has(symbol)
         )

@@ -23,6 +23,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 from symid.errors import EliminationError
 from symid.symbolic.operators import Row, add
 
+
 @dataclass(frozen=True)
 class EliminationRow:
     """A combination of balances: its multipliers by balance, and what it leaves in the columns."""
@@ -30,7 +31,9 @@ class EliminationRow:
     multipliers: Row
     entries: Row
 
-    def combine(self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement) -> EliminationRow:
+    def combine(
+        self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement
+    ) -> EliminationRow:
         """factor * self + other_factor * other."""
         return EliminationRow(
             _combine(self.multipliers, factor, other.multipliers, other_factor),
@@ -39,18 +42,32 @@ class EliminationRow:
 
     def scaled(self, factor: PolyElement) -> EliminationRow:
         """factor * self."""
-        return EliminationRow({k: v * factor for k, v in self.multipliers.items()}, {k: v * factor for k, v in self.entries.items()})
+        return EliminationRow(
+            {k: v * factor for k, v in self.multipliers.items()},
+            {k: v * factor for k, v in self.entries.items()},
+        )
 
     def divided(self, divisor: PolyElement) -> EliminationRow:
         """Self with multipliers and entries divided by a common factor."""
         return EliminationRow(
-            {k: v.exquo(divisor) for k, v in self.multipliers.items()}, {k: v.exquo(divisor) for k, v in self.entries.items()}
+            {k: v.exquo(divisor) for k, v in self.multipliers.items()},
+            {k: v.exquo(divisor) for k, v in self.entries.items()},
+        )
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the entries are linear in the physical parameters, and the multipliers free of them."""
+        free = all(
+            not any(monomial[1:]) for part in self.multipliers.values() for monomial in part.itermonoms()
+        )
+        return free and all(
+            sum(monomial[1:]) == 1 for part in self.entries.values() for monomial in part.itermonoms()
         )
 
     @property
     def degree(self) -> int:
         """Highest power of s in the multipliers: how often balances are differentiated."""
-        return max(entry.degree(0) for entry in self.multipliers.values())
+        return max(int(entry.degree(0)) for entry in self.multipliers.values())
 
 
 def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing) -> list[EliminationRow]:
@@ -81,7 +98,9 @@ def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing)
         block = {name: start[name] for name in names}
         surplus = len(names) - len(columns)
         if surplus < 0:
-            raise EliminationError(f"the motion of {', '.join(columns)} is not determined by the sensors: add a sensor there")
+            raise EliminationError(
+                f"the motion of {', '.join(columns)} is not determined by the sensors: add a sensor there"
+            )
         if not columns:
             basis += block.values()
         elif surplus == 1:
@@ -106,10 +125,16 @@ def _components(rows: Mapping[str, Row], unknown: Sequence[str]) -> list[tuple[l
     for name, row in rows.items():
         columns = {column for column in row if column in unknown}
         joined = [group for group in groups if group[1] & columns]
-        merged = ([n for group in joined for n in group[0]] + [name], columns.union(*(group[1] for group in joined)))
+        merged = (
+            [n for group in joined for n in group[0]] + [name],
+            columns.union(*(group[1] for group in joined)),
+        )
         groups = [group for group in groups if group not in joined] + [merged]
     order = {name: i for i, name in enumerate(rows)}
-    return [(sorted(names, key=order.__getitem__), [c for c in unknown if c in columns]) for names, columns in groups]
+    return [
+        (sorted(names, key=order.__getitem__), [c for c in unknown if c in columns])
+        for names, columns in groups
+    ]
 
 
 def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring: PolyRing) -> EliminationRow:
@@ -122,7 +147,9 @@ def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring:
         left.remove(column)
         holders = [name for name, row in rows.items() if column in row.entries]
         if not holders:
-            raise EliminationError(f"the motion of {column} enters no equation: join it to the axis or remove it")
+            raise EliminationError(
+                f"the motion of {column} enters no equation: join it to the axis or remove it"
+            )
         # The balance of the body itself keeps the elimination of a chain a three-term recursion.
         name = column if column in holders else min(holders, key=lambda n: len(rows[n].entries[column]))
         pivot = rows.pop(name)
@@ -132,17 +159,19 @@ def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring:
                 rows[holder] = _without_factors(combined, pivots)
         pivots.append(pivot.entries[column])
     (last,) = rows.values()
-    return _primitive(last, ring)
+    return primitive(last, ring)
 
 
-def _order_basis(rows: list[EliminationRow], columns: Sequence[str], ring: PolyRing, wanted: int) -> list[EliminationRow]:
+def _order_basis(
+    rows: list[EliminationRow], columns: Sequence[str], ring: PolyRing, wanted: int
+) -> list[EliminationRow]:
     """Minimal kernel basis where several combinations are free of the columns."""
     basis = rows
     exponent = 0
     while True:
         done = [row for row in basis if not any(column in row.entries for column in columns)]
         if len(done) == wanted:
-            return [_primitive(row, ring) for row in done]
+            return [primitive(row, ring) for row in done]
         for column in columns:
             basis = _meet_condition(basis, column, exponent)
         exponent += 1
@@ -150,17 +179,20 @@ def _order_basis(rows: list[EliminationRow], columns: Sequence[str], ring: PolyR
 
 def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> list[EliminationRow]:
     """Make the coefficient of s**exponent in a column vanish, raising one row's degree by one."""
-    residuals = [_coefficient(row.entries.get(column), exponent) for row in rows]
-    failing = [i for i, residual in enumerate(residuals) if residual]
-    if not failing:
+    found = (_coefficient(row.entries.get(column), exponent) for row in rows)
+    residuals = {i: residual for i, residual in enumerate(found) if residual is not None}
+    if not residuals:
         return rows
-    pivot = min(failing, key=lambda i: (rows[i].degree, len(residuals[i]), sum(map(len, rows[i].multipliers.values()))))
+    pivot = min(
+        residuals,
+        key=lambda i: (rows[i].degree, len(residuals[i]), sum(map(len, rows[i].multipliers.values()))),
+    )
     ring = residuals[pivot].ring
     met = list(rows)
-    for i in failing:
+    for i in residuals:
         if i != pivot:
             mine, theirs = _without_common_factor(residuals[pivot], residuals[i])
-            met[i] = _primitive(rows[i].combine(mine, rows[pivot], -theirs), ring)
+            met[i] = primitive(rows[i].combine(mine, rows[pivot], -theirs), ring, keep_powers_of_s=True)
     met[pivot] = rows[pivot].scaled(ring.gens[0])
     return met
 
@@ -186,7 +218,11 @@ def _without_factors(row: EliminationRow, pivots: Sequence[PolyElement]) -> Elim
     """Divide by earlier pivots as long as they divide everything: the factors that fraction-free elimination leaves."""
     for pivot in pivots:
         parts = [*row.multipliers.values(), *row.entries.values()]
-        while not pivot.is_ground and all(len(part) >= len(pivot) or pivot.is_term for part in parts) and _divides(pivot, parts):
+        while (
+            not pivot.is_ground
+            and all(len(part) >= len(pivot) or pivot.is_term for part in parts)
+            and _divides(pivot, parts)
+        ):
             row = row.divided(pivot)
             parts = [*row.multipliers.values(), *row.entries.values()]
     return row
@@ -196,12 +232,23 @@ def _divides(divisor: PolyElement, parts: Sequence[PolyElement]) -> bool:
     return all(not part.rem(divisor) for part in sorted(parts, key=len))
 
 
-def _primitive(row: EliminationRow, ring: PolyRing) -> EliminationRow:
-    """Divide a row by the greatest common factor of its multipliers, which divides its entries too."""
+def primitive(row: EliminationRow, ring: PolyRing, *, keep_powers_of_s: bool = False) -> EliminationRow:
+    """Divide a row by the greatest common factor of its multipliers, which divides its entries too.
+
+    Powers of s are kept while conditions on the coefficients of powers of s are being met: to divide by them would
+    undo those that the row meets already.
+    """
     parts = sorted(row.multipliers.values(), key=len)
     if _have_no_common_factor(parts, ring):
         return row
-    factor = reduce(lambda common, part: common if common.is_ground else common.gcd(part), parts[1:], parts[0])
+    factor = reduce(
+        lambda common, part: common if common.is_ground else common.gcd(part), parts[1:], parts[0]
+    )
+    if keep_powers_of_s:
+        power = min(monomial[0] for monomial in factor.itermonoms())
+        factor = ring.from_dict(
+            {(monomial[0] - power, *monomial[1:]): value for monomial, value in factor.terms()}
+        )
     factor = factor.monic() if not factor.is_ground else factor
     return row.divided(factor) if factor != ring.one else row
 
@@ -216,8 +263,12 @@ def _have_no_common_factor(parts: Sequence[PolyElement], ring: PolyRing) -> bool
         return False
     draw = Random(len(ring.gens))
     point = [draw.randrange(10**15, 10**16) for _ in ring.gens]
-    powers = [[value**exponent for exponent in range(1 + max(part.degree(i) for part in parts))] for i, value in enumerate(point)]
+    powers = [
+        [value**exponent for exponent in range(1 + max(part.degree(i) for part in parts))]
+        for i, value in enumerate(point)
+    ]
     values = (
-        sum(c * prod(powers[i][e] for i, e in enumerate(monomial) if e) for monomial, c in part.terms()) for part in parts
+        sum(c * prod(powers[i][e] for i, e in enumerate(monomial) if e) for monomial, c in part.terms())
+        for part in parts
     )
     return gcd(*(int(value.numerator) for value in values)) < 10**9

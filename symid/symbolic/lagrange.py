@@ -139,7 +139,9 @@ class Kinematics:
 
     def rate(self, displacement: sp.Expr, order: int) -> sp.Expr:
         """Time derivative of a displacement, which is linear in the coordinates."""
-        return displacement.xreplace({self.symbol(body): self.symbol(body, order) for body in self.coordinates})
+        return displacement.xreplace(
+            {self.symbol(body): self.symbol(body, order) for body in self.coordinates}
+        )
 
 
 def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
@@ -170,8 +172,12 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     for body in axis.free_bodies:
         q, v = kinematics.symbol(body), kinematics.symbol(body, 1)
         momentum = sp.diff(kinetic, v)
-        inertia = sp.Add(*(sp.diff(momentum, kinematics.symbol(b, 1)) * kinematics.symbol(b, 2) for b in axis.free_bodies))
-        balances.append(sp.expand(inertia + sp.diff(potential, q) + sp.diff(dissipation, v) - sp.diff(work, v)))
+        inertia = sp.Add(
+            *(sp.diff(momentum, kinematics.symbol(b, 1)) * kinematics.symbol(b, 2) for b in axis.free_bodies)
+        )
+        balances.append(
+            sp.expand(inertia + sp.diff(potential, q) + sp.diff(dissipation, v) - sp.diff(work, v))
+        )
     return InverseDynamicModel(
         axis=axis,
         coordinates=tuple(kinematics.coordinates.values()),
@@ -193,14 +199,19 @@ def _kinetic_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
 
 
 def _potential_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
-    """Springs, laws linear in q, and weights whose force is constant. Pendulum weights are inputs: sin q is not linear."""
+    """Springs, laws linear in q, and weights of constant force. Pendulum weights are inputs: sin q is not linear."""
     energy = sp.Integer(0)
     for element in axis.elements:
         if isinstance(element, Spring):
             energy += parameter_symbol(element.stiffness) * kinematics.displacement(element.at) ** 2 / 2
         elif isinstance(element, Weight):
             gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
-            energy += parameter_symbol(element.body.mass or "") * gravity * kinematics.absolute(element.body) * ONE_INPUT
+            energy += (
+                parameter_symbol(element.body.mass or "")
+                * gravity
+                * kinematics.absolute(element.body)
+                * ONE_INPUT
+            )
         elif isinstance(element, Law):
             for term in element.terms():
                 if term.expression == "q":
@@ -216,16 +227,20 @@ def _dissipation(axis: Axis, kinematics: Kinematics) -> sp.Expr:
             dampers.append((element.damping, element.at))
         elif isinstance(element, Law):
             dampers += [(term.parameter, element.at) for term in element.terms() if term.expression == "v"]
-    rates = ((parameter_symbol(name), kinematics.rate(kinematics.displacement(at), 1)) for name, at in dampers)
+    rates = (
+        (parameter_symbol(name), kinematics.rate(kinematics.displacement(at), 1)) for name, at in dampers
+    )
     return sp.Add(*(coefficient * rate**2 for coefficient, rate in rates)) / 2
 
 
 def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, ...], sp.Expr]:
-    """Nonlinear laws as inputs, and the power of the drive and of the laws, whose derivative by a velocity is a force."""
+    """Nonlinear laws as inputs; the power of the drive and of the laws, whose derivative by a velocity is a force."""
     inputs: dict[tuple[sp.Expr, sp.Expr], LawInput] = {}
     power = sp.Symbol(axis.drive.signal) * kinematics.rate(kinematics.displacement(axis.drive.at), 1)
 
-    def resist(parameter: sp.Expr, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str) -> None:
+    def resist(
+        parameter: sp.Expr, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str
+    ) -> None:
         nonlocal power
         constant = not expression.free_symbols
         key = (ONE, ONE) if constant else (expression, displacement)
@@ -241,7 +256,13 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
             for term in element.terms():
                 if not term.is_linear:
                     displacement = kinematics.displacement(element.at)
-                    resist(parameter_symbol(term.parameter), law_expression(term.expression), element.at, displacement, label)
+                    resist(
+                        parameter_symbol(term.parameter),
+                        law_expression(term.expression),
+                        element.at,
+                        displacement,
+                        label,
+                    )
         elif isinstance(element, PendulumWeight):
             gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
             at = Between(first=GROUND, second=element.body)
@@ -249,9 +270,13 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
             angle = kinematics.absolute(element.body)
             resist(parameter_symbol(element.moment) * gravity, sp.sin(sp.Symbol("q")), at, angle, label)
         elif isinstance(element, Weight):
-            inputs.setdefault((ONE, ONE), LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}"))
+            inputs.setdefault(
+                (ONE, ONE), LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}")
+            )
     return tuple(inputs.values()), power
 
 
 def _joint_name(joint: Joint) -> str:
-    return f"{joint.first.name!r} and {joint.second.name!r}" if isinstance(joint, Between) else repr(joint.name)
+    return (
+        f"{joint.first.name!r} and {joint.second.name!r}" if isinstance(joint, Between) else repr(joint.name)
+    )

@@ -79,10 +79,13 @@ class Measurement:
         for other in self.repeated:
             share = other.combination.get(index)
             rest = {i: c for i, c in other.combination.items() if i != index}
-            saves = share and reached < other.order <= order and all(self.basis[i].order == other.order for i in rest)
-            if saves:
+            saves = reached < other.order <= order and all(self.basis[i].order == other.order for i in rest)
+            if share is not None and saves:
                 reached, left = other.order, order - other.order
-                best = ((other.signal, left, 1 / share), *((self.basis[i].signal, left, -c / share) for i, c in rest.items()))
+                best = (
+                    (other.signal, left, 1 / share),
+                    *((self.basis[i].signal, left, -c / share) for i, c in rest.items()),
+                )
         return best
 
 
@@ -91,7 +94,9 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
     ranked = sorted(sensors, key=derivative_order)
     basis: list[MeasuredFunction] = []
     repeated: list[RepeatedFunction] = []
-    reduced: list[tuple[str, Functional, dict[int, Any]]] = []  # pivot body, function with pivot 1, in basis functions
+    reduced: list[
+        tuple[str, Functional, dict[int, Any]]
+    ] = []  # pivot body, function with pivot 1, in basis functions
     for sensor in ranked:
         functional = _sensor_functional(model, sensor)
         remainder, combination = _reduce(functional, reduced)
@@ -122,14 +127,20 @@ def _sensor_functional(model: OperatorModel, sensor: Sensor) -> Functional:
     return model.functional(difference.expand())
 
 
-def _reduce(functional: Functional, reduced: list[tuple[str, Functional, dict[int, Any]]]) -> tuple[Functional, dict[int, Any]]:
+def _reduce(
+    functional: Functional, reduced: list[tuple[str, Functional, dict[int, Any]]]
+) -> tuple[Functional, dict[int, Any]]:
     """Remainder of a function after taking out what the basis measures, and what was taken out."""
     remainder, combination = dict(functional), dict[int, Any]()
     for pivot, row, own in reduced:
         share = remainder.get(pivot)
         if share:
             remainder = add(remainder, row, -share)
-            combination = {i: combination.get(i, 0) + share * c for i in {*combination, *own} if (c := own.get(i, 0)) or i in combination}
+            combination = {
+                i: combination.get(i, 0) + share * c
+                for i in {*combination, *own}
+                if (c := own.get(i, 0)) or i in combination
+            }
     return remainder, {i: c for i, c in combination.items() if c}
 
 

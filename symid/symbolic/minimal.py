@@ -48,7 +48,9 @@ class ParameterFunction:
             whole, rest = numerator.div(denominator)
             if not rest:
                 return cls(whole, ring.one)
-        shared = tuple(min(powers) for powers in zip(*numerator.itermonoms(), *denominator.itermonoms(), strict=True))
+        shared = tuple(
+            min(powers) for powers in zip(*numerator.itermonoms(), *denominator.itermonoms(), strict=True)
+        )
         scale = 1 / (denominator.LC if denominator.is_term else ring.domain.one)
         return cls(_over_monomial(numerator, shared, scale), _over_monomial(denominator, shared, scale))
 
@@ -61,7 +63,10 @@ class ParameterFunction:
         else:
             powers, scale = (0,) * len(self.numerator.ring.gens), self.numerator.ring.domain.one
             below = str(self.denominator)
-        return {(below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale for m, c in self.numerator.terms()}
+        return {
+            (below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale
+            for m, c in self.numerator.terms()
+        }
 
     @property
     def names(self) -> set[str]:
@@ -171,11 +176,19 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     basis, shares = _basis(model, [columns for _, columns in rows])
     order = sorted(range(len(basis)), key=lambda j: _place(j, basis, shares, rows))
     units = model.source.axis.physical_parameters
-    parameters = tuple(MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order))
+    parameters = tuple(
+        MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order)
+    )
     field = model.operators.ring.domain
     regressor = tuple(
         tuple(
-            sp.Add(*(field.to_sympy(field.convert(share[j])) * c.expression for c, share in zip(columns, row_shares, strict=True) if j in share))
+            sp.Add(
+                *(
+                    field.to_sympy(field.convert(share[j])) * c.expression
+                    for c, share in zip(columns, row_shares, strict=True)
+                    if j in share
+                )
+            )
             for j in order
         )
         for (_, columns), row_shares in zip(rows, shares, strict=True)
@@ -198,7 +211,13 @@ def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, li
         sign = flip if positive(divisor.LC) else -flip
         divisor = divisor * sign
     columns = [
-        _Column(-sp.Symbol(derivative_name(force, order)), order, True, True, ParameterFunction.quotient(c, divisor))
+        _Column(
+            -sp.Symbol(derivative_name(force, order)),
+            order,
+            True,
+            True,
+            ParameterFunction.quotient(c, divisor),
+        )
         for order, c in equation.force.items()
         if order != lowest
     ]
@@ -217,7 +236,9 @@ def _scaled(row: tuple[sp.Expr, list[_Column]]) -> tuple[sp.Expr, list[_Column]]
     leader = max((column for column in columns if column.smooth), key=lambda column: column.order)
     divisor = leader.function.numerator
     rest = [
-        replace(c, function=ParameterFunction.quotient(-c.function.numerator, divisor)) for c in columns if c is not leader
+        replace(c, function=ParameterFunction.quotient(-c.function.numerator, divisor))
+        for c in columns
+        if c is not leader
     ]
     return leader.expression, rest
 
@@ -231,19 +252,20 @@ def _basis(
     for columns in rows:
         for column in columns:
             whole.add(column.function.coordinates)
-    basis: list[ParameterFunction] = []
     span = Span()
     physical = [ParameterFunction(ring(generator), ring.one) for generator in ring.gens[1:]]
     candidates = [function for function in physical if whole.coordinates(function.coordinates) is not None]
-    for function in (*candidates, *(column.function for columns in rows for column in columns)):
-        if span.add(function.coordinates):
-            basis.append(function)
+    offered = (*candidates, *(column.function for columns in rows for column in columns))
+    basis = [function for function in offered if span.add(function.coordinates)]
     shares = [[span.coordinates(column.function.coordinates) or {} for column in columns] for columns in rows]
     return basis, shares
 
 
 def _place(
-    j: int, basis: list[ParameterFunction], shares: list[list[dict[int, Any]]], rows: list[tuple[sp.Expr, list[_Column]]]
+    j: int,
+    basis: list[ParameterFunction],
+    shares: list[list[dict[int, Any]]],
+    rows: list[tuple[sp.Expr, list[_Column]]],
 ) -> tuple[int, ...]:
     """Sort key of basis function j: its first equation, and its place there."""
     for i, ((_, columns), row_shares) in enumerate(zip(rows, shares, strict=True)):
@@ -251,7 +273,13 @@ def _place(
         if not holders:
             continue
         if all(basis[k].is_linear for share in row_shares for k in share):
-            return i, 0, min((-c.order, not c.smooth) for c in holders)[0], min((-c.order, not c.smooth) for c in holders)[1], j
+            return (
+                i,
+                0,
+                min((-c.order, not c.smooth) for c in holders)[0],
+                min((-c.order, not c.smooth) for c in holders)[1],
+                j,
+            )
         return i, *min(_rising(column) for column in holders), j
     raise AssertionError("a basis function occurs in no equation")
 

@@ -16,8 +16,7 @@ import sympy as sp
 from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
 
-from symid.axis import Axis, Body, Joint
-from symid.signals import split_derivative
+from symid.axis import Axis, Body
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 
 Row = dict[str, PolyElement]
@@ -74,7 +73,10 @@ def operator_model(model: InverseDynamicModel) -> OperatorModel:
     """
     axis, carriers = model.axis, _carriers(model.axis)
     ring = _parameter_ring(model)
-    lagrange = {body.name: _split(balance, ring, model) for body, balance in zip(axis.free_bodies, model.balances, strict=True)}
+    lagrange = {
+        body.name: _split(balance, ring, model)
+        for body, balance in zip(axis.free_bodies, model.balances, strict=True)
+    }
     motion: dict[str, Row] = {}
     inputs: dict[str, Row] = {}
     force: dict[str, PolyElement] = {}
@@ -83,7 +85,9 @@ def operator_model(model: InverseDynamicModel) -> OperatorModel:
         for carried in (child for child, carrier in carriers.items() if carrier == body):
             balance = add(balance, lagrange[carried], ring(-1))
         motion[body] = _relative_to_absolute({b: balance[b] for b in carriers if b in balance}, carriers)
-        inputs[body] = {str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance}
+        inputs[body] = {
+            str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance
+        }
         force[body] = balance.get(axis.drive.signal, ring.zero)
     return OperatorModel(model, ring, motion, inputs, force)
 
@@ -103,7 +107,9 @@ def add(row: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> dict[A
 def _carriers(axis: Axis) -> dict[str, str | None]:
     """For each free body the free body that carries it, if its displacement adds to that body's."""
     return {
-        body.name: body.on.name if isinstance(body.on, Body) and body.on.geared is None and body.on.turns == body.turns else None
+        body.name: body.on.name
+        if isinstance(body.on, Body) and body.on.geared is None and body.on.turns == body.turns
+        else None
         for body in axis.free_bodies
     }
 
@@ -129,7 +135,9 @@ def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:
     """One of Lagrange's equations by column: body (a polynomial in s), law input, drive force."""
     kinematics = Kinematics(model.axis)
     columns: dict[sp.Symbol, tuple[str, int]] = {
-        kinematics.symbol(body, order): (body.name, order) for body in model.axis.free_bodies for order in range(3)
+        kinematics.symbol(body, order): (body.name, order)
+        for body in model.axis.free_bodies
+        for order in range(3)
     }
     columns.update({w.symbol: (str(w.symbol), 0) for w in model.inputs})
     force = model.axis.drive.signal

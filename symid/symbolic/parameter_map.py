@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from random import Random
 from typing import Any, Literal
 
@@ -91,7 +92,9 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
         solution=solution,
         inverse=_branches(model, solution) if solution else (),
         identifiability=identifiability,
-        combinations=tuple(expression for expression in minimal.values() if expression.free_symbols & symbols),
+        combinations=tuple(
+            expression for expression in minimal.values() if expression.free_symbols & symbols
+        ),
         relations=len(model.parameters) - point.rank,
         counted=counted,
     )
@@ -110,12 +113,16 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     names = list(model.source.source.axis.physical_parameters)
     constants = list(model.source.source.constants)
     trial = _Point(model)
-    if trial.undetermined() & set().union(*(p.function.names for p in model.parameters)) or trial.triangular().left:
+    if (
+        trial.undetermined() & set().union(*(p.function.names for p in model.parameters))
+        or trial.triangular().left
+    ):
         return None
     field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
     ring = PolyRing(names, field)
     system = [
-        _convert(p.function.numerator, ring) - _convert(p.function.denominator, ring) * field.from_sympy(sp.Symbol(p.name))
+        _convert(p.function.numerator, ring)
+        - _convert(p.function.denominator, ring) * field.from_sympy(sp.Symbol(p.name))
         for p in model.parameters
     ]
     solution = triangular_solution(system, ring, len(names))
@@ -171,7 +178,9 @@ class _Point:
         """Equations X(theta) = X(theta0), undetermined directions held at theta0."""
         _, pivots = self.jacobian.rref()
         held = {i: self.values[i] for i in range(len(self.names)) if i not in pivots}
-        equations = [n - d * (_evaluate(n, self.values) / _evaluate(d, self.values)) for n, d in self.functions]
+        equations = [
+            n - d * (_evaluate(n, self.values) / _evaluate(d, self.values)) for n, d in self.functions
+        ]
         for i, value in held.items():
             equations = [_fix(equation, i, value) for equation in equations]
         return [equation for equation in equations if equation]
@@ -200,7 +209,9 @@ class _Point:
         return self._modular(function.numerator), self._modular(function.denominator)
 
     def _modular(self, polynomial: PolyElement) -> PolyElement:
-        return self.ring.from_dict({m[1:]: value for m, c in polynomial.terms() if (value := self._number(c))})
+        return self.ring.from_dict(
+            {m[1:]: value for m, c in polynomial.terms() if (value := self._number(c))}
+        )
 
     def _number(self, value: Any) -> Any:
         if isinstance(value, FracElement):
@@ -224,7 +235,11 @@ class _Point:
             value_n, value_d = _evaluate(n, self.values), _evaluate(d, self.values)
             rows.append(
                 [
-                    (_evaluate(n.diff(x), self.values) * value_d - value_n * _evaluate(d.diff(x), self.values)) / value_d**2
+                    (
+                        _evaluate(n.diff(x), self.values) * value_d
+                        - value_n * _evaluate(d.diff(x), self.values)
+                    )
+                    / value_d**2
                     for x in self.ring.gens
                 ]
             )
@@ -234,10 +249,9 @@ class _Point:
 def _evaluate(polynomial: PolyElement, values: Sequence[Any]) -> Any:
     total = polynomial.ring.domain.zero
     for monomial, value in polynomial.terms():
-        for base, power in zip(values, monomial, strict=True):
-            if power:
-                value *= base**power
-        total += value
+        total += prod(
+            (base**power for base, power in zip(values, monomial, strict=True) if power), start=value
+        )
     return total
 
 
@@ -260,7 +274,9 @@ def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: 
     moved = [small.from_dict({(0, *(m[i] for i in involved)): c for m, c in e.terms()}) for e in system]
     nonzero = small.from_dict({(1,) * len(small.gens): small.domain.one}) - 1
     basis = groebner([*moved, nonzero], small)
-    return {i: _number_of_values(generator, basis) for i, generator in zip(involved, small.gens[1:], strict=True)}
+    return {
+        i: _number_of_values(generator, basis) for i, generator in zip(involved, small.gens[1:], strict=True)
+    }
 
 
 def _number_of_values(unknown: PolyElement, basis: Sequence[PolyElement]) -> int:
@@ -269,5 +285,7 @@ def _number_of_values(unknown: PolyElement, basis: Sequence[PolyElement]) -> int
         power = (power * unknown).rem(list(basis))
         degree += 1
     relation = span.coordinates(dict(power.terms())) or {}
-    polynomial = [1] + [int(-relation.get(i, unknown.ring.domain.zero)) % _PRIME for i in reversed(range(degree))]
+    polynomial = [1] + [
+        int(-relation.get(i, unknown.ring.domain.zero)) % _PRIME for i in reversed(range(degree))
+    ]
     return int(dup_degree(gf_sqf_part(polynomial, _PRIME, sp.ZZ)))

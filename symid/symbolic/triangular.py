@@ -171,4 +171,6 @@ def _without_monomials(equation: PolyElement) -> PolyElement:
     shared = tuple(map(min, zip(*equation.itermonoms(), strict=True)))
     if not any(shared):
         return equation
-    return equation.ring.from_dict({tuple(a - b for a, b in zip(m, shared, strict=True)): c for m, c in equation.terms()})
+    return equation.ring.from_dict(
+        {tuple(a - b for a, b in zip(m, shared, strict=True)): c for m, c in equation.terms()}
+    )

@@ -1,0 +1,132 @@
+"""Figures of an identification: measured and predicted output, residual over time, velocity and frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy import signal
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+from symid.identification import EquationResidual, Identification, Observation
+
+MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
+"""Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
+
+_STYLE: Any = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+}
+_MOST_POINTS = 20_000
+
+
+def plot_identification(
+    found: Identification,
+    file: str | Path,
+    validation: tuple[Observation, Sequence[EquationResidual]] | None = None,
+) -> None:
+    """Draw an identification into a file.
+
+    For each equation: measured and predicted output over time, the residual below it, and on the right the residual
+    against the predicted output and its spectrum beside that of the output. A validation log gets rows of its own.
+
+    Parameters
+    ----------
+    found : Identification
+        What `identify` returned.
+    file : path-like
+        png, svg or pdf, by its suffix.
+    validation : tuple, optional
+        What `predict` returned for another log.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is not known, or the parameters are not determined.
+    """
+    path = Path(file)
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    runs = [(source, observation) for source, observation in zip(found.logs, found.observations, strict=True)]
+    if validation is not None:
+        runs.append(("validation", validation[0]))
+    rows = [(source, run, j) for source, run in runs for j in range(len(found.model.output_names))]
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(11, 3.6 * len(rows)), layout="constrained")
+        grids = figure.add_gridspec(len(rows), 1)
+        for place, (source, run, equation) in enumerate(rows):
+            _draw_equation(figure, grids[place], found, source, run, equation)
+        figure.savefig(path, dpi=150)
+
+
+def _draw_equation(
+    figure: Figure, place: Any, found: Identification, source: str, run: Observation, equation: int
+) -> None:
+    grid = place.subgridspec(2, 2, width_ratios=(2.2, 1), height_ratios=(1.6, 1))
+    output, unit = found.model.output_names[equation], found.model.output_units[equation]
+    used = run.valid[equation]
+    y = np.where(used, run.y[equation], np.nan)
+    predicted = np.where(used, run.W[equation] @ found.fit.solution, np.nan)
+    error = y - predicted
+    top = figure.add_subplot(grid[0, 0])
+    below = figure.add_subplot(grid[1, 0], sharex=top)
+    _draw_over_time(
+        top,
+        run.time,
+        {"measured": (y, MEASURED, 2.0), "predicted": (predicted, MODEL, 0.7)},
+        f"{output} [{unit}]",
+    )
+    which = f", equation {equation + 1}" if len(found.model.output_names) > 1 else ""
+    top.set_title(f"{found.model.axis}, {Path(source).name}{which}", loc="left")
+    top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
+    top.tick_params(labelbottom=False)
+    _draw_over_time(below, run.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{unit}]")
+    below.set_xlabel("time [s]")
+    _draw_scatter(figure.add_subplot(grid[0, 1]), predicted[used], error[used], output, unit)
+    _draw_spectrum(figure.add_subplot(grid[1, 1]), run, y, error, unit)
+
+
+def _draw_over_time(
+    axes: Axes, time: FloatArray, curves: dict[str, tuple[FloatArray, str, float]], label: str
+) -> None:
+    """Curves over time; of long logs the envelope of each bundle of samples, so that no peak is lost."""
+    for name, (values, colour, width) in curves.items():
+        bundle = -(-values.size // _MOST_POINTS)
+        if bundle == 1:
+            axes.plot(time, values, color=colour, linewidth=width, label=name)
+            continue
+        whole = values.size // bundle * bundle
+        parts = values[:whole].reshape(-1, bundle)
+        low, high = np.fmin.reduce(parts, axis=1), np.fmax.reduce(parts, axis=1)
+        axes.fill_between(time[:whole:bundle], low, high, color=colour, alpha=0.8, linewidth=0.4, label=name)
+    axes.set_ylabel(label)
+    axes.margins(x=0.01)
+
+
+def _draw_scatter(axes: Axes, predicted: FloatArray, error: FloatArray, output: str, unit: str) -> None:
+    step = -(-predicted.size // _MOST_POINTS)
+    axes.plot(
+        predicted[::step], error[::step], ".", color=RESIDUAL, markersize=1.5, alpha=0.4, rasterized=True
+    )
+    axes.set_xlabel(f"predicted {output} [{unit}]")
+    axes.set_ylabel(f"residual [{unit}]")
+
+
+def _draw_spectrum(axes: Axes, run: Observation, y: FloatArray, error: FloatArray, unit: str) -> None:
+    """Amplitude densities of output and residual; rows that were left out count as zero."""
+    rate = 1.0 / (run.time[1] - run.time[0])
+    for values, colour, name in ((y, MEASURED, "output"), (error, RESIDUAL, "residual")):
+        frequency, power = signal.welch(np.nan_to_num(values), fs=rate, nperseg=min(1024, values.size))
+        axes.loglog(frequency[1:], np.sqrt(power[1:]), color=colour, linewidth=0.9, label=name)
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel(f"{unit}/√Hz")
+    axes.legend(loc="lower left", frameon=False)
