@@ -133,7 +133,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     >>> axis = load_axis("direct_2m1s")
     >>> io = eliminate(inverse_dynamics(axis), axis.measured(("q2", "ddq1")))
     >>> [str(term.expression) for term in io.equations[1].motion]
-    ['ddq1_d2', 'ddq1_d1', 'ddq1', 'q2_d3']
+    ['ddq1_d2', 'q2_d3', 'ddq1_d1', 'ddq1']
     """
     operators = operator_model(model)
     known = measurement(operators, measured)
