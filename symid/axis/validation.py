@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import keyword
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
@@ -22,6 +24,12 @@ from symid.axis.elements import (
 from symid.axis.laws import Law
 from symid.signals import is_signal_name
 from symid.units import Unit
+
+
+RESERVED = ("t", "reference", "ground", "np", "n_samples", "branch")
+"""Columns of every log, the basement frame, and names that generated modules use."""
+
+_MINIMAL = re.compile(r"X\d+")
 
 
 def declaration_faults(
@@ -104,7 +112,7 @@ def _name_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sen
     signals = [drive.signal, *(sensor.signal for sensor in sensors)]
     parameters = [name for element in elements for name in parameter_names(element)]
     names = [element.name for element in elements if isinstance(element, (Body, Spring, Damper))]
-    for name in {*signals, *parameters, *names, *([drive.command] if drive.command else [])}:
+    for name in dict.fromkeys([*signals, *parameters, *names, *([drive.command] if drive.command else [])]):
         if not is_signal_name(name):
             yield f"name {name!r} is not usable: letters, digits and underscores, and no ending like _d1"
     for what, given in (("signal", signals), ("parameter", parameters), ("element name", names)):
@@ -112,8 +120,9 @@ def _name_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sen
             yield f"{what} {name!r} is used more than once: give each its own"
     for name in sorted({*signals} & {*parameters}):
         yield f"{name!r} names a signal and a parameter: rename one of them"
-    for name in sorted({"t", "reference", "ground"} & {*signals, *parameters, *names}):
-        yield f"name {name!r} is reserved: choose another"
+    for name in sorted({*signals, *parameters, *names}):
+        if name in RESERVED or keyword.iskeyword(name) or (name in parameters and _MINIMAL.fullmatch(name)):
+            yield f"name {name!r} is reserved: choose another"
 
 
 def parameter_names(element: object) -> tuple[str, ...]:

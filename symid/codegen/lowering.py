@@ -7,6 +7,7 @@ with eight masses become some hundred operations.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -48,6 +49,7 @@ class PolynomialLowering:
     def __init__(self, names: Sequence[str | None]) -> None:
         self.names = tuple(names)
         self.assignments: list[tuple[str, str]] = []
+        self._prefix = "c__" if any(name and re.fullmatch(r"c\d+", name) for name in names) else "c"
         self._known: dict[frozenset[tuple[tuple[int, ...], Any]], str] = {}
 
     def lower(self, polynomial: PolyElement) -> str:
@@ -83,7 +85,7 @@ class PolynomialLowering:
         return text
 
     def _assign(self, text: str) -> str:
-        name = f"c{len(self.assignments)}"
+        name = f"{self._prefix}{len(self.assignments)}"
         self.assignments.append((name, text))
         return name
 

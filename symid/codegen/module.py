@@ -39,31 +39,32 @@ SIGNED = {signed}  # physical parameters that may be negative
 PER_LOG = {per_log}  # minimal parameters that differ from log to log
 ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
+LAW_COLUMNS = {law_columns}  # (equation, parameter) of the columns that hold values of nonlinear laws
 BRANCHES = {branches}  # solutions of the inverse map in closed form
 {constants}
 
 def regressor({arguments}):
     """Regressor D sampled: W of shape (n_equations, n_samples, n_parameters)."""
     n_samples = max(map(np.size, ({arguments},)))
-    W = np.{allocate}(({n_equations}, {n_parameters}, n_samples))
+    {W} = np.{allocate}(({n_equations}, {n_parameters}, n_samples))
 {regressor}
-    return W.transpose(0, 2, 1)
+    return {W}.transpose(0, 2, 1)
 
 
 def output({arguments}):
     """Output y sampled, of shape (n_equations, n_samples)."""
     n_samples = max(map(np.size, ({arguments},)))
-    y = np.zeros(({n_equations}, n_samples))
+    {y} = np.zeros(({n_equations}, n_samples))
 {output}
-    return y
+    return {y}
 
 
 def sliding_velocities({arguments}):
     """Velocities whose sign enters the regressor, of shape (n_velocities, n_samples)."""
     n_samples = max(map(np.size, ({arguments},)))
-    v = np.zeros(({n_sliding}, n_samples))
+    {v} = np.zeros(({n_sliding}, n_samples))
 {velocities}
-    return v
+    return {v}
 
 
 def minimal_parameters({physical_arguments}):
@@ -100,7 +101,11 @@ def module_text(model: DerivedModel) -> str:
     solution = inverse_map(minimal)
     physical = {name: str(unit) for name, unit in model.axis.physical_parameters.items()}
     entries = [entry for row in minimal.regressor for entry in row]
+    W, y, v = (_unused(name, signals) for name in "Wyv")
     return _TEMPLATE.format(
+        W=W,
+        y=y,
+        v=v,
         axis=model.axis.name,
         measured=", ".join(model.measured),
         equations=_equations(model),
@@ -118,6 +123,7 @@ def module_text(model: DerivedModel) -> str:
         per_log=_tuple(_log_parameters(model)),
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
+        law_columns=repr(_law_columns(model)),
         branches=solution.branches if solution else 0,
         constants=_constants(model),
         arguments=", ".join(signals),
@@ -125,7 +131,7 @@ def module_text(model: DerivedModel) -> str:
         n_equations=len(minimal.output),
         n_parameters=len(minimal.parameters),
         regressor=_fill(
-            "W",
+            W,
             [
                 (f"{i}, {j}", e)
                 for i, row in enumerate(minimal.regressor)
@@ -133,13 +139,18 @@ def module_text(model: DerivedModel) -> str:
                 if e != 0
             ],
         ),
-        output=_fill("y", [(str(i), y) for i, y in enumerate(minimal.output) if y != 0]),
+        output=_fill(y, [(str(i), e) for i, e in enumerate(minimal.output) if e != 0]),
         n_sliding=len(velocities),
-        velocities=_fill("v", [(str(i), v) for i, v in enumerate(velocities)]),
+        velocities=_fill(v, [(str(i), e) for i, e in enumerate(velocities)]),
         physical_arguments=", ".join(physical),
         forward=_forward(model),
         inverse=_inverse(model, solution) if solution else "",
     )
+
+
+def _unused(name: str, taken: Sequence[str]) -> str:
+    """A name for a variable of a generated function; names of signals and parameters do not end with an underscore."""
+    return f"{name}_" if name in taken else name
 
 
 def _signals(model: DerivedModel) -> tuple[str, ...]:
@@ -178,6 +189,12 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
         by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
     return tuple(by_equation), tuple(velocities)
+
+
+def _law_columns(model: DerivedModel) -> tuple[tuple[int, int], ...]:
+    """Columns that are not linear in the signals: filtering the signals does not filter them."""
+    rows = enumerate(model.minimal.regressor)
+    return tuple((i, j) for i, row in rows for j, entry in enumerate(row) if entry.has(sp.Function))
 
 
 def _equations(model: DerivedModel) -> str:
@@ -232,6 +249,7 @@ def _inverse(model: DerivedModel, solution: TriangularSolution) -> str:
     lines = [
         f"{name} = np.nan  # not seen by these sensors" for i, name in enumerate(names) if i not in solved
     ]
+    a, b, c, sign = (_unused(name, names) for name in ("a", "b", "c", "sign"))
     passed = 1
     for step in reversed(solution.steps):
         name = names[step.unknown]
@@ -239,9 +257,9 @@ def _inverse(model: DerivedModel, solution: TriangularSolution) -> str:
         if step.branches == 1:
             lines.append(f"{name} = {code(sp.factor(-parts[1] / parts[0]))}")
         else:
-            lines += [f"{letter} = {code(part)}" for letter, part in zip("abc", parts, strict=True)]
-            lines.append(f"sign = 1 - 2*(branch // {passed} % 2)")
-            lines.append(f"{name} = (sign*np.sqrt(np.maximum(b*b - 4*a*c, 0.0)) - b)/(2*a)")
+            lines += [f"{letter} = {code(part)}" for letter, part in zip((a, b, c), parts, strict=True)]
+            lines.append(f"{sign} = 1 - 2*(branch // {passed} % 2)")
+            lines.append(f"{name} = ({sign}*np.sqrt(np.maximum({b}*{b} - 4*{a}*{c}, 0.0)) - {b})/(2*{a})")
             passed *= 2
     lines.append(f"return np.array([{', '.join(names)}])")
     return _INVERSE.format(
