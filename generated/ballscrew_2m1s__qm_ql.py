@@ -22,6 +22,7 @@ SIGNED = ()  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
+LAW_COLUMNS = ((0, 3), (1, 3))  # (equation, parameter) of the columns that hold values of nonlinear laws
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

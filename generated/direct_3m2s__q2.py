@@ -22,6 +22,7 @@ SIGNED = ()  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
+LAW_COLUMNS = ((0, 5),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 BRANCHES = 0  # solutions of the inverse map in closed form
 
 

@@ -21,6 +21,7 @@ SIGNED = ("OF",)  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
+LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

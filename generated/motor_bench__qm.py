@@ -21,6 +21,7 @@ SIGNED = ("Pt",)  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((),)  # for each equation, the rows of sliding_velocities whose sign enters it
+LAW_COLUMNS = ()  # (equation, parameter) of the columns that hold values of nonlinear laws
 BRANCHES = 2  # solutions of the inverse map in closed form
 
 

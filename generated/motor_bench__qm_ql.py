@@ -22,6 +22,7 @@ SIGNED = ("Pt",)  # physical parameters that may be negative
 PER_LOG = ("X5",)  # minimal parameters that differ from log to log
 ASSUMPTIONS = ()
 SLIDING = ((), ())  # for each equation, the rows of sliding_velocities whose sign enters it
+LAW_COLUMNS = ()  # (equation, parameter) of the columns that hold values of nonlinear laws
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

@@ -41,6 +41,8 @@ class GeneratedModel:
         What was assumed in the derivation.
     sliding : tuple of tuple of int
         For each equation, the rows of `sliding_velocities` whose sign enters it.
+    law_columns : tuple of tuple of int
+        Equation and parameter index of the columns that hold values of nonlinear laws.
     branches : int
         Number of solutions of the inverse map in closed form; 0 without one.
     regressor, output, sliding_velocities, minimal_parameters : callable
@@ -61,6 +63,7 @@ class GeneratedModel:
     per_log: tuple[str, ...]
     assumptions: tuple[str, ...]
     sliding: tuple[tuple[int, ...], ...]
+    law_columns: tuple[tuple[int, int], ...]
     branches: int
     regressor: ArrayFunction
     output: ArrayFunction
@@ -84,6 +87,7 @@ class GeneratedModel:
             per_log=namespace["PER_LOG"],
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
+            law_columns=namespace["LAW_COLUMNS"],
             branches=namespace["BRANCHES"],
             regressor=namespace["regressor"],
             output=namespace["output"],

@@ -76,6 +76,8 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation) -> Observ
         )
     inner = slice(before, log.n_samples - after)
     W, y = model.sample({name: values[inner] for name, values in signals.items()})
+    if chosen.filter_force:
+        _filter_laws(model, W, chosen, log.sampling_frequency)
     sliding = model.sliding_velocities(*(signals[name][inner] for name in model.signals))
     factor = chosen.decimation or 1
     kept = kept_indices(y.shape[1], factor)
@@ -97,6 +99,14 @@ def _filtered(model: GeneratedModel, log: Log, chosen: Preparation) -> dict[str,
     for name, seconds in chosen.late.items():
         signals[name] = _earlier(signals[name], seconds / log.sampling_period)
     return signals
+
+
+def _filter_laws(model: GeneratedModel, W: FloatArray, chosen: Preparation, rate: float) -> None:
+    """Pass the values of nonlinear laws, which are computed from filtered motion, through the filter of the force."""
+    assert chosen.cutoff_hz is not None
+    lowpass = LowPass(chosen.cutoff_hz, chosen.order)
+    for equation, parameter in model.law_columns:
+        W[equation, :, parameter] = lowpass.apply(W[equation, :, parameter], rate)
 
 
 def _earlier(values: FloatArray, samples: float) -> FloatArray:
