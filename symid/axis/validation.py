@@ -25,7 +25,6 @@ from symid.axis.laws import Law
 from symid.signals import is_signal_name
 from symid.units import Unit
 
-
 RESERVED = ("t", "reference", "ground", "np", "n_samples", "branch")
 """Columns of every log, the basement frame, and names that generated modules use."""
 

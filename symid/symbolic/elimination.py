@@ -153,7 +153,7 @@ def _distinct(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[
     """Rows reduced until none holds every signal of another one, or of its derivatives.
 
     Otherwise a multiple of the other could be added to it without a trace, and no data would determine its parameters.
-    A row linear in the physical parameters cannot be added: they stand in the other equations too, and cannot change alone.
+    A row linear in the physical parameters is never added: they stand in other equations too, and cannot change alone.
     """
     reduced = list(rows)
     while True:
