@@ -1,0 +1,135 @@
+"""Time and memory of `symid generate` as a whole process: shipped axis, chains of 1 to 8 masses, general graphs.
+
+Every chain nM-(n-1)S has viscous friction in every joint, Coulomb friction in the driven one, and is measured at the
+motor only. Each process imports, declares, derives, eliminates, inverts the parameter map, and writes its modules
+into a temporary folder. "within" is the derivation and the text of the modules alone, without starting Python.
+
+Usage: python benchmarks/derivation.py
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import symid
+from symid.axis import axis_file
+
+COMMAND = (sys.executable, "-c", "from symid.cli import main; main()", "generate")
+
+CHAIN = '''"""Chain of {masses} masses."""
+
+from symid import chain
+
+axis = chain("{name}", {masses}, driven={driven})
+'''
+
+HEADER = '''"""General graph: {text}."""
+
+from symid import Axis, Between, Body, Drive, Position, Spring, ViscousFriction
+
+a, b, c = Body("a", mass="Ma"), Body("b", mass="Mb"), Body("c", mass="Mc")
+frictions = tuple(ViscousFriction(body, f"F{{body.name}}") for body in (a, b, c))
+ab, bc, ca = Between(first=a, second=b), Between(first=b, second=c), Between(first=c, second=a)
+'''
+
+TRIANGLE = """
+springs = (Spring("ab", ab, stiffness="Kab"), Spring("bc", bc, stiffness="Kbc"), Spring("ca", ca, stiffness="Kca"))
+axis = Axis("triangle", (a, b, c, *frictions, *springs), Drive("F", a), (Position("qa", a),))
+"""
+
+TWO_TO_GROUND = """
+springs = (Spring("ab", ab, stiffness="Kab"), Spring("bc", bc, stiffness="Kbc"))
+grounded = (Spring("b0", b, stiffness="Kb"), Spring("c0", c, stiffness="Kc"))
+axis = Axis("two_to_ground", (a, b, c, *frictions, *springs, *grounded), Drive("F", a), (Position("qa", a),))
+"""
+
+GRAPHS = {
+    "triangle": HEADER.format(text="three masses, each joined to both others") + TRIANGLE,
+    "two_to_ground": HEADER.format(text="three masses, two of them with a spring to ground") + TWO_TO_GROUND,
+}
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of one process."""
+
+    seconds: float
+    peak_mb: float
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What a process may cost."""
+
+    seconds: float
+    peak_mb: float = 2000.0
+
+    def verdict(self, cost: Cost) -> str:
+        """Measured values beside the limits."""
+        met = cost.seconds < self.seconds and cost.peak_mb < self.peak_mb
+        return f"limit {self.seconds:g} s, {self.peak_mb:g} MB: {'met' if met else 'MISSED'}"
+
+
+LIMITS = {"direct_2m1s": Limit(2.0), "6M5S": Limit(5.0), "8M7S": Limit(20.0)}
+
+
+def generate(file: Path) -> Cost:
+    """Run `symid generate` on an axis file; it must succeed."""
+    start = time.perf_counter()
+    process = subprocess.Popen([*COMMAND, str(file)], stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    seconds = time.perf_counter() - start
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"symid generate {file.name} failed")
+    return Cost(seconds, usage.ru_maxrss / 1000.0)
+
+
+def axis_files(folder: Path) -> dict[str, Path]:
+    """Axis files of the table, by the name of its row; what is not shipped is written into a folder."""
+    folder.mkdir()
+    texts = {}
+    for masses in range(1, 9):
+        name = f"{masses}M{masses - 1}S"
+        texts[name] = CHAIN.format(name=f"axis_{name.lower()}", masses=masses, driven=min(masses, 2))
+    texts["direct_2m1s"] = axis_file("direct_2m1s").read_text(encoding="utf-8")
+    texts |= GRAPHS
+    files = {}
+    for name, text in texts.items():
+        stem = name if name[0].isalpha() else f"axis_{name.lower()}"
+        files[name] = folder / f"{stem}.py"
+        files[name].write_text(text, encoding="utf-8")
+    return files
+
+
+def within(file: Path) -> tuple[float, int]:
+    """Seconds to derive all models of an axis file and to write their text, and the characters of that text."""
+    start = time.perf_counter()
+    planned = symid.plan([str(file)])
+    seconds = time.perf_counter() - start
+    return seconds, sum(len(module.wanted or "") for module in planned)
+
+
+def main() -> None:
+    """Print the table."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = axis_files(Path(folder) / "models")
+        # the peak of a process counts from that of its parent, so sympy is not loaded here before all are done
+        costs = {name: generate(file) for name, file in files.items()}
+        symid.plan([str(files["1M0S"])])
+        print(f"{'axis':16}{'process':>9}{'peak':>9}{'within':>9}{'text':>9}  limit")
+        print(f"{'':16}{'s':>9}{'MB':>9}{'s':>9}{'kB':>9}")
+        for name, cost in costs.items():
+            seconds, characters = within(files[name])
+            line = f"{name:16}{cost.seconds:9.2f}{cost.peak_mb:9.0f}{seconds:9.3f}{characters / 1000:9.1f}"
+            print(f"{line}  {LIMITS[name].verdict(cost) if name in LIMITS else ''}".rstrip())
+
+
+if __name__ == "__main__":
+    main()
