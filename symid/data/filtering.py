@@ -8,7 +8,6 @@ Signals are vectors, or matrices of one signal a row: time runs along the last a
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
@@ -17,10 +16,10 @@ import numpy.typing as npt
 from scipy import signal
 
 from symid.arrays import FloatArray
+from symid.data.zero_phase import ZeroPhaseFilter
 from symid.errors import SettingError
 
 _BLOCK: Final = 32_768  # samples of a block that stays in the cache between two operations on it
-_FILTER_BLOCK: Final = 262_144  # samples that are filtered at a time; smaller blocks are slower
 _DECIMATION_ORDER: Final = 8
 _DECIMATION_RIPPLE_DB: Final = 0.05
 _DECIMATION_CUTOFF: Final = 0.8  # of the Nyquist frequency after decimation
@@ -72,7 +71,7 @@ class LowPass:
         sampling_frequency : float
             Samples per second, Hz.
         workers : int
-            Threads that share the rows of a matrix.
+            Threads that share the signal.
 
         Returns
         -------
@@ -90,10 +89,14 @@ class LowPass:
                 f"{sampling_frequency:g} Hz: choose a cutoff under {sampling_frequency / 2:g} Hz"
             )
         _check_length(values, self.padding, "low-pass filter")
-        sections = signal.butter(self.order, self.cutoff_hz, fs=sampling_frequency, output="sos")
         filtered = np.empty(values.shape)
-        _filter_rows(sections, self.padding, values, filtered, slice(None), workers)
+        self.zero_phase(sampling_frequency).apply_rows(values, filtered, slice(None), workers)
         return filtered
+
+    def zero_phase(self, sampling_frequency: float) -> ZeroPhaseFilter:
+        """Filter that `apply` runs over a signal sampled at `sampling_frequency` (Hz), above twice the cutoff."""
+        sections = signal.butter(self.order, self.cutoff_hz, fs=sampling_frequency, output="sos")
+        return ZeroPhaseFilter(np.asarray(sections), self.padding)
 
     def gain(self, frequency: npt.ArrayLike) -> FloatArray:
         """Amplitude left at `frequency` (Hz) by both passes: 1 / (1 + (f / cutoff)^(2 order)), as [34].
@@ -217,7 +220,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     The filter is a Chebyshev filter of type I, order 8, 0.05 dB ripple, with its cutoff at 0.8 of the new
     Nyquist frequency, run forward and backward. As in MATLAB its even order lowers slow signals by the ripple
     of both passes (factor 0.9886), which a regression does not see if both of its sides are decimated.
-    Rows are filtered one after the other: a matrix needs the memory of one row besides the result.
+    Rows are filtered in pieces: a matrix needs little memory besides the result.
 
     Parameters
     ----------
@@ -226,7 +229,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     factor : int
         How many samples become one; 1 returns the signal unchanged.
     workers : int
-        Threads that share the rows of a matrix.
+        Threads that share the signal.
 
     Returns
     -------
@@ -242,15 +245,19 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
         raise SettingError(f"decimation by {factor} is not possible: give a factor of 1 or more")
     if factor == 1:
         return values.copy()
-    padding = 3 * _DECIMATION_ORDER
-    _check_length(values, padding, "decimation")
+    _check_length(values, 3 * _DECIMATION_ORDER, "decimation")
+    kept = kept_indices(values.shape[-1], factor)
+    thinned = np.empty((*values.shape[:-1], -(-values.shape[-1] // factor)))
+    decimation_filter(factor).apply_rows(values, thinned, kept, workers)
+    return thinned
+
+
+def decimation_filter(factor: int) -> ZeroPhaseFilter:
+    """Filter that `decimate` runs over a signal before samples are left out; `factor` is 2 or more."""
     sections = signal.cheby1(
         _DECIMATION_ORDER, _DECIMATION_RIPPLE_DB, _DECIMATION_CUTOFF / factor, output="sos"
     )
-    kept = kept_indices(values.shape[-1], factor)
-    thinned = np.empty((*values.shape[:-1], -(-values.shape[-1] // factor)))
-    _filter_rows(sections, padding, values, thinned, kept, workers)
-    return thinned
+    return ZeroPhaseFilter(np.asarray(sections), 3 * _DECIMATION_ORDER)
 
 
 def _check_length(values: FloatArray, padding: int, what: str) -> None:
@@ -259,35 +266,3 @@ def _check_length(values: FloatArray, padding: int, what: str) -> None:
         raise SettingError(
             f"{n_samples} samples are too few for the {what}: more than {padding} are required"
         )
-
-
-def _filter_rows(
-    sections: FloatArray, padding: int, x: FloatArray, out: FloatArray, kept: slice, workers: int
-) -> None:
-    """Filter each row of `x` forward and backward and write the samples `kept` into the same row of `out`."""
-
-    def filter_row(row: tuple[int, ...]) -> None:
-        out[row] = _zero_phase(sections, padding, x[row])[kept]
-
-    rows = list(np.ndindex(x.shape[:-1]))
-    if min(workers, len(rows)) <= 1:
-        for row in rows:
-            filter_row(row)
-    else:
-        with ThreadPoolExecutor(workers) as pool:
-            list(pool.map(filter_row, rows))
-
-
-def _zero_phase(sections: FloatArray, padding: int, x: FloatArray) -> FloatArray:
-    """What scipy's sosfiltfilt gives with odd padding, with one array of memory where scipy needs three."""
-    extended = np.empty(x.size + 2 * padding)
-    extended[padding:-padding] = x
-    extended[:padding] = 2.0 * x[0] - x[padding:0:-1]
-    extended[-padding:] = 2.0 * x[-1] - x[-2 : -padding - 2 : -1]
-    settled = signal.sosfilt_zi(sections)
-    for pass_ in (extended, extended[::-1]):
-        state = settled * pass_[0]
-        for first in range(0, pass_.size, _FILTER_BLOCK):
-            block = pass_[first : first + _FILTER_BLOCK]
-            block[:], state = signal.sosfilt(sections, block, zi=state)
-    return extended[padding:-padding]

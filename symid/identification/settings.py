@@ -12,7 +12,7 @@ from scipy.signal import coherence, welch
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, central_difference_gain, derivatives
+from symid.data import Log, LowPass, central_difference_gain, derivatives
 from symid.errors import SettingError
 
 _COHERENT = 0.8
@@ -55,6 +55,8 @@ class Preparation:
     late: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if self.cutoff_hz is not None:
+            LowPass(self.cutoff_hz, self.order)
         for name, value, least in (("decimation", self.decimation, 1), ("standstill", self.standstill, 0.0)):
             if value is not None and not (math.isfinite(value) and value >= least):
                 raise SettingError(f"{name} is {value}: it must be at least {least:g}")

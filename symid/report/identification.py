@@ -177,8 +177,8 @@ def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table
         table.add_row(
             name,
             _rounded(p["value"], std),
-            _rounded(std, std),
-            _rounded(corrected, corrected),
+            _significant(std),
+            _significant(corrected),
             _percent(p["relative_std_corrected_percent"]),
             p["unit"],
         )
@@ -213,6 +213,10 @@ def _rounded(value: float, deviation: float) -> str:
         return f"{value:.7g}"
     digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(deviation)) + 5
     return f"{value:.{min(max(digits, 4), 10)}g}"
+
+
+def _significant(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else "-"
 
 
 def _percent(value: float) -> str:
