@@ -7,11 +7,13 @@ from symid.data.filtering import (
     central_difference,
     central_difference_gain,
     decimate,
+    decimation_filter,
     derivatives,
     kept_indices,
 )
 from symid.data.log import Log
 from symid.data.reading import REFERENCE, read_log
+from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
     "MINIMUM_SAMPLES",
@@ -19,13 +21,18 @@ __all__ = [
     "Clock",
     "Log",
     "LowPass",
+    "Piece",
+    "ZeroPhaseFilter",
     "central_difference",
     "central_difference_gain",
     "decimate",
+    "decimation_filter",
     "derivatives",
+    "in_pieces",
     "inspect_clock",
     "inspect_spans",
     "inspect_values",
     "kept_indices",
+    "kept_of",
     "read_log",
 ]

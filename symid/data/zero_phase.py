@@ -85,7 +85,11 @@ class ZeroPhaseFilter:
     def reach(self) -> int:
         """Samples after which the filter has forgotten its state."""
         slowest = max(float(np.max(np.abs(np.roots(section[3:])))) for section in self.sections)
-        return self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(slowest)) if slowest > 0.0 else self.padding
+        return (
+            self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(slowest))
+            if slowest > 0.0
+            else self.padding
+        )
 
     @cached_property
     def constant_gain(self) -> float:

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import maximum_filter1d, shift
+from scipy.ndimage import shift
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, central_difference, decimate, kept_indices
+from symid.data import (
+    Log,
+    LowPass,
+    Piece,
+    ZeroPhaseFilter,
+    central_difference,
+    decimation_filter,
+    in_pieces,
+    kept_indices,
+    kept_of,
+)
 from symid.errors import SettingError
 from symid.identification.settings import Preparation, completed
 from symid.signals import derivative_name
@@ -21,6 +33,9 @@ BoolArray = npt.NDArray[np.bool_]
 
 _STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""
+
+_MOST_WORKERS = 4
+"""Threads that prepare a log: filters are bound by the processor up to about so many, by memory beyond."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,45 +83,140 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation) -> Observ
         If a setting is not possible for this log.
     """
     chosen = completed(preparation, log, model)
-    signals = _differentiated(model, _filtered(model, log, chosen), log.sampling_period)
     before, after = chosen.trim or (0, 0)
     if before + after >= log.n_samples:
         raise SettingError(
             f"trimming {before} and {after} of {log.n_samples} samples leaves nothing: trim less"
         )
-    inner = slice(before, log.n_samples - after)
-    W, y = model.sample({name: values[inner] for name, values in signals.items()})
-    if chosen.filter_force:
-        _filter_laws(model, W, chosen, log.sampling_frequency)
-    sliding = model.sliding_velocities(*(signals[name][inner] for name in model.signals))
-    factor = chosen.decimation or 1
-    kept = kept_indices(y.shape[1], factor)
-    usable = _usable_rows(model, sliding, chosen, log.sampling_frequency)[:, kept]
-    if factor > 1:
-        W = decimate(W.transpose(0, 2, 1), factor, workers=2).transpose(0, 2, 1)
-        y = decimate(y, factor, workers=2)
-    return Observation(W, y, usable, log.time[inner][kept], chosen)
+    workers = min(_MOST_WORKERS, os.cpu_count() or 1)
+    signals = _filtered(model, log, chosen, workers)
+    sampling = _Sampling(model, chosen, log.sampling_period, signals, before, log.n_samples - before - after)
+    W, y, velocities = _sampled(sampling, workers)
+    usable = _usable_rows(sampling, velocities, workers)
+    kept = kept_indices(sampling.n_samples, sampling.factor)
+    places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
+    return Observation(W.transpose(0, 2, 1), y, usable, log.start + log.sampling_period * places, chosen)
 
 
-def _filtered(model: GeneratedModel, log: Log, chosen: Preparation) -> dict[str, FloatArray]:
+@dataclass(frozen=True, eq=False)
+class _Sampling:
+    """What it takes to sample the model anywhere between the trimmed ends of a log.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Regressor and output.
+    chosen : Preparation
+        Complete.
+    period : float
+        Sampling period, s.
+    signals : mapping of str to array of shape (n,)
+        Filtered signals of the whole log.
+    before : int
+        Samples trimmed at the beginning.
+    n_samples : int
+        Samples between the ends.
+    """
+
+    model: GeneratedModel
+    chosen: Preparation
+    period: float
+    signals: Mapping[str, FloatArray]
+    before: int
+    n_samples: int
+
+    @property
+    def factor(self) -> int:
+        """Samples that become one row."""
+        return self.chosen.decimation or 1
+
+    @cached_property
+    def law_filter(self) -> ZeroPhaseFilter | None:
+        """Filter of the values of nonlinear laws: that of the force, if this is filtered."""
+        assert self.chosen.cutoff_hz is not None
+        if not (self.model.law_columns and self.chosen.filter_force):
+            return None
+        return LowPass(self.chosen.cutoff_hz, self.chosen.order).zero_phase(1 / self.period)
+
+    @cached_property
+    def row_filter(self) -> ZeroPhaseFilter | None:
+        """Filter of all rows before samples are left out."""
+        return decimation_filter(self.factor) if self.factor > 1 else None
+
+    @property
+    def reach(self) -> int:
+        """Samples on either side that the filters need."""
+        return sum(f.reach for f in (self.law_filter, self.row_filter) if f is not None)
+
+    def window(self, first: int, last: int) -> dict[str, FloatArray]:
+        """Flat names with the derivatives that the model needs, from sample `first` to before sample `last`.
+
+        The central differences are those of the whole log: they are taken of as many more samples as they need.
+        """
+        flat: dict[str, FloatArray] = {}
+        first, last = first + self.before, last + self.before
+        for name, highest in self.model.highest_derivatives.items():
+            whole = self.signals[name]
+            lead = min(highest, first)
+            current = whole[first - lead : min(last + highest, whole.size)]
+            for order in range(highest + 1):
+                flat[derivative_name(name, order)] = current[lead : lead + last - first]
+                if order < highest:
+                    current = central_difference(current, self.period)
+        return flat
+
+
+def _sampled(sampling: _Sampling, workers: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """W of shape (n_equations, n_parameters, n_rows), y, and the sliding velocities at all samples.
+
+    The model is sampled, filtered and decimated piece by piece, each in the cache of one processor.
+    """
+    model, n_rows = sampling.model, -(-sampling.n_samples // sampling.factor)
+    equations, sliding = len(model.output_names), {row for rows in model.sliding for row in rows}
+    W = np.empty((equations, len(model.minimal_units), n_rows))
+    y = np.empty((equations, n_rows))
+    needs_velocities = bool(sliding) and sampling.chosen.standstill != 0
+    velocities = np.empty((len(sliding) if needs_velocities else 0, sampling.n_samples))
+    offset = kept_indices(sampling.n_samples, sampling.factor).start
+
+    def sample(piece: Piece) -> None:
+        places, chosen = kept_of(piece, offset, sampling.factor)
+        signals = sampling.window(piece.first, piece.last)
+        columns, output = model.sample(signals)
+        columns = columns.transpose(0, 2, 1)
+        if sampling.law_filter is not None:
+            for place in model.law_columns:
+                columns[place] = sampling.law_filter.apply(columns[place])
+        _thin(columns, sampling.row_filter, W[..., places], chosen)
+        _thin(output, sampling.row_filter, y[..., places], chosen)
+        if needs_velocities:
+            arguments = (signals[name][piece.inner] for name in model.signals)
+            velocities[:, piece.start : piece.stop] = model.sliding_velocities(*arguments)
+
+    in_pieces(sample, sampling.n_samples, sampling.reach, workers)
+    return W, y, velocities
+
+
+def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray, chosen: slice) -> None:
+    """Write the chosen samples of filtered rows."""
+    if row_filter is None:
+        out[...] = rows[..., chosen]
+        return
+    for row in np.ndindex(rows.shape[:-1]):
+        out[row] = row_filter.apply(rows[row])[chosen]
+
+
+def _filtered(model: GeneratedModel, log: Log, chosen: Preparation, workers: int) -> dict[str, FloatArray]:
     """Low-passed signals; the force only if the preparation says so."""
     assert chosen.cutoff_hz is not None
-    raw = {name: log[name] for name in model.highest_derivatives}
+    signals = {name: log[name] for name in model.highest_derivatives}
     lowpass = LowPass(chosen.cutoff_hz, chosen.order)
-    names = [name for name in raw if chosen.filter_force or name != model.force]
-    rows = lowpass.apply(np.stack([raw[name] for name in names]), log.sampling_frequency, workers=2)
-    signals = {**raw, **dict(zip(names, rows, strict=True))}
+    for name, values in signals.items():
+        if chosen.filter_force or name != model.force:
+            signals[name] = lowpass.apply(values, log.sampling_frequency, workers=workers)
     for name, seconds in chosen.late.items():
         signals[name] = _earlier(signals[name], seconds / log.sampling_period)
     return signals
-
-
-def _filter_laws(model: GeneratedModel, W: FloatArray, chosen: Preparation, rate: float) -> None:
-    """Pass the values of nonlinear laws, which are computed from filtered motion, through the filter of the force."""
-    assert chosen.cutoff_hz is not None
-    lowpass = LowPass(chosen.cutoff_hz, chosen.order)
-    for equation, parameter in model.law_columns:
-        W[equation, :, parameter] = lowpass.apply(W[equation, :, parameter], rate)
 
 
 def _earlier(values: FloatArray, samples: float) -> FloatArray:
@@ -114,42 +224,57 @@ def _earlier(values: FloatArray, samples: float) -> FloatArray:
     return np.asarray(shift(values, -samples, order=5, mode="nearest"))
 
 
-def _differentiated(
-    model: GeneratedModel, signals: Mapping[str, FloatArray], period: float
-) -> dict[str, FloatArray]:
-    """Flat names with the derivatives that the model needs, by central differences."""
-    flat: dict[str, FloatArray] = {}
-    for name, highest in model.highest_derivatives.items():
-        current = signals[name]
-        for order in range(highest + 1):
-            flat[derivative_name(name, order)] = current
-            if order < highest:
-                current = central_difference(current, period)
-    return flat
-
-
-def _usable_rows(model: GeneratedModel, sliding: FloatArray, chosen: Preparation, rate: float) -> BoolArray:
+def _usable_rows(sampling: _Sampling, velocities: FloatArray, workers: int) -> BoolArray:
     """Rows of each equation that are not near the standstill of a law that jumps there.
 
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
     them are left out: there filtered velocity and filtered friction have different signs.
     """
+    chosen, factor = sampling.chosen, sampling.factor
     assert chosen.cutoff_hz is not None
-    assert chosen.decimation is not None
-    usable = np.ones((len(model.sliding), sliding.shape[1]), dtype=bool)
-    if chosen.standstill == 0:
-        return usable
-    margin = max(math.ceil(0.5 * rate / chosen.cutoff_hz), chosen.decimation if chosen.decimation > 1 else 0)
-    near = []
-    for velocity in sliding:
-        speed = np.abs(velocity)
-        threshold = (
-            chosen.standstill if chosen.standstill is not None else _STANDSTILL_SHARE * float(speed.max())
+    usable = np.ones((len(sampling.model.sliding), -(-sampling.n_samples // factor)), dtype=bool)
+    margin = max(math.ceil(0.5 / (sampling.period * chosen.cutoff_hz)), factor if factor > 1 else 0)
+    offset = kept_indices(sampling.n_samples, factor).start
+    for row, velocity in enumerate(velocities):
+        threshold = chosen.standstill
+        if threshold is None:
+            threshold = _STANDSTILL_SHARE * max(float(velocity.max()), -float(velocity.min()))
+        concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
+        mark = partial(
+            _leave_out, velocity, threshold, margin, (offset, factor), [usable[j] for j in concerned]
         )
-        slow = speed < threshold
-        slow[1:] |= np.signbit(velocity[1:]) != np.signbit(velocity[:-1])
-        near.append(maximum_filter1d(slow, 2 * margin + 1))
-    for equation, rows in enumerate(model.sliding):
-        for row in rows:
-            usable[equation] &= ~near[row]
+        in_pieces(mark, sampling.n_samples, margin + 1, workers)
     return usable
+
+
+def _leave_out(
+    velocity: FloatArray,
+    threshold: float,
+    margin: int,
+    kept: tuple[int, int],
+    usable: list[BoolArray],
+    piece: Piece,
+) -> None:
+    """Mark the rows of a piece that are near standstill as not usable."""
+    v = velocity[piece.first : piece.last]
+    slow = np.abs(v) < threshold
+    backward = np.signbit(v)
+    slow[1:] |= backward[1:] != backward[:-1]
+    places, chosen = kept_of(piece, *kept)
+    far = ~_near(slow, margin)[chosen]
+    for rows in usable:
+        rows[places] &= far
+
+
+def _near(flags: BoolArray, margin: int) -> BoolArray:
+    """Samples with a flag among those up to `margin` before and after them.
+
+    Examples
+    --------
+    >>> _near(np.array([False, True, False, False]), 1).tolist()
+    [True, True, True, False]
+    """
+    counts = np.zeros(flags.size + 2 * margin + 1, dtype=np.int32)
+    np.cumsum(flags, out=counts[margin + 1 : margin + 1 + flags.size])
+    counts[margin + 1 + flags.size :] = counts[margin + flags.size]
+    return np.asarray(counts[2 * margin + 1 :] > counts[: flags.size])
