@@ -30,7 +30,7 @@ def command(json_file: str | None) -> None:
         for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat")
     )
     found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
-    record = identification_record(found, (other.source, predict(found, other)[1]))
+    record = identification_record(found, predict(found, other))
     if json_file:
         write_json(record, json_file)
     if json_file != "-":

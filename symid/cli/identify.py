@@ -127,9 +127,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
         plot_identification(found, options["plot"], validation)
-    record = identification_record(
-        found, None if validation is None else (options["validation"], validation[1])
-    )
+    record = identification_record(found, validation)
     if options["json_file"]:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":

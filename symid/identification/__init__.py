@@ -1,8 +1,10 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
-from symid.identification.identify import EquationResidual, Identification, identify, predict
+from symid.identification.identify import Identification, identify
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
+from symid.identification.prediction import Prediction, predict
+from symid.identification.residuals import EquationResidual
 from symid.identification.settings import Preparation
 
 __all__ = [
@@ -10,6 +12,7 @@ __all__ = [
     "Identification",
     "Observation",
     "PhysicalEstimate",
+    "Prediction",
     "Preparation",
     "identify",
     "observe",

@@ -9,58 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.estimation.corrected_covariance import (
+from symid.estimation import (
     CorrelatedCovariance,
+    LeastSquares,
+    Method,
     ObservationBlock,
     corrected_covariance_of_blocks,
+    estimate,
+    refine,
+    triangular_factors,
 )
-from symid.estimation.least_squares import LeastSquares, Method, estimate
-from symid.estimation.refinement import refine
-from symid.estimation.triangular import triangular_factors
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
+from symid.identification.residuals import EquationResidual
 from symid.identification.settings import Preparation
-
-Status = Literal[
-    "ok", "rank_deficient", "too_few_rows", "poorly_excited", "no_physical_parameters", "not_physical"
-]
-
-_HIGHEST_CONDITION = 1e5
-"""Of the scaled observation matrix; beyond it, noise of 0.001 % in a column changes the parameters by 100 %."""
-
-
-@dataclass(frozen=True, eq=False)
-class EquationResidual:
-    """How well one equation is met.
-
-    Parameters
-    ----------
-    output : str
-        Left-hand side of the equation.
-    rows : int
-        Rows compared.
-    norm, rms : float
-        Norm and root mean square of y - W X, in the unit of the output.
-    deviation : float
-        Estimated standard deviation sigma_rho of the equation [25].
-    relative : float
-        ||y - W X|| / ||y||; nan for an output that is always 0.
-    """
-
-    output: str
-    rows: int
-    norm: float
-    rms: float
-    deviation: float
-    relative: float
+from symid.identification.verdict import Status, verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +49,7 @@ class Identification:
     correlated : CorrelatedCovariance
         Covariance corrected for the correlation of the residual.
     physical : tuple of PhysicalEstimate
-        One for each branch of the inverse map, the physically possible ones first; with classical deviations.
-    physical_corrected : tuple of PhysicalEstimate
-        The same with corrected deviations.
+        One for each branch of the inverse map, the physically possible ones first; empty where there are none.
     status : str
         "ok", or what keeps the result from being complete.
     message : str
@@ -97,7 +64,6 @@ class Identification:
     fit: LeastSquares
     correlated: CorrelatedCovariance
     physical: tuple[PhysicalEstimate, ...]
-    physical_corrected: tuple[PhysicalEstimate, ...]
     status: Status
     message: str
     notes: tuple[str, ...]
@@ -190,8 +156,11 @@ def identify(
     if len(blocks) == 1 and fit.status == "ok":
         fit = refine(blocks[0].W, blocks[0].y, fit, blocks[0].valid)
     correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
-    physical, physical_corrected = _physical(model, fit, correlated, nominal)
-    status, message = _verdict(model, fit, physical)
+    physical: tuple[PhysicalEstimate, ...] = ()
+    if fit.status == "ok":
+        covariance = correlated.covariance if correlated.status != "too_few_samples" else fit.covariance
+        physical = physical_estimates(model, fit.parameters, covariance, nominal)
+    status, message = verdict(model, fit, physical)
     return Identification(
         model=model,
         logs=tuple(log.source for log in runs),
@@ -199,40 +168,10 @@ def identify(
         fit=fit,
         correlated=correlated,
         physical=physical,
-        physical_corrected=physical_corrected,
         status=status,
         message=message,
         notes=tuple(note for log in runs for note in log.notes),
     )
-
-
-def predict(found: Identification, log: Log) -> tuple[Observation, tuple[EquationResidual, ...]]:
-    """Apply identified parameters to another log, prepared in the same way.
-
-    Returns
-    -------
-    tuple
-        The other log's observation, and how well each equation is met there.
-    """
-    observation = observe(found.model, log, found.observations[0].preparation)
-    errors = observation.y - observation.W @ _with_own_parameters(found, observation)
-    return observation, tuple(
-        _of_rows(name, errors[j][observation.valid[j]], observation.y[j][observation.valid[j]])
-        for j, name in enumerate(found.model.output_names)
-    )
-
-
-def _with_own_parameters(found: Identification, observation: Observation) -> FloatArray:
-    """Identified parameters, those that differ from log to log (unknown zeros) fitted to the log at hand."""
-    solution = found.fit.solution.copy()
-    own = [i for i, name in enumerate(found.model.minimal_units) if name in found.model.per_log]
-    if own:
-        solution[own] = 0.0
-        rest = observation.y - observation.W @ solution
-        solution[own] = estimate(
-            triangular_factors(observation.W[:, :, own], rest, observation.valid), "ols"
-        ).solution
-    return solution
 
 
 def _blocks(observations: Sequence[Observation]) -> list[ObservationBlock]:
@@ -251,88 +190,12 @@ def _blocks(observations: Sequence[Observation]) -> list[ObservationBlock]:
     return blocks
 
 
-def _physical(
-    model: GeneratedModel,
-    fit: LeastSquares,
-    correlated: CorrelatedCovariance,
-    nominal: Mapping[str, float] | None,
-) -> tuple[tuple[PhysicalEstimate, ...], tuple[PhysicalEstimate, ...]]:
-    """Physical parameters with classical and with corrected deviations."""
-    if fit.status != "ok" or not np.all(np.isfinite(fit.covariance)):
-        return (), ()
-    classical = physical_estimates(model, fit.parameters, fit.covariance, nominal)
-    if not np.all(np.isfinite(correlated.covariance)):
-        return classical, ()
-    return classical, physical_estimates(model, fit.parameters, correlated.covariance, nominal)
-
-
-def _verdict(
-    model: GeneratedModel, fit: LeastSquares, physical: tuple[PhysicalEstimate, ...]
-) -> tuple[Status, str]:
-    names = list(model.minimal_units)
-    if fit.status == "too_few_rows":
-        return (
-            "too_few_rows",
-            f"{sum(fit.rows)} rows are left for {len(names)} parameters: give a longer log or --standstill 0",
-        )
-    if fit.status == "rank_deficient":
-        missing = ", ".join(names[i] for i in fit.undetermined)
-        return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
-    if fit.condition_number_scaled > _HIGHEST_CONDITION:
-        vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
-        return "poorly_excited", (
-            f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise decides "
-            f"on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
-        )
-    if not physical:
-        return (
-            "no_physical_parameters",
-            "the inverse map has no closed form: give --nominal P.json with nominal values as a start",
-        )
-    if negative := physical[0].negative(model):
-        return (
-            "not_physical",
-            f"{', '.join(negative)} came out negative: the model, the filter or the log does not fit",
-        )
-    return "ok", ""
-
-
-def _missing_motion(model: GeneratedModel, fit: LeastSquares) -> str:
-    """What a log must hold for the dependent columns to differ, judged by what the columns are."""
-    units = list(model.minimal_units.values())
-    combination = next(iter(fit.rank.null_space.T), None)
-    if combination is None:
-        return "move the axis with more frequencies"
-    involved = {units[i] for i in np.flatnonzero(np.abs(combination) > 1e-6)}
-    if involved <= {"N", "N*m", "A", "V"}:
-        return "move in both directions"
-    if {"kg", "kg*m^2"} & involved and {"N*s/m", "N*m*s/rad"} & involved:
-        return "move at several speeds and accelerations"
-    return "excite the axis with more frequencies (a chirp or a multisine around its resonance)"
-
-
 def _residual(found: Identification, equation: int, places: list[int]) -> EquationResidual:
     fit = found.fit
-    norm = float(np.linalg.norm(fit.residual_norm[places]))
-    y_norm = float(np.linalg.norm(fit.y_norm[places]))
-    rows = sum(fit.rows[place] for place in places)
-    return EquationResidual(
-        output=found.model.output_names[equation],
-        rows=rows,
-        norm=norm,
-        rms=float(norm / np.sqrt(rows)) if rows else float("nan"),
+    return EquationResidual.of(
+        found.model.output_names[equation],
+        rows=sum(fit.rows[place] for place in places),
+        norm=float(np.linalg.norm(fit.residual_norm[places])),
+        y_norm=float(np.linalg.norm(fit.y_norm[places])),
         deviation=float(np.sqrt(np.mean(np.square(fit.sigma_rho_equation[places])))),
-        relative=norm / y_norm if y_norm > 0 else float("nan"),
-    )
-
-
-def _of_rows(output: str, errors: FloatArray, y: FloatArray) -> EquationResidual:
-    norm, y_norm, rows = float(np.linalg.norm(errors)), float(np.linalg.norm(y)), errors.size
-    return EquationResidual(
-        output=output,
-        rows=rows,
-        norm=norm,
-        rms=float(norm / np.sqrt(rows)) if rows else float("nan"),
-        deviation=float(np.std(errors, ddof=1)) if rows > 1 else float("nan"),
-        relative=norm / y_norm if y_norm > 0 else float("nan"),
     )

@@ -31,8 +31,10 @@ class PhysicalEstimate:
     ----------
     parameters : array of shape (n_physical,)
         Values in the order of the declaration; nan for those that the sensors do not see.
+    sensitivity : array of shape (n_physical, n_minimal)
+        Derivatives of these estimates by the minimal parameters.
     covariance : array of shape (n_physical, n_physical)
-        Propagated to first order.
+        Propagated to first order from the covariance of the minimal parameters.
     relations : int
         Number of relations between the minimal parameters that the structure demands.
     disagreement : float
@@ -40,6 +42,7 @@ class PhysicalEstimate:
     """
 
     parameters: FloatArray
+    sensitivity: FloatArray
     covariance: FloatArray
     relations: int
     disagreement: float
@@ -48,6 +51,10 @@ class PhysicalEstimate:
     def standard_deviations(self) -> FloatArray:
         """Of the parameters, shape (n_physical,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def propagated_deviations(self, covariance: FloatArray) -> FloatArray:
+        """Standard deviations that another covariance of the minimal parameters would give, shape (n_physical,)."""
+        return np.asarray(np.sqrt(np.diag(self.sensitivity @ covariance @ self.sensitivity.T)))
 
     @property
     def disagreement_probability(self) -> float:
@@ -145,14 +152,17 @@ def _fitted(
             return None
         relative = guess / scale if exact else least_squares(misfit, guess / scale, jac=slope, method="lm").x
         gradient = slope(relative)
-    _, triangle = np.linalg.qr(gradient)
+    orthonormal, triangle = np.linalg.qr(gradient)
     if not np.all(np.isfinite(triangle)) or np.linalg.cond(triangle) > 1 / np.finfo(float).eps:
         return None
-    factor = scale[:, None] * solve_triangular(triangle, np.eye(guess.size))
     disagreement = float(np.sum(misfit(relative) ** 2)) if relations else float("nan")
-    parameters, complete = np.full(start.size, np.nan), np.full((start.size, start.size), np.nan)
-    parameters[seen], complete[np.ix_(seen, seen)] = relative * scale, factor @ factor.T
-    return PhysicalEstimate(parameters, complete, relations, disagreement)
+    whitening = solve_triangular(root, np.diag(1 / spread), lower=True)
+    parameters, sensitivity = np.full(start.size, np.nan), np.full((start.size, minimal.size), np.nan)
+    parameters[seen] = relative * scale
+    sensitivity[seen] = scale[:, None] * solve_triangular(triangle, orthonormal.T @ whitening)
+    return PhysicalEstimate(
+        parameters, sensitivity, sensitivity @ covariance @ sensitivity.T, relations, disagreement
+    )
 
 
 def _root(covariance: FloatArray, spread: FloatArray) -> FloatArray | None:

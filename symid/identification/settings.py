@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.signal import coherence, welch
+from scipy.signal import csd, welch
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -20,6 +20,9 @@ _MARGIN = 1.5
 _LEAST_SEGMENTS = 8
 _NOISE_SHARE = 0.005
 _FAITHFUL = 0.97
+_LONGEST = 1_048_576
+"""Samples from which spectra are taken; of a longer log, evenly spread excerpts."""
+_EXCERPTS = 8
 
 
 @dataclass(frozen=True)
@@ -71,10 +74,14 @@ def coherent_band(log: Log, model: GeneratedModel) -> float:
     the spectrum is smoothed over five lines so that lines of noise do not count.
     """
     force, name = model.force, model.most_differentiated
-    motion: FloatArray = derivatives(log[name], log.sampling_period, 2)[1]
-    length = _segment(log)
-    frequency, coherent = coherence(log[force], motion, fs=log.sampling_frequency, nperseg=length)
-    smooth = np.convolve(np.nan_to_num(coherent), np.full(5, 0.2), mode="same")
+    drive = _excerpts(log[force])
+    motion: FloatArray = derivatives(_excerpts(log[name]), log.sampling_period, 2)[1]
+    rate, length = log.sampling_frequency, _segment(log)
+    frequency, together = csd(drive, motion, fs=rate, nperseg=length)
+    powers = [np.mean(welch(x, fs=rate, nperseg=length)[1], axis=0) for x in (drive, motion)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        coherent = np.abs(np.mean(together, axis=0)) ** 2 / powers[0] / powers[1]
+    smooth = np.convolve(np.nan_to_num(coherent, posinf=0.0), np.full(5, 0.2), mode="same")
     above = np.flatnonzero(smooth > _COHERENT)
     return float(frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 
@@ -86,7 +93,8 @@ def quiet_band(log: Log, model: GeneratedModel) -> float:
     that of the log itself above 0.7 of the Nyquist frequency, taken as white.
     """
     name = model.most_differentiated
-    frequency, power = welch(log[name], fs=log.sampling_frequency, nperseg=_segment(log))
+    frequency, powers = welch(_excerpts(log[name]), fs=log.sampling_frequency, nperseg=_segment(log))
+    power = np.mean(powers, axis=0)
     noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
     gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[name])
     share = np.cumsum(noise * gain)[1:] / np.maximum(np.cumsum(power * gain)[1:], np.finfo(float).tiny)
@@ -107,6 +115,15 @@ def faithful_band(log: Log, model: GeneratedModel) -> float:
         return float(central_difference_gain(frequency, log.sampling_period)) ** order - _FAITHFUL
 
     return float(brentq(excess, 1e-6 * log.sampling_frequency, 0.5 * log.sampling_frequency))
+
+
+def _excerpts(values: FloatArray) -> FloatArray:
+    """Evenly spread parts of a long signal, one a row: enough for a spectrum; a shorter signal as it is."""
+    length = _LONGEST // _EXCERPTS
+    if values.size <= _LONGEST:
+        return values[None]
+    starts = np.linspace(0, values.size - length, _EXCERPTS).astype(int)
+    return np.stack([values[start : start + length] for start in starts])
 
 
 def _segment(log: Log) -> int:

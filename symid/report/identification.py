@@ -6,18 +6,15 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
-from symid.identification import EquationResidual, Identification
+from symid.identification import EquationResidual, Identification, Prediction
 
 
-def identification_record(
-    found: Identification, validation: tuple[str, Sequence[EquationResidual]] | None = None
-) -> dict[str, Any]:
+def identification_record(found: Identification, validation: Prediction | None = None) -> dict[str, Any]:
     """What `symid identify --json` writes.
 
     Deviations come twice: ``std`` is the classical one of the paper [22]-[30], which takes the residual as white;
@@ -62,7 +59,7 @@ def identification_record(
         "assumptions": list(found.model.assumptions),
     }
     if validation is not None:
-        record["validation"] = {"log": validation[0], "residual": _residuals(found, validation[1])}
+        record["validation"] = {"log": validation.log, "residual": _residuals(found, validation.residuals)}
     return record
 
 
@@ -88,19 +85,16 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
     if branch >= len(found.physical):
         return {}
     estimate = found.physical[branch]
-    corrected = np.full(estimate.parameters.shape, np.nan)
-    if branch < len(found.physical_corrected):
-        corrected = found.physical_corrected[branch].standard_deviations
-    return _parameters(
-        found.model.physical_units, estimate.parameters, estimate.standard_deviations, corrected
-    )
+    classical = estimate.propagated_deviations(found.fit.covariance)
+    corrected = estimate.propagated_deviations(found.correlated.covariance)
+    return _parameters(found.model.physical_units, estimate.parameters, classical, corrected)
 
 
 def _relations(found: Identification) -> dict[str, Any] | None:
     """How far the minimal parameters disagree with the structure that relates them."""
-    if not found.physical_corrected or not found.physical_corrected[0].relations:
+    if not found.physical or not found.physical[0].relations:
         return None
-    estimate = found.physical_corrected[0]
+    estimate = found.physical[0]
     return {
         "count": estimate.relations,
         "chi_square": estimate.disagreement,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from scipy import signal
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.identification import EquationResidual, Identification, Observation
+from symid.identification import Identification, Observation, Prediction
 
 MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
 """Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
@@ -32,7 +31,7 @@ _MOST_POINTS = 20_000
 def plot_identification(
     found: Identification,
     file: str | Path,
-    validation: tuple[Observation, Sequence[EquationResidual]] | None = None,
+    validation: Prediction | None = None,
 ) -> None:
     """Draw an identification into a file.
 
@@ -45,7 +44,7 @@ def plot_identification(
         What `identify` returned.
     file : path-like
         png, svg or pdf, by its suffix.
-    validation : tuple, optional
+    validation : Prediction, optional
         What `predict` returned for another log.
 
     Raises
@@ -56,26 +55,32 @@ def plot_identification(
     path = Path(file)
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
-    runs = [(source, observation) for source, observation in zip(found.logs, found.observations, strict=True)]
+    runs = [(s, o, found.fit.solution) for s, o in zip(found.logs, found.observations, strict=True)]
     if validation is not None:
-        runs.append(("validation", validation[0]))
-    rows = [(source, run, j) for source, run in runs for j in range(len(found.model.output_names))]
+        runs.append((f"validation on {validation.log}", validation.observation, validation.parameters))
+    panels = [(*run, j) for run in runs for j in range(len(found.model.output_names))]
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(11, 3.6 * len(rows)), layout="constrained")
-        grids = figure.add_gridspec(len(rows), 1)
-        for place, (source, run, equation) in enumerate(rows):
-            _draw_equation(figure, grids[place], found, source, run, equation)
+        figure = Figure(figsize=(11, 3.6 * len(panels)), layout="constrained")
+        grids = figure.add_gridspec(len(panels), 1)
+        for place, (source, run, parameters, equation) in enumerate(panels):
+            _draw_equation(figure, grids[place], found, source, run, parameters, equation)
         figure.savefig(path, dpi=150)
 
 
 def _draw_equation(
-    figure: Figure, place: Any, found: Identification, source: str, run: Observation, equation: int
+    figure: Figure,
+    place: Any,
+    found: Identification,
+    source: str,
+    run: Observation,
+    parameters: FloatArray,
+    equation: int,
 ) -> None:
     grid = place.subgridspec(2, 2, width_ratios=(2.2, 1), height_ratios=(1.6, 1))
     output, unit = found.model.output_names[equation], found.model.output_units[equation]
     used = run.valid[equation]
     y = np.where(used, run.y[equation], np.nan)
-    predicted = np.where(used, run.W[equation] @ found.fit.solution, np.nan)
+    predicted = np.where(used, run.W[equation] @ parameters, np.nan)
     error = y - predicted
     top = figure.add_subplot(grid[0, 0])
     below = figure.add_subplot(grid[1, 0], sharex=top)
@@ -86,13 +91,19 @@ def _draw_equation(
         f"{output} [{unit}]",
     )
     which = f", equation {equation + 1}" if len(found.model.output_names) > 1 else ""
-    top.set_title(f"{found.model.axis}, {Path(source).name}{which}", loc="left")
+    top.set_title(f"{found.model.axis}, {_short(source)}{which}", loc="left")
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
     top.tick_params(labelbottom=False)
     _draw_over_time(below, run.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{unit}]")
     below.set_xlabel("time [s]")
     _draw_scatter(figure.add_subplot(grid[0, 1]), predicted[used], error[used], output, unit)
     _draw_spectrum(figure.add_subplot(grid[1, 1]), run, y, error, unit)
+
+
+def _short(source: str) -> str:
+    """Name of a log without its folder."""
+    *words, path = source.split(" ")
+    return " ".join([*words, Path(path).name])
 
 
 def _draw_over_time(

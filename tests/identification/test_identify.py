@@ -102,7 +102,7 @@ def test_prediction_of_a_log_with_its_own_zero() -> None:
         {"qm": log["qm"], "ql": log["ql"] + 0.7, "iq": log["Fm"]}, sampling_period=1 / RATE
     )
     found = identify(model, first, preparation=Preparation(cutoff_hz=150.0))
-    _, errors = predict(found, other)
+    errors = predict(found, other).residuals
     assert errors[0].relative == pytest.approx(found.residuals[0].relative, rel=0.05)
     with pytest.raises(SettingError, match="each log"):
         identify(model, [first, other])

@@ -41,7 +41,7 @@ def test_published_recipe_gives_published_digits(
     axis: str, published: dict[str, tuple[str, str]], norm: str, relative: str, condition: str, deviation: str
 ) -> None:
     found = identify(load_generated(axis), emps_log("DATA_EMPS.mat"), preparation=RECIPE, ddof=1)
-    deviations = found.physical[0].standard_deviations
+    deviations = found.physical[0].propagated_deviations(found.fit.covariance)
     ours = {
         n: (f"{v:.4f}", f"{s:.4f}")
         for (n, v), s in zip(found.physical_parameters.items(), deviations, strict=True)
@@ -59,7 +59,7 @@ def test_published_recipe_gives_published_digits(
 
 def test_emps_parameters_on_the_other_log_leave_the_published_error() -> None:
     found = identify(load_generated("emps"), emps_log("DATA_EMPS.mat"), preparation=RECIPE, ddof=1)
-    _, (error,) = predict(found, emps_log("DATA_EMPS_PULSES.mat"))
+    (error,) = predict(found, emps_log("DATA_EMPS_PULSES.mat")).residuals
     assert f"{100 * error.relative:.4f}" == "5.9824"
     assert error.norm == pytest.approx(169.4876, abs=2e-4)
     assert f"{error.deviation:.4f}" == "3.4039"
@@ -88,7 +88,7 @@ def test_motor_bench_repeats_and_predicts(measured: tuple[str, ...], late: dict[
     resonance = math.sqrt(first["Kt"] * (1 / first["Jl"] + 1 / first["Jm"])) / (2 * math.pi)
     assert antiresonance == pytest.approx(53, abs=2)
     assert resonance == pytest.approx(77, abs=2)
-    assert all(error.relative < 0.1 for error in predict(a, logs["TypeB"])[1])
+    assert all(error.relative < 0.1 for error in predict(a, logs["TypeB"]).residuals)
 
 
 def test_the_time_by_which_the_current_acts_late_makes_all_bench_parameters_physical() -> None:

@@ -1,0 +1,72 @@
+"""Identified parameters applied to another log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from symid.arrays import FloatArray
+from symid.data import Log
+from symid.estimation import estimate, triangular_factors
+from symid.identification.identify import Identification
+from symid.identification.observation import Observation, observe
+from symid.identification.residuals import EquationResidual
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """The output that identified parameters predict on a log.
+
+    Parameters
+    ----------
+    log : str
+        Source of the log.
+    observation : Observation
+        The log, prepared as those that were identified.
+    parameters : array of shape (n_parameters,)
+        The identified minimal parameters, those that differ from log to log (unknown zeros) fitted to this one.
+    residuals : tuple of EquationResidual
+        How well each equation is met.
+    """
+
+    log: str
+    observation: Observation
+    parameters: FloatArray
+    residuals: tuple[EquationResidual, ...]
+
+
+def predict(found: Identification, log: Log) -> Prediction:
+    """Predict the output on another log.
+
+    Parameters
+    ----------
+    found : Identification
+        What `identify` returned.
+    log : Log
+        A log that took no part in it.
+
+    Raises
+    ------
+    LogError, SettingError
+        If the log lacks a signal, or cannot be prepared as the others were.
+    """
+    observation = observe(found.model, log, found.observations[0].preparation)
+    parameters = _with_own_parameters(found, observation)
+    errors = observation.y - observation.W @ parameters
+    residuals = (
+        EquationResidual.of_rows(
+            name, errors[j][observation.valid[j]], observation.y[j][observation.valid[j]]
+        )
+        for j, name in enumerate(found.model.output_names)
+    )
+    return Prediction(log.source, observation, parameters, tuple(residuals))
+
+
+def _with_own_parameters(found: Identification, observation: Observation) -> FloatArray:
+    solution = found.fit.solution.copy()
+    own = [i for i, name in enumerate(found.model.minimal_units) if name in found.model.per_log]
+    if own:
+        solution[own] = 0.0
+        rest = observation.y - observation.W @ solution
+        factors = triangular_factors(observation.W[:, :, own], rest, observation.valid)
+        solution[own] = estimate(factors, "ols").solution
+    return solution

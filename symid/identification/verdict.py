@@ -1,0 +1,56 @@
+"""What keeps an identification from being complete, and what to do about it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from symid.codegen import GeneratedModel
+from symid.estimation import LeastSquares
+from symid.identification.physical import PhysicalEstimate
+
+Status = Literal[
+    "ok", "rank_deficient", "too_few_rows", "poorly_excited", "no_physical_parameters", "not_physical"
+]
+
+_HIGHEST_CONDITION = 1e5
+"""Of the scaled observation matrix; beyond it, noise of 0.001 % in a column changes the parameters by 100 %."""
+
+
+def verdict(
+    model: GeneratedModel, fit: LeastSquares, physical: tuple[PhysicalEstimate, ...]
+) -> tuple[Status, str]:
+    """Status of an identification, and a sentence that says what it means here and what to do."""
+    names = list(model.minimal_units)
+    if fit.status == "too_few_rows":
+        rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
+        return "too_few_rows", f"{rows}: give a longer log or --standstill 0"
+    if fit.status == "rank_deficient":
+        missing = ", ".join(names[i] for i in fit.undetermined)
+        return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
+    if fit.condition_number_scaled > _HIGHEST_CONDITION:
+        vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
+        return "poorly_excited", (
+            f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
+            f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
+        )
+    if not physical:
+        cure = "give --nominal P.json with nominal values as a start"
+        return "no_physical_parameters", f"the inverse map has no closed form: {cure}"
+    if negative := physical[0].negative(model):
+        cause = "the model, the filter, the timing or the log does not fit"
+        return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
+    return "ok", ""
+
+
+def _missing_motion(model: GeneratedModel, fit: LeastSquares) -> str:
+    """What a log must hold for the dependent columns to differ, judged by what they multiply."""
+    units = list(model.minimal_units.values())
+    directions = fit.rank.null_space
+    involved = {units[i] for i in np.flatnonzero(np.abs(directions[:, 0]) > 1e-6)}
+    if involved <= {"N", "N*m", "A", "V"}:
+        return "move in both directions"
+    if {"kg", "kg*m^2"} & involved and {"N*s/m", "N*m*s/rad"} & involved:
+        return "move at several speeds and accelerations"
+    return "excite the axis with more frequencies (a chirp or a multisine around its resonance)"
