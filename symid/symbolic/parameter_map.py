@@ -113,10 +113,8 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     names = list(model.source.source.axis.physical_parameters)
     constants = list(model.source.source.constants)
     trial = _Point(model)
-    if (
-        trial.undetermined() & set().union(*(p.function.names for p in model.parameters))
-        or trial.triangular().left
-    ):
+    seen = set().union(*(p.function.names for p in model.parameters))
+    if trial.undetermined() & seen or not _solves(trial.triangular(), names, seen):
         return None
     field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
     ring = PolyRing(names, field)
@@ -126,7 +124,16 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
         for p in model.parameters
     ]
     solution = triangular_solution(system, ring, len(names))
-    return None if solution.left else solution
+    return solution if _solves(solution, names, seen) else None
+
+
+def _solves(solution: TriangularSolution, names: Sequence[str], wanted: set[str]) -> bool:
+    """Whether all parameters wanted were solved for.
+
+    Where numerator and denominator of a minimal parameter vanish together, its equation holds whatever the rest is:
+    such a false solution leaves parameters open.
+    """
+    return not solution.left and {names[step.unknown] for step in solution.steps} == wanted
 
 
 def _convert(polynomial: PolyElement, ring: PolyRing) -> PolyElement:
@@ -138,20 +145,28 @@ def _convert(polynomial: PolyElement, ring: PolyRing) -> PolyElement:
 def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[str, sp.Expr], ...]:
     """Explicit expressions in the minimal parameters for each branch."""
     names = list(model.source.source.axis.physical_parameters)
-    quadratic = [step.unknown for step in solution.steps if step.branches == 2]
+    values: dict[sp.Symbol, sp.Expr] = {}
+    roots: dict[sp.Symbol, sp.Expr] = {}  # kept apart: to factor square roots takes minutes
+    signs: list[sp.Symbol] = []
+    for step in reversed(solution.steps):
+        parts = [part.as_expr().xreplace(values) for part in step.coefficients]
+        symbol = sp.Symbol(names[step.unknown])
+        if step.branches == 1:
+            value = sp.factor(-parts[1] / parts[0])
+        else:
+            a, b, c = (sp.factor(part) for part in parts)
+            signs.append(sp.Dummy("sign"))
+            value = (-b + signs[-1] * sp.sqrt(b**2 - 4 * a * c)) / (2 * a)
+        if step.branches == 2 or value.free_symbols & set(roots):
+            roots[symbol] = value.xreplace(roots)
+        else:
+            values[symbol] = value
+    values |= roots
     branches = []
-    for signs in product((1, -1), repeat=len(quadratic)):
-        sign = dict(zip(quadratic, signs, strict=True))
-        values: dict[sp.Symbol, sp.Expr] = {}
-        for step in reversed(solution.steps):
-            parts = [part.as_expr().xreplace(values) for part in step.coefficients]
-            symbol = sp.Symbol(names[step.unknown])
-            if step.branches == 1:
-                values[symbol] = sp.factor(-parts[1] / parts[0])
-            else:
-                a, b, c = (sp.factor(part) for part in parts)
-                values[symbol] = (-b + sign[step.unknown] * sp.sqrt(b**2 - 4 * a * c)) / (2 * a)
-        branches.append({name: values[symbol] for name in names if (symbol := sp.Symbol(name)) in values})
+    for chosen in product((1, -1), repeat=len(signs)):
+        sign = dict(zip(signs, map(sp.Integer, chosen), strict=True))
+        solved = {str(symbol): value.xreplace(sign) for symbol, value in values.items()}
+        branches.append({name: solved[name] for name in names if name in solved})
     return tuple(branches)
 
 
