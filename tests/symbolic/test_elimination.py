@@ -5,6 +5,7 @@ import pytest
 from axes.catalogue import Case, cases, derived, every_set
 from axes.chains import chain_plant, chain_values
 from axes.plant import Array, Values
+
 from symid import (
     Acceleration,
     Axis,
@@ -203,7 +204,8 @@ def test_a_velocity_sensor_is_enough_for_friction_but_not_for_a_pendulum() -> No
     assert len(derive(with_friction, ("qm", "dqa")).minimal.output) == 2
     with_weight = Axis("weight", (motor, spring, arm, PendulumWeight(arm, "ml")), Drive("T", motor), sensors)
     with pytest.raises(
-        EliminationError, match="PendulumWeight of 'arm'.*add a position sensor of 'arm' relative to 'ground'"
+        EliminationError,
+        match=r"PendulumWeight of 'arm'.*add a position sensor of 'arm' relative to 'ground'",
     ):
         derive(with_weight, ("qm", "dqa"))
 
@@ -213,7 +215,7 @@ def test_an_accelerometer_is_not_enough_for_friction() -> None:
     axis = Axis(
         "acceleration", (body, CoulombFriction(body, "Fs")), Drive("F", body), (Acceleration("ddq", body),)
     )
-    with pytest.raises(EliminationError, match="CoulombFriction at 'body'.*position or velocity sensor"):
+    with pytest.raises(EliminationError, match=r"CoulombFriction at 'body'.*position or velocity sensor"):
         derive(axis)
 
 

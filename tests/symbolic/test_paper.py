@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 import sympy as sp
+
 from symid import Axis, CoulombFriction, load_axis
 from symid.codegen.generate import compiled
 from symid.symbolic import DerivedModel, derive

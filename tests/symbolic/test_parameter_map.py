@@ -1,0 +1,305 @@
+"""Maps between minimal and physical parameters, what sensors determine, units and limits."""
+
+import numpy as np
+import pytest
+import sympy as sp
+from axes.catalogue import cases, derived, every_set, generated
+from axes.plant import Array
+from hypothesis import given
+from hypothesis import strategies as st
+
+from symid import (
+    GROUND,
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    Drive,
+    PendulumWeight,
+    Position,
+    Spring,
+    ViscousFriction,
+    Weight,
+    load_axis,
+)
+from symid.codegen import GeneratedModel
+from symid.codegen.generate import compiled
+from symid.symbolic import derive
+from symid.units import BASE_UNITS, Unit
+
+INVERTIBLE = [(name, chosen) for name, chosen in every_set() if generated(name, chosen).branches]
+factors = st.floats(0.5, 2.0)
+
+
+def varied(data: st.DataObject, values: dict[str, float]) -> dict[str, float]:
+    """Values times factors that hypothesis draws."""
+    drawn = data.draw(st.tuples(*(factors for _ in values)))
+    return {name: value * factor for (name, value), factor in zip(values.items(), drawn, strict=True)}
+
+
+def physical_branches(model: GeneratedModel, X: Array) -> list[Array]:
+    assert model.physical_parameters is not None
+    return [model.physical_parameters(*X, branch=branch) for branch in range(model.branches)]
+
+
+@pytest.mark.parametrize(("name", "chosen"), INVERTIBLE)
+@given(data=st.data())
+def test_some_branch_of_the_inverse_map_gives_the_parameters_back(
+    name: str, chosen: tuple[str, ...], data: st.DataObject
+) -> None:
+    model = generated(name, chosen)
+    values = varied(data, dict(cases()[name].values))
+    hidden = cases()[name].hidden.get(chosen, ())
+    expected = np.array([np.nan if key in hidden else value for key, value in values.items()])
+    found = physical_branches(model, model.minimal_parameters(**values))
+    closest = min(found, key=lambda x: np.nanmax(np.abs(x / expected - 1)))
+    assert closest == pytest.approx(expected, rel=1e-5, nan_ok=True)
+
+
+def jacobian(model: GeneratedModel, values: dict[str, float]) -> Array:
+    """Relative derivatives of the minimal parameters by the physical ones, by the complex step: exact to rounding."""
+    step = 1e-30
+    columns = [
+        model.minimal_parameters(**{**values, name: value * (1 + step * 1j)}).imag / step
+        for name, value in values.items()
+    ]
+    scale = model.minimal_parameters(**values)
+    return np.array(columns).T / scale[:, None]
+
+
+# Counting the solutions of 3M3S takes a Groebner basis of ten seconds; 2M2S and 4M4S stand for it.
+COUNTED = [pair for pair in every_set() if pair != ("chain_3m3s_2", ("q2",))]
+
+
+@pytest.mark.parametrize(("name", "chosen"), COUNTED)
+def test_parameter_map_agrees_with_the_generated_module(name: str, chosen: tuple[str, ...]) -> None:
+    """Same numbers; undetermined are those parameters that move in the null space of the numeric derivatives."""
+    values = dict(cases()[name].values)
+    model, maps = derived(name, chosen), derived(name, chosen).parameter_map
+    numbers = {sp.Symbol(k): v for k, v in {**values, **model.minimal.source.source.constants}.items()}
+    shown = [float(expression.subs(numbers)) for expression in maps.minimal.values()]
+    assert list(maps.minimal) == list(generated(name, chosen).minimal_units)
+    assert generated(name, chosen).minimal_parameters(**values) == pytest.approx(shown, rel=1e-9)
+    matrix = jacobian(generated(name, chosen), values)
+    _, sizes, directions = np.linalg.svd(matrix)
+    rank = int(np.sum(sizes > 1e-10 * sizes[0]))
+    moving = np.abs(directions[rank:]).max(axis=0, initial=0.0) > 1e-8
+    assert [key for key, free in zip(values, moving, strict=True) if free] == [
+        key for key, state in maps.identifiability.items() if state == "none"
+    ]
+    assert maps.relations == len(matrix) - rank
+    assert len(maps.inverse) == generated(name, chosen).branches
+
+
+def test_the_paper_s_axis_is_unique_from_every_set_of_sensors() -> None:
+    for chosen in load_axis("direct_2m1s").sensor_sets:
+        assert set(derived("direct_2m1s", chosen).parameter_map.identifiability.values()) == {"unique"}
+
+
+def test_a_ball_screw_seen_from_its_motor_has_two_solutions() -> None:
+    assert derived("ballscrew_2m1s", ("qm",)).parameter_map.identifiability == {
+        "Mm": "unique",
+        "Fvm": "several",
+        "Fsm": "unique",
+        "Kt": "several",
+        "Ft": "several",
+        "Ml": "several",
+        "Fvl": "several",
+    }
+    assert set(derived("ballscrew_2m1s", ("qm", "ql")).parameter_map.identifiability.values()) == {"unique"}
+
+
+def test_both_solutions_of_the_ball_screw_have_the_same_minimal_parameters() -> None:
+    model = generated("ballscrew_2m1s", ("qm",))
+    X = model.minimal_parameters(**cases()["ballscrew_2m1s"].values)
+    first, second = physical_branches(model, X)
+    names = list(model.physical_units)
+    for solution in (first, second):
+        assert model.minimal_parameters(**dict(zip(names, solution, strict=True))) == pytest.approx(
+            X, rel=1e-9
+        )
+    differing = {name for name, a, b in zip(names, first, second, strict=True) if abs(a - b) > 1e-3 * abs(a)}
+    assert differing == {"Fvm", "Kt", "Ft", "Ml", "Fvl"}
+
+
+def swapped(p: dict[str, float]) -> dict[str, float]:
+    """The other axis 3M2S with the same motion of the motor, by partial fractions.
+
+    With f = Fm - Fvm q2', q2 / f is the compliance of the structure, 1 / (Ms s^2 + Fvs s + Ks), plus that of motor and
+    load: 1 / (M s^2) + 1 / (a s^2 + b s + c), with M = Mm + Ml, a = Mm M / Ml, b = Fl (M / Ml)^2 and c = Kl (M / Ml)^2.
+    The two vibrating parts may change places.
+    """
+    M = p["Mm"] + p["Ml"]
+    new_load = M**2 / (M + p["Ms"])
+    return {
+        "Ms": p["Mm"] * M / p["Ml"],
+        "Fvs": p["Fl"] * (M / p["Ml"]) ** 2,
+        "Ks": p["Kl"] * (M / p["Ml"]) ** 2,
+        "Mm": M - new_load,
+        "Fvm": p["Fvm"],
+        "Fsm": p["Fsm"],
+        "Kl": p["Ks"] * (new_load / M) ** 2,
+        "Fl": p["Fvs"] * (new_load / M) ** 2,
+        "Ml": new_load,
+    }
+
+
+@given(data=st.data())
+def test_structure_and_load_of_3m2s_may_change_places_behind_the_motor(data: st.DataObject) -> None:
+    model = generated("direct_3m2s", ("q2",))
+    values = varied(data, dict(cases()["direct_3m2s"].values))
+    other = swapped(values)
+    assert min(other.values()) > 0
+    assert model.minimal_parameters(**other) == pytest.approx(model.minimal_parameters(**values), rel=1e-10)
+    assert swapped(other) == pytest.approx(values, rel=1e-10)
+    assert other["Ms"] != pytest.approx(values["Ms"], rel=1e-3)
+
+
+def test_3m2s_is_told_to_have_several_solutions_from_the_motor_and_one_from_all_sensors() -> None:
+    alone = derived("direct_3m2s", ("q2",)).parameter_map.identifiability
+    values = cases()["direct_3m2s"].values
+    other = swapped(dict(values))
+    differing = {name for name in values if abs(other[name] - values[name]) > 1e-6 * values[name]}
+    assert {name for name, state in alone.items() if state == "several"} == differing
+    assert {name for name, state in alone.items() if state == "unique"} == {"Fvm", "Fsm"}
+    everything = derived("direct_3m2s", ("q2", "ddq1", "ddql")).parameter_map.identifiability
+    assert set(everything.values()) == {"unique"}
+
+
+def test_masses_side_by_side_are_determined_as_their_sum() -> None:
+    maps = derived("parallel_masses", ("q",)).parameter_map
+    assert maps.identifiability == {"M1": "none", "Fv": "unique", "M2": "none"}
+    assert [str(combination) for combination in maps.combinations] == ["M1 + M2"]
+
+
+def test_springs_side_by_side_are_determined_as_their_sum() -> None:
+    maps = derived("two_springs", ("q",)).parameter_map
+    assert maps.identifiability == {"M": "unique", "F": "unique", "K1": "none", "K2": "none"}
+    assert [str(combination) for combination in maps.combinations] == ["K1 + K2"]
+    assert maps.inverse == ()
+
+
+def test_a_rigid_gear_hides_what_lies_on_either_side() -> None:
+    maps = derived("overdrive_gear", ("qm",)).parameter_map
+    assert set(maps.identifiability.values()) == {"none"}
+    assert [str(expression) for expression in maps.combinations] == [
+        "Jm + 4*Mt",
+        "Fvm + 4*Fvt",
+        "Fsm + 2*Fst",
+    ]
+
+
+def test_a_structure_that_the_sensor_does_not_feel_is_not_determined() -> None:
+    structure = Body("structure", mass="Ms")
+    motor = Body("motor", mass="Mm", on=structure)
+    axis = Axis(
+        "absolute",
+        (structure, Spring("foundation", structure, stiffness="Ks"), motor),
+        Drive("F", motor),
+        (Position("x", motor, relative_to=GROUND),),
+    )
+    model = derive(axis)
+    assert [str(entry) for entry in model.minimal.regressor[0]] == ["x_d2"]
+    assert model.parameter_map.identifiability == {"Ms": "none", "Ks": "none", "Mm": "unique"}
+
+
+def test_3m2s_without_coulomb_friction_has_ten_minimal_parameters_for_eight_physical_ones() -> None:
+    axis = load_axis("direct_3m2s")
+    smooth = axis.without(*(law for law in axis.laws if isinstance(law, CoulombFriction)))
+    model = derive(smooth)
+    assert (len(model.minimal.parameters), len(smooth.physical_parameters)) == (10, 8)
+    assert model.parameter_map.relations == 2
+
+
+def knows_a_number(axis: Axis) -> bool:
+    """Whether an axis is declared with a ratio or with gravity."""
+    joints = [getattr(element, "at", None) for element in axis.elements]
+    ratios = [joint.ratio for joint in joints if isinstance(joint, Between)]
+    ratios += [body.geared.ratio for body in axis.bodies if body.geared]
+    weighs = any(isinstance(element, (Weight, PendulumWeight)) for element in axis.elements)
+    return weighs or any(ratio != 1 for ratio in ratios)
+
+
+@pytest.mark.parametrize(("name", "chosen"), every_set())
+@given(powers=st.tuples(*(st.floats(-3, 3) for _ in BASE_UNITS)))
+def test_minimal_parameters_change_with_the_units_as_their_own_unit_says(
+    name: str, chosen: tuple[str, ...], powers: tuple[float, ...]
+) -> None:
+    """Known ratios (m/rad) and gravity (m/s^2) keep their numbers: beside them only kg and A may change."""
+    model, derivation = generated(name, chosen), derived(name, chosen)
+    free = ("kg", "A") if knows_a_number(cases()[name].declared) else BASE_UNITS
+    sizes = {
+        unit: 10.0**power if unit in free else 1.0 for unit, power in zip(BASE_UNITS, powers, strict=True)
+    }
+
+    def factor(unit: Unit) -> float:
+        return float(np.prod([sizes[base] ** -e for base, e in zip(BASE_UNITS, unit.exponents, strict=True)]))
+
+    values, units = cases()[name].values, cases()[name].declared.physical_parameters
+    changed = {key: value * factor(units[key]) for key, value in values.items()}
+    expected = [
+        x * factor(parameter.unit)
+        for x, parameter in zip(
+            model.minimal_parameters(**values), derivation.minimal.parameters, strict=True
+        )
+    ]
+    assert model.minimal_parameters(**changed) == pytest.approx(expected, rel=1e-9)
+
+
+def test_millimetres_scale_the_paper_s_parameters_by_hand() -> None:
+    """Force stays in newtons: what has metres above the line shrinks by 1000 for each power."""
+    assert dict(generated("direct_2m1s", ("q2",)).minimal_units) == {
+        "X1": "s^2",
+        "X2": "s",
+        "X3": "N*s/m",
+        "X4": "N",
+        "X5": "kg",
+        "X6": "kg*s",
+        "X7": "kg*s^2",
+    }
+
+
+def test_a_stiff_foundation_leaves_the_rigid_motor() -> None:
+    """Columns of higher derivatives fade as 1/Ks, the others tend to Fvm, Fsm and Mm."""
+    model, values = generated("direct_2m1s", ("q2",)), cases()["direct_2m1s"].values
+    previous = np.inf
+    for stiffness in (1e9, 1e11, 1e13, 1e15):
+        X = model.minimal_parameters(**{**values, "Ks": stiffness})
+        rigid = [0, 0, values["Fvm"], values["Fsm"], values["Mm"], 0, 0]
+        distance = float(np.max(np.abs(X - rigid) / values["Mm"]))
+        assert distance <= 1.01e-2 * previous
+        previous = distance
+    assert previous < 1e-8
+
+
+def test_a_stiff_transmission_adds_the_masses() -> None:
+    model, values = generated("ballscrew_2m1s", ("qm",)), cases()["ballscrew_2m1s"].values
+    X = model.minimal_parameters(**{**values, "Kt": 1e18})
+    summed = [0, 0, values["Fvm"] + values["Fvl"], values["Fsm"], values["Mm"] + values["Ml"], 0, 0]
+    assert pytest.approx(summed, rel=1e-9, abs=1e-9) == X
+
+
+def test_stiff_springs_add_the_masses_of_3m2s_behind_a_screw() -> None:
+    case, model = cases()["geared_ballscrew_3m2s"], generated("geared_ballscrew_3m2s", ("qs",))
+    p, ratio = case.values, 0.01 / (2 * np.pi)
+    columns = map(str, derived(case.name, ("qs",)).minimal.regressor[0])
+    X = dict(zip(columns, model.minimal_parameters(**{**p, "Kn": 1e20, "Kl": 1e20}), strict=True))
+    inertia = p["Js"] + ratio**2 * (p["Mt"] + p["Ml"])
+    expected = {"qs_d1": p["Fvs"] + ratio**2 * p["Fvt"], "sign(qs_d1)": p["Fsm"], "qs_d2": inertia}
+    assert {name: X.pop(name) for name in expected} == pytest.approx(expected, rel=1e-9)
+    assert max(map(abs, X.values())) < 1e-9
+
+
+def test_the_sign_of_a_parameter_is_free_only_where_a_law_says_so() -> None:
+    assert cases()["emps"].declared.signed_parameters == ("OF",)
+    assert generated("motor_bench", ("qm", "ql")).signed == ("Pt",)
+    assert cases()["direct_2m1s"].declared.signed_parameters == ()
+
+
+def test_a_viscous_chain_of_one_is_linear_and_needs_no_inverse() -> None:
+    body = Body("body", mass="M")
+    axis = Axis("one", (body, ViscousFriction(body, "F")), Drive("f", body), (Position("q", body),))
+    model = compiled(derive(axis))
+    assert model.minimal_parameters(M=2.0, F=3.0).tolist() == [2.0, 3.0]
+    assert model.physical_parameters is not None
+    assert model.physical_parameters(2.0, 3.0).tolist() == [2.0, 3.0]
