@@ -187,7 +187,7 @@ def compare(axis: str, folder: Path, decimation: int | None, rounds: int) -> Non
     sure = deviation < 0.02 * np.abs(plain)
     apart = np.max(np.abs(np.array(runs["identify"][0]["parameters"]) / plain - 1.0)[sure])
     print(
-        f"  the {np.count_nonzero(sure)} parameters that are sure to 2 % differ from the script's by {100 * apart:.2g} %"
+        f"  the {np.count_nonzero(sure)} parameters sure to 2 % differ from the script's by {100 * apart:.2g} %"
     )
 
 
