@@ -56,7 +56,12 @@ class GeneratedFile:
 
 def planned_file(path: Path, text: str | None) -> GeneratedFile:
     """A wanted text beside what the file holds now."""
-    return GeneratedFile(path, text, path.read_text(encoding="utf-8") if path.is_file() else None)
+    return GeneratedFile(path, text, _text(path) if path.is_file() else None)
+
+
+def _text(path: Path) -> str:
+    """Text of a module; bytes that are no text only make it a damaged one."""
+    return path.read_text(encoding="utf-8", errors="replace")
 
 
 def orphans(
@@ -78,8 +83,11 @@ def write(files: Sequence[GeneratedFile]) -> None:
             continue
         file.path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = file.path.with_suffix(".unfinished")
-        unfinished.write_text(file.wanted, encoding="utf-8")
-        os.replace(unfinished, file.path)
+        try:
+            unfinished.write_text(file.wanted, encoding="utf-8")
+            os.replace(unfinished, file.path)
+        finally:
+            unfinished.unlink(missing_ok=True)
 
 
 def load_generated(
@@ -116,7 +124,7 @@ def load_generated(
     command = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
     if not path.is_file():
         raise GeneratedModuleError(f"there is no generated module {path.name}; {command}")
-    model = compile_module(path.read_text(encoding="utf-8"), path.name, command)
+    model = compile_module(_text(path), path.name, command)
     if model.signature != declared.signature:
         raise GeneratedModuleError(
             f"generated module {path.name} is older than the declaration of {declared.name!r}; {command}"
