@@ -15,6 +15,7 @@ from symid.codegen.store import (
     module_name,
     orphans,
     planned_file,
+    sensor_sets_in,
 )
 from symid.symbolic.pipeline import DerivedModel, derive
 
@@ -27,7 +28,7 @@ def plan(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> lis
     axes : sequence of str
         Names or paths of axis files; all axes by default.
     measured : sequence of str, optional
-        One set of sensors; all of the axis' `sensor_sets` by default.
+        One set of sensors; by default all of the axis' `sensor_sets`, and those that were asked for before.
 
     Raises
     ------
@@ -39,14 +40,15 @@ def plan(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> lis
         files += _plan_axis(name, measured)
     if measured is None:
         folders = dict.fromkeys(file.path.parent for file in files)
-        paths, names = [file.path for file in files], [Path(name).stem for name in axes]
-        files += [file for folder in folders for file in orphans(folder, paths, names, all_axes=not axes)]
+        paths, names = [file.path for file in files], [Path(name).stem for name in axes or axis_names()]
+        files += [file for folder in folders for file in orphans(folder, paths, names)]
     return files
 
 
 def _plan_axis(name: str, measured: Sequence[str] | None) -> list[GeneratedFile]:
     axis, folder = load_axis(name), generated_folder(axis_file(name))
-    models = [derive(axis, signals) for signals in ((measured,) if measured else axis.sensor_sets)]
+    sets = (measured,) if measured else (*axis.sensor_sets, *sensor_sets_in(folder, axis))
+    models = [derive(axis, signals) for signals in sets]
     return [planned_file(folder / f"{module_name(axis.name, m.measured)}.py", module_text(m)) for m in models]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,8 @@ from pathlib import Path
 from symid.axis import Axis, axis_file, load_axis
 from symid.codegen.model import GeneratedModel
 from symid.errors import GeneratedModuleError
+
+_MEASURED = re.compile(r"^MEASURED = \((.*)\)$", re.MULTILINE)
 
 FORMAT = 1
 """Version of the layout of generated modules."""
@@ -64,13 +67,25 @@ def _text(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace")
 
 
-def orphans(
-    folder: Path, wanted: Sequence[Path], axes: Sequence[str], *, all_axes: bool
-) -> Iterator[GeneratedFile]:
-    """Modules that no declaration asks for any more: of the given axes, or of any axis."""
+def orphans(folder: Path, wanted: Sequence[Path], axes: Sequence[str]) -> Iterator[GeneratedFile]:
+    """Modules of the given axes that are not wanted any more, and those whose axis file is gone."""
     for path in sorted(folder.glob("*__*.py")):
-        if path not in wanted and (all_axes or path.name.split("__")[0] in axes):
+        axis = path.name.split("__")[0]
+        homes = (folder.parent / "models" / f"{axis}.py", folder.parent / f"{axis}.py")
+        if path not in wanted and (axis in axes or not any(home.is_file() for home in homes)):
             yield planned_file(path, None)
+
+
+def sensor_sets_in(folder: Path, axis: Axis) -> tuple[tuple[str, ...], ...]:
+    """Sets of sensors of an axis for which there are modules, beyond those that are always generated."""
+    known = {sensor.signal for sensor in axis.sensors}
+    found = []
+    for path in sorted(folder.glob(f"{axis.name}__*.py")):
+        line = _MEASURED.search(path.read_text(encoding="utf-8"))
+        signals = tuple(re.findall(r'"([^"]+)"', line[1])) if line else ()
+        if signals and known.issuperset(signals) and signals not in axis.sensor_sets:
+            found.append(signals)
+    return tuple(found)
 
 
 def write(files: Sequence[GeneratedFile]) -> None:

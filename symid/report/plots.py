@@ -91,7 +91,7 @@ def _draw_equation(
         f"{output} [{unit}]",
     )
     which = f", equation {equation + 1}" if len(found.model.output_names) > 1 else ""
-    top.set_title(f"{found.model.axis}, {_short(source)}{which}", loc="left")
+    top.set_title(f"{_short(source)}{which}", loc="left")
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
     top.tick_params(labelbottom=False)
     _draw_over_time(below, run.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{unit}]")

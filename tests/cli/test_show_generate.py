@@ -170,3 +170,22 @@ def test_a_failing_disk_leaves_the_old_module_and_one_line(
     code, _, err = run(capsys, "generate", "mine")
     assert (code, err) == (2, "symid: mine__q.py: No space left on device\n")
     assert module.read_text(encoding="utf-8") == before
+
+
+def test_generate_keeps_modules_of_axis_files_beside_and_sets_asked_for(
+    capsys: pytest.CaptureFixture[str], project: Path
+) -> None:
+    sensors = '(Position("q", body), Position("a", body, relative_to=GROUND))'
+    declared = (project / "models" / "mine.py").read_text(encoding="utf-8")
+    declared = declared.replace("import Axis", "import GROUND, Axis").replace(
+        '(Position("q", body),)', sensors
+    )
+    (project / "models" / "mine.py").write_text(declared, encoding="utf-8")
+    (project / "beside.py").write_text(declared.replace('"mine"', '"beside"'), encoding="utf-8")
+    assert run(capsys, "generate", "beside.py")[0] == 0
+    assert run(capsys, "generate", "mine", "--measured", "a")[0] == 0
+    assert run(capsys, "generate")[0] == 0
+    kept = {path.name for path in (project / "generated").iterdir()}
+    assert {"beside__q.py", "mine__q.py", "mine__q_a.py", "mine__a.py"} <= kept
+    code, out, _ = run(capsys, "generate", "--check")
+    assert (code, "are current" in out) == (0, True)
