@@ -170,7 +170,7 @@ def compare(axis: str, folder: Path, decimation: int | None, rounds: int) -> Non
     runs: dict[str, list[dict[str, Any]]] = {job: [] for job in JOBS}
     for i in range(rounds):
         for job in JOBS:
-            if job != "script" or i == 0:
+            if i == 0 or job in ("identify", "passes"):
                 runs[job].append(run(job, axis, folder, settings))
             if job == "identify":
                 settings |= {key: runs[job][0][key] for key in ("cutoff", "factor")}
@@ -214,7 +214,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
     print(
-        f"{options.samples} samples, {THREADS} threads, median of {options.rounds} alternating rounds (script: one)"
+        f"{options.samples} samples, {THREADS} threads, median of {options.rounds} alternating rounds (one thread and script: one)"
     )
     print(
         f"memory beyond the log of {2 * 8e-6 * options.samples:.0f} MB; aim: within {AIM:g} times the passes"
