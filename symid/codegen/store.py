@@ -81,7 +81,7 @@ def sensor_sets_in(folder: Path, axis: Axis) -> tuple[tuple[str, ...], ...]:
     known = {sensor.signal for sensor in axis.sensors}
     found = []
     for path in sorted(folder.glob(f"{axis.name}__*.py")):
-        line = _MEASURED.search(path.read_text(encoding="utf-8"))
+        line = _MEASURED.search(_text(path))
         signals = tuple(re.findall(r'"([^"]+)"', line[1])) if line else ()
         if signals and known.issuperset(signals) and signals not in axis.sensor_sets:
             found.append(signals)
