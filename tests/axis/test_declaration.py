@@ -169,7 +169,7 @@ def test_a_parameter_cannot_take_the_name_of_a_minimal_parameter_but_a_sensor_ca
 
 def test_faults_come_in_the_same_order_in_every_process() -> None:
     program = (
-        "from symid import *\n"
+        "from symid import Axis, Body, Drive, Position, ViscousFriction\n"
         "b = Body('b', mass='q_d1')\n"
         "parts = (b, ViscousFriction(b, 'w_d2'))\n"
         "try: Axis('a', parts, Drive('f_d1', b), (Position('q_d3', b), Position('r_d4', b)))\n"

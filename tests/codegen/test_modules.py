@@ -249,16 +249,17 @@ def test_what_fails_in_deriving_one_axis_writes_nothing(
 
 
 def test_modules_that_nothing_declares_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of sensors that the axis has lost, and those of axes that are gone; not those of other axes."""
     declare(tmp_path, sensors='(Position("q", body), Acceleration("ddq", body))')
+    (tmp_path / "models" / "other.py").write_text("", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     write(plan(("mine",)))
     folder = tmp_path / "generated"
-    other = folder / "other__q.py"
-    other.write_text("", encoding="utf-8")
-    assert sorted(path.name for path in folder.iterdir()) == ["mine__q.py", "mine__q_ddq.py", "other__q.py"]
+    for name in ("other__q.py", "gone__q.py", "notes.py"):
+        (folder / name).write_text("", encoding="utf-8")
     declare(tmp_path)
     write(plan(("mine",)))
-    assert sorted(path.name for path in folder.iterdir()) == ["mine__q.py", "other__q.py"]
+    assert sorted(path.name for path in folder.iterdir()) == ["mine__q.py", "notes.py", "other__q.py"]
 
 
 def test_one_set_of_sensors_touches_no_other_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

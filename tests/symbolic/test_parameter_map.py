@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 from axes.catalogue import cases, derived, every_set, generated
 from axes.plant import Array
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from symid import (
@@ -42,6 +42,7 @@ def physical_branches(model: GeneratedModel, X: Array) -> list[Array]:
 
 
 @pytest.mark.parametrize(("name", "chosen"), every_set())
+@settings(max_examples=12)
 @given(data=st.data())
 def test_some_branch_of_the_inverse_map_gives_the_parameters_back(
     name: str, chosen: tuple[str, ...], data: st.DataObject
@@ -223,6 +224,7 @@ def knows_a_number(axis: Axis) -> bool:
 
 
 @pytest.mark.parametrize(("name", "chosen"), every_set())
+@settings(max_examples=12)
 @given(powers=st.tuples(*(st.floats(-3, 3) for _ in BASE_UNITS)))
 def test_minimal_parameters_change_with_the_units_as_their_own_unit_says(
     name: str, chosen: tuple[str, ...], powers: tuple[float, ...]
