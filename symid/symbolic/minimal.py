@@ -20,7 +20,8 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.signals import derivative_name
-from symid.symbolic.elimination import InputOutputEquation, InputOutputModel
+from symid.symbolic.elimination import InputOutputModel
+from symid.symbolic.equations import InputOutputEquation
 from symid.symbolic.span import Span
 from symid.units import Unit
 
