@@ -214,7 +214,8 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
     print(
-        f"{options.samples} samples, {THREADS} threads, median of {options.rounds} alternating rounds (one thread and script: one)"
+        f"{options.samples} samples, {THREADS} threads, median of {options.rounds} alternating rounds "
+        "(1 thread, script: one)"
     )
     print(
         f"memory beyond the log of {2 * 8e-6 * options.samples:.0f} MB; aim: within {AIM:g} times the passes"
