@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from symid.report.console import report_console
 from symid.symbolic import DerivedModel
 
 
@@ -37,7 +38,7 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
 
 def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
     """Print a derived model."""
-    console = console or Console(highlight=False, soft_wrap=True)
+    console = console or report_console()
     record = derivation_record(model)
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
     _section(
@@ -52,7 +53,7 @@ def print_derivation(model: DerivedModel, console: Console | None = None) -> Non
     )
     regressor.add_column("X")
     for output in record["output"]:
-        regressor.add_column(f"y = {output}")
+        regressor.add_column(f"y = {output}", overflow="fold")
     regressor.add_column("unit of X")
     regressor.add_column("X in physical parameters", overflow="fold")
     for j, (name, expression) in enumerate(record["minimal_parameters"].items()):

@@ -12,6 +12,7 @@ from rich.table import Table
 from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
 from symid.identification import EquationResidual, Identification, Prediction
+from symid.report.console import report_console
 
 
 def identification_record(found: Identification, validation: Prediction | None = None) -> dict[str, Any]:
@@ -124,7 +125,7 @@ def _distinct(names: list[str]) -> list[str]:
 
 def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
     """Print what `identification_record` holds."""
-    console = console or Console(highlight=False, soft_wrap=True)
+    console = console or report_console()
     console.print(
         f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",
         markup=True,

@@ -10,7 +10,7 @@ The derivative of a jump, such as that of sign(v), is taken as zero, as the pape
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -20,7 +20,7 @@ from symid.axis import Sensor
 from symid.symbolic.equations import InputOutputEquation, SignalWriter, by_power
 from symid.symbolic.expressions import positive
 from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
-from symid.symbolic.lagrange import InverseDynamicModel
+from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import measurement, motion_columns
 from symid.symbolic.operators import OperatorModel, add, operator_model
 
@@ -84,7 +84,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     equations.sort(
         key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0))
     )
-    driven = tuple(_driven(equation, equations) for equation in equations)
+    driven = tuple(_driven(equation, equations, operators) for equation in equations)
     return InputOutputModel(model, operators, tuple(measured), driven, signals.assumptions(equations))
 
 
@@ -143,15 +143,29 @@ def _has_derivatives(expression: sp.Expr) -> bool:
     return bool(expression.free_symbols) and not isinstance(expression, (sp.sign, positive))
 
 
-def _driven(equation: InputOutputEquation, equations: Sequence[InputOutputEquation]) -> InputOutputEquation:
+def _driven(
+    equation: InputOutputEquation, equations: Sequence[InputOutputEquation], operators: OperatorModel
+) -> InputOutputEquation:
     """Add an equation that holds the force to one that does not, if both are linear in the physical parameters.
 
     0 = D X holds for X = 0 too: with noise in D, least squares would shrink the parameters towards it. The sum says
     the same in common with the other equation. Of those that hold the force, the one that leaves fewest terms is taken.
+    A balance of forces is multiplied by a ratio of the axis before it is added to one of torques, and vice versa.
     """
     if equation.force or not equation.is_linear:
         return equation
-    sums = [equation.plus(other) for other in equations if other.force and other.is_linear]
+    axis = operators.source.axis
+    turns = {body.name: body.turns for body in axis.free_bodies}
+    lever = operators.ring.domain.from_sympy(Kinematics(axis).lever(axis))
+
+    def of_torques(balances: Mapping[str, PolyElement]) -> bool:
+        return turns[next(iter(balances))]
+
+    sums = []
+    for other in equations:
+        if other.force and other.is_linear:
+            power = int(of_torques(other.multipliers)) - int(of_torques(equation.multipliers))
+            sums.append(equation.scaled(lever**power).plus(other))
     return min(
         sums, key=lambda e: (max(e.force), sum(len(t.coefficient) for t in e.motion)), default=equation
     )

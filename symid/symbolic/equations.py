@@ -69,6 +69,13 @@ class InputOutputEquation:
         linear = all(sum(m) == 1 for t in self.motion for m in t.coefficient.itermonoms())
         return linear and all(c.is_ground for c in self.force.values())
 
+    def scaled(self, factor: Any) -> InputOutputEquation:
+        """The equation times a known number."""
+        motion = tuple(replace(t, coefficient=t.coefficient.mul_ground(factor)) for t in self.motion)
+        force = {order: c.mul_ground(factor) for order, c in self.force.items()}
+        multipliers = {balance: c.mul_ground(factor) for balance, c in self.multipliers.items()}
+        return InputOutputEquation(motion, force, multipliers)
+
     def plus(self, other: InputOutputEquation) -> InputOutputEquation:
         """Sum of two equations."""
         terms = {t.expression: t for t in self.motion}

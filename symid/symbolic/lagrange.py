@@ -137,6 +137,21 @@ class Kinematics:
         carried = isinstance(body.on, Body) and body.on.turns == body.turns
         return self.displacement(body) + (self.absolute(body.on) if carried else 0)
 
+    def lever(self, axis: Axis) -> sp.Expr:
+        """A known ratio in metres per radian; 1 where the axis has none."""
+        pairs = [(body.geared.to, body, body.geared.ratio) for body in axis.bodies if body.geared]
+        joints = [getattr(element, "at", None) for element in (*axis.elements, axis.drive)]
+        pairs += [
+            (joint.first, joint.second, joint.ratio)
+            for joint in joints
+            if isinstance(joint, Between) and isinstance(joint.first, Body) and isinstance(joint.second, Body)
+        ]
+        for first, second, value in pairs:
+            if first.turns != second.turns:
+                ratio = self.constant(f"ratio_{first.name}_{second.name}", value)
+                return ratio if first.turns else 1 / ratio
+        return ONE
+
     def rate(self, displacement: sp.Expr, order: int) -> sp.Expr:
         """Time derivative of a displacement, which is linear in the coordinates."""
         return displacement.xreplace(
