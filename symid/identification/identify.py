@@ -32,6 +32,10 @@ from symid.identification.settings import Preparation
 from symid.identification.verdict import Status, verdict
 
 
+_CONDITION_THAT_COSTS_DIGITS = 1e4
+"""Above it the parameters are refined in extended precision; below, rounding leaves them eleven digits."""
+
+
 @dataclass(frozen=True, eq=False)
 class Identification:
     """Identified parameters of an axis and what they were identified from.
@@ -153,7 +157,7 @@ def identify(
     blocks = _blocks(observations)
     factors = [f for o in observations for f in triangular_factors(o.W, o.y, o.valid)]
     fit = estimate(factors, method, ddof)
-    if len(blocks) == 1 and fit.status == "ok":
+    if len(blocks) == 1 and fit.status == "ok" and fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS:
         fit = refine(blocks[0].W, blocks[0].y, fit, blocks[0].valid)
     correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
     physical: tuple[PhysicalEstimate, ...] = ()

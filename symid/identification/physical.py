@@ -166,13 +166,15 @@ def _fitted(
 
 
 def _root(covariance: FloatArray, spread: FloatArray) -> FloatArray | None:
-    """Cholesky factor of the correlation matrix."""
+    """Cholesky factor of the correlation matrix; one that is singular to rounding (noise-free logs) gets a ridge."""
     correlation = covariance / np.outer(spread, spread)
     np.fill_diagonal(correlation, 1.0)
-    try:
-        return np.asarray(np.linalg.cholesky(correlation))
-    except np.linalg.LinAlgError:
-        return None
+    for ridge in (0.0, 1e-10):
+        try:
+            return np.asarray(np.linalg.cholesky(correlation + ridge * np.eye(spread.size)))
+        except np.linalg.LinAlgError:
+            continue
+    return None
 
 
 def _distinct(estimates: list[PhysicalEstimate]) -> list[PhysicalEstimate]:

@@ -35,6 +35,9 @@ def verdict(
             f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
             f"decides on {', '.join(vague or names)}: move at several speeds, accelerations and frequencies"
         )
+    if not physical and model.physical_parameters is not None:
+        cause = "the inverse map leads to no finite values: the model, the filter, the timing or the log does not fit"
+        return "no_physical_parameters", cause
     if not physical:
         cure = "give --nominal P.json with nominal values as a start"
         return "no_physical_parameters", f"the inverse map has no closed form: {cure}"

@@ -91,3 +91,11 @@ def test_without_closed_form_a_start_is_needed_and_enough() -> None:
     start = dict(zip(model.physical_units, 1.1 * LOAD_ON_MOTOR, strict=True))
     (found,) = physical_estimates(model, exact, covariance, start)
     assert found.parameters == pytest.approx(LOAD_ON_MOTOR, rel=1e-6)
+
+
+def test_a_covariance_that_is_singular_to_rounding_is_no_obstacle() -> None:
+    model = load_generated("direct_2m1s", ("q2", "ddq1"))
+    exact = model.minimal_parameters(*DIRECT)
+    direction = 1e-9 * exact
+    (found,) = physical_estimates(model, exact, np.outer(direction, direction))
+    assert found.parameters == pytest.approx(DIRECT, rel=1e-9)
