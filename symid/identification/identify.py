@@ -31,9 +31,9 @@ from symid.identification.residuals import EquationResidual
 from symid.identification.settings import Preparation
 from symid.identification.verdict import Status, verdict
 
-
 _CONDITION_THAT_COSTS_DIGITS = 1e4
-"""Above it the parameters are refined in extended precision; below, rounding leaves them eleven digits."""
+_MANY_ROWS = 1_000_000
+"""Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +157,8 @@ def identify(
     blocks = _blocks(observations)
     factors = [f for o in observations for f in triangular_factors(o.W, o.y, o.valid)]
     fit = estimate(factors, method, ddof)
-    if len(blocks) == 1 and fit.status == "ok" and fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS:
+    worth_refining = sum(fit.rows) < _MANY_ROWS or fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS
+    if len(blocks) == 1 and fit.status == "ok" and worth_refining:
         fit = refine(blocks[0].W, blocks[0].y, fit, blocks[0].valid)
     correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
     physical: tuple[PhysicalEstimate, ...] = ()
