@@ -7,6 +7,7 @@ import sys
 import click
 
 from symid.cli.options import json_option, measured_option, signal_list, write_json
+from symid.cli.progress import tracked
 from symid.codegen.generate import plan
 from symid.codegen.store import write
 
@@ -20,7 +21,7 @@ from symid.codegen.store import write
 @json_option
 def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file: str | None) -> None:
     """Write the generated modules of each AXIS (of all axes in models/ by default)."""
-    files = plan(axes, signal_list(measured))
+    files = plan(axes, signal_list(measured), track=lambda names: tracked(names, "deriving axes"))
     stale = [file for file in files if not file.is_current]
     if not check:
         write(files)

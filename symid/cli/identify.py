@@ -18,6 +18,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.progress import tracked
 from symid.codegen import load_generated
 from symid.data import Log, read_log
 from symid.errors import SettingError
@@ -110,7 +111,7 @@ preparation_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    runs = [_read(declared, file, options) for file in logs]
+    runs = [_read(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
     found = identify(
         model,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from symid.axis import axis_file, axis_names, load_axis
@@ -20,7 +20,11 @@ from symid.codegen.store import (
 from symid.symbolic.pipeline import DerivedModel, derive
 
 
-def plan(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> list[GeneratedFile]:
+def plan(
+    axes: Sequence[str] = (),
+    measured: Sequence[str] | None = None,
+    track: Callable[[Sequence[str]], Iterable[str]] = iter,
+) -> list[GeneratedFile]:
     """Generated files as they should be and as they are; nothing is written.
 
     Parameters
@@ -29,6 +33,8 @@ def plan(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> lis
         Names or paths of axis files; all axes by default.
     measured : sequence of str, optional
         One set of sensors; by default all of the axis' `sensor_sets`, and those that were asked for before.
+    track : callable, optional
+        Is given the names and passes them on, to show progress.
 
     Raises
     ------
@@ -36,7 +42,7 @@ def plan(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> lis
         If an axis cannot be loaded or derived.
     """
     files: list[GeneratedFile] = []
-    for name in axes or axis_names():
+    for name in track(axes or axis_names()):
         files += _plan_axis(name, measured)
     if measured is None:
         folders = dict.fromkeys(file.path.parent for file in files)

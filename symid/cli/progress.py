@@ -1,0 +1,41 @@
+"""Progress on standard error, for work that takes long, on a terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from typing import TypeVar
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+Item = TypeVar("Item")
+
+_PATIENCE = 2.0
+"""Seconds of work before progress is shown."""
+
+
+def tracked(items: Sequence[Item], what: str) -> Iterator[Item]:
+    """Pass items on; once their work has taken two seconds, show a bar if standard error is a terminal.
+
+    Examples
+    --------
+    >>> list(tracked(["a", "b"], "letters"))
+    ['a', 'b']
+    """
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with ExitStack() as shown:
+        bar: Progress | None = None
+        begin = time.monotonic()
+        for done, item in enumerate(items):
+            if bar is None and time.monotonic() - begin > _PATIENCE:
+                bar = shown.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
+                bar.add_task(what, total=len(items))
+            if bar is not None:
+                bar.update(bar.task_ids[0], completed=done)
+            yield item
