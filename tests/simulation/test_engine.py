@@ -1,0 +1,186 @@
+"""The engine against closed forms, an event-located solve_ivp and the energy balance; friction that holds."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from symid import (
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    PendulumWeight,
+    Position,
+    Spring,
+    ViscousFriction,
+    Weight,
+    load_axis,
+)
+from symid.simulation.engine import Engine
+from symid.simulation.plant import plant_of
+
+STEP = 1 / 4000
+DIRECT = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}
+
+
+def history(engine: Engine, forces: np.ndarray, step: float = STEP) -> np.ndarray:
+    states = [engine.state]
+    for force in forces:
+        engine.advance(float(force), step)
+        states.append(engine.state)
+    return np.array(states)
+
+
+def test_a_linear_axis_follows_the_matrix_exponential() -> None:
+    plant = plant_of(load_axis("direct_2m1s"), {**DIRECT, "Fsm": 0.0})
+    start = np.array([1e-4, -2e-4, 0.0, 0.1])
+    inverse = np.linalg.inv(plant.mass)
+    generator = np.block(
+        [[np.zeros((2, 2)), np.eye(2)], [-inverse @ plant.stiffness, -inverse @ plant.damping]]
+    )
+    states = history(Engine(plant, start), np.zeros(4000))
+    exact = expm(generator * 4000 * STEP) @ start
+    assert states[-1] == pytest.approx(exact, rel=1e-9, abs=1e-13)
+
+
+def test_coulomb_friction_stops_a_sliding_mass_where_it_must() -> None:
+    """M v(1) = -Fs - Fv v from v0: stops at t = M/Fv ln(1 + Fv v0/Fs) and stays there."""
+    M, Fv, Fs, v0 = 5.0, 3.0, 2.0, 0.7
+    engine = Engine(plant_of(load_axis("rigid_1m"), {"M": M, "Fv": Fv, "Fs": Fs}), np.array([0.0, v0]))
+    stop = M / Fv * np.log(1 + Fv * v0 / Fs)
+    way = M * v0 / Fv - Fs / Fv * stop
+    states = history(engine, np.zeros(int(2 * stop / STEP)))
+    assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
+    late = states[int(stop / STEP) + 2 :]
+    assert np.all(late == late[0])
+
+
+def test_a_body_held_on_an_incline_does_not_creep() -> None:
+    body = Body("slide", mass="M")
+    incline = Weight(body, acceleration=9.80665 * np.sin(np.radians(20)))
+    axis = Axis(
+        "incline", (body, incline, CoulombFriction(body, "Fs")), Drive("F", body), (Position("q", body),)
+    )
+    plant = plant_of(axis, {"M": 10.0, "Fs": 1.01 * 10 * 9.80665 * np.sin(np.radians(20))})
+    held = history(Engine(plant), np.zeros(40_000))
+    assert np.abs(held).max() < 1e-15
+    pushed = history(Engine(plant), np.where(np.arange(8000) < 400, 100.0, 0.0))
+    assert pushed[400, 0] > 1e-3
+    assert np.ptp(pushed[-4000:, 0]) < 1e-15
+
+
+def test_stiction_breaks_at_its_level_and_not_before() -> None:
+    engine = Engine(plant_of(load_axis("rigid_1m"), {"M": 5.0, "Fv": 0.0, "Fs": 2.0}))
+    ramp = np.linspace(0, 4, 4001)[:-1]
+    states = history(engine, ramp)
+    assert np.all(states[: np.searchsorted(ramp, 2.0) + 1] == 0)
+    time = np.arange(4000) * STEP
+    breaks = np.searchsorted(ramp, 2.0, side="right")
+    velocity = np.cumsum(np.where(np.arange(4000) >= breaks, ramp - 2.0, 0)) * STEP / 5.0
+    assert states[1:, 1] == pytest.approx(velocity, abs=1e-12)
+    assert time.size == velocity.size
+
+
+def test_stick_and_slip_agree_with_an_event_located_integration() -> None:
+    """A mass on a spring with friction, pulled by a slow sine: it sticks twice a period."""
+    body = Body("slide", mass="M")
+    elements = (body, Spring("spring", body, "K"), ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs"))
+    axis = Axis("stick", elements, Drive("F", body), (Position("q", body),))
+    M, K, Fv, Fs = 2.0, 500.0, 4.0, 6.0
+    plant = plant_of(axis, {"M": M, "K": K, "Fv": Fv, "Fs": Fs})
+    time = np.arange(8000) * STEP
+    force = 15 * np.sin(2 * np.pi * 0.9 * time)
+    states = history(Engine(plant), force)
+    reference = reference_run(M, K, Fv, Fs, force)
+    assert np.abs(states[:, 0] - reference[:, 0]).max() < 1e-10
+    assert np.abs(states[:, 1] - reference[:, 1]).max() < 1e-8
+    assert np.mean(states[1:, 1] == 0) > 0.05
+
+
+def reference_run(M: float, K: float, Fv: float, Fs: float, forces: np.ndarray) -> np.ndarray:
+    """The same by solve_ivp over each sample, restarted at every zero of the velocity."""
+    state, states = np.zeros(2), [np.zeros(2)]
+    for force in forces:
+        left = STEP
+        while left > 1e-16:
+            q, v = state
+            pull = force - K * q
+            if v == 0 and abs(pull) <= Fs:
+                break
+            sign = np.sign(v) if v != 0 else np.sign(pull)
+
+            def motion(_: float, z: np.ndarray, f: float = force, s: float = sign) -> list[float]:
+                return [z[1], (f - K * z[0] - Fv * z[1] - Fs * s) / M]
+
+            def rest(_: float, z: np.ndarray, s: float = sign) -> float:
+                return float(s * z[1] + (1e-18 if s * z[1] >= 0 else 0))
+
+            rest.terminal, rest.direction = True, -1  # type: ignore[attr-defined]  # how solve_ivp takes them
+            run = solve_ivp(motion, (0, left), state, "DOP853", rtol=1e-12, atol=1e-15, events=rest)
+            state = run.y[:, -1].copy()
+            left -= run.t[-1]
+            if run.status == 1:
+                state[1] = 0.0
+        states.append(state.copy())
+    return np.array(states)
+
+
+def test_energy_lost_is_the_work_of_friction() -> None:
+    """Free oscillation with Coulomb friction loses 4 Fs A per period; the work is Fs times the way."""
+    body = Body("slide", mass="M")
+    axis = Axis(
+        "oscillator",
+        (body, Spring("spring", body, "K"), CoulombFriction(body, "Fs")),
+        Drive("F", body),
+        (Position("q", body),),
+    )
+    M, K, Fs = 2.0, 800.0, 1.5
+    states = history(
+        Engine(plant_of(axis, {"M": M, "K": K, "Fs": Fs}), np.array([0.05, 0.0])), np.zeros(12_000)
+    )
+    energy = 0.5 * M * states[:, 1] ** 2 + 0.5 * K * states[:, 0] ** 2
+    turns = np.flatnonzero(np.diff(np.sign(states[:, 1])) != 0)
+    extremes = states[turns, 0]
+    assert np.abs(np.abs(np.diff(np.abs(extremes[:6]))) - 2 * Fs / K).max() < 1e-5
+    assert np.all(np.diff(energy) <= 1e-12)
+    assert abs(states[-1, 0]) <= Fs / K + 1e-12
+    assert states[-1, 1] == 0
+
+
+def test_a_pendulum_converges_with_the_second_order() -> None:
+    arm = Body("arm", inertia="J")
+    axis = Axis(
+        "pendulum",
+        (arm, PendulumWeight(arm, "ml"), ViscousFriction(arm, "Fv")),
+        Drive("T", arm),
+        (Position("q", arm),),
+    )
+    plant = plant_of(axis, {"J": 0.15, "ml": 0.3, "Fv": 0.02})
+    start = np.array([1.2, 0.0])
+    exact = solve_ivp(
+        lambda _, z: [z[1], (-0.3 * 9.80665 * np.sin(z[0]) - 0.02 * z[1]) / 0.15],
+        (0, 2),
+        start,
+        "DOP853",
+        rtol=1e-12,
+        atol=1e-14,
+    ).y[:, -1]
+    errors = [
+        np.abs(history(Engine(plant, start), np.zeros(n), 2 / n)[-1] - exact).max() for n in (500, 1000, 2000)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.15)
+    assert errors[1] / errors[2] == pytest.approx(4, rel=0.15)
+
+
+def test_two_joints_with_friction_stick_independently() -> None:
+    carriage = Body("carriage", mass="Mc")
+    slide = Body("slide", mass="Ms", on=carriage)
+    elements = (carriage, CoulombFriction(carriage, "Fc"), slide, CoulombFriction(slide, "Fs"))
+    axis = Axis("two", elements, Drive("F", slide), (Position("q", slide),))
+    plant = plant_of(axis, {"Mc": 3.0, "Ms": 2.0, "Fc": 10.0, "Fs": 4.0})
+    states = history(Engine(plant), np.full(400, 8.0))
+    assert np.all(states[:, 0] == 0)
+    assert states[-1, 3] == pytest.approx((8 - 4) / 2 * 0.1, rel=1e-12)
+    both = history(Engine(plant), np.full(400, 20.0))
+    assert both[-1, 2] == pytest.approx(-(20 - 4 - 10) / 3 * 0.1 if 20 - 4 > 10 else 0, rel=1e-9)
