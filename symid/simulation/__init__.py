@@ -1,0 +1,1 @@
+"""Simulation of declared axes: trajectories, controllers, dynamics and the engine that runs them."""

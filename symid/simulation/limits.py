@@ -1,0 +1,141 @@
+"""What an axis allows a commanded motion to do, and what to change where it does more."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from symid.errors import SettingError
+
+_RATES: Final = (
+    ("speed", "m/s or rad/s"),
+    ("acceleration", "m/s^2 or rad/s^2"),
+    ("jerk", "m/s^3 or rad/s^3"),
+)
+_ROUNDING: Final = 1e-9  # share of a limit by which rounding may exceed it
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """What a trajectory demands of an axis: its range and its greatest magnitudes, SI.
+
+    Parameters
+    ----------
+    lowest, highest : float
+        Range of the position, m or rad.
+    speed, acceleration, jerk : float
+        Greatest magnitude of the derivatives of order 1 to 3.
+    """
+
+    lowest: float
+    highest: float
+    speed: float
+    acceleration: float
+    jerk: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Travel, speed, acceleration and jerk that an axis allows, SI. Infinity is no limit.
+
+    Parameters
+    ----------
+    travel : tuple of float
+        Lowest and highest position, m or rad.
+    speed : float
+        Greatest speed, m/s or rad/s.
+    acceleration : float
+        Greatest acceleration, m/s^2 or rad/s^2.
+    jerk : float
+        Greatest jerk, m/s^3 or rad/s^3.
+
+    Raises
+    ------
+    SettingError
+        If the travel is empty or a limit is not positive.
+
+    Examples
+    --------
+    >>> Limits((0.0, 1.2), speed=1.0).check("ramp", Extremes(0.0, 1.0, 1.5, 0.0, 0.0))
+    Traceback (most recent call last):
+        ...
+    symid.errors.SettingError: ramp: speed reaches 1.5, 0.5 more than the limit of 1 m/s or rad/s: multiply the \
+amplitude by at most 0.6666
+    """
+
+    travel: tuple[float, float]
+    speed: float = math.inf
+    acceleration: float = math.inf
+    jerk: float = math.inf
+
+    def __post_init__(self) -> None:
+        low, high = self.travel
+        if not low < high:
+            raise SettingError(
+                f"travel from {low:g} to {high:g} is empty: give the lowest position, then the highest"
+            )
+        object.__setattr__(self, "travel", (float(low), float(high)))
+        for kind, unit in _RATES:
+            if not getattr(self, kind) > 0.0:
+                raise SettingError(
+                    f"limit of {kind} is {getattr(self, kind):g} {unit}: give a positive number"
+                )
+
+    def check(self, name: str, demand: Extremes, *, scaled: bool = True) -> None:
+        """Nothing if a trajectory keeps the limits.
+
+        Parameters
+        ----------
+        name : str
+            What the trajectory is called in the message.
+        demand : Extremes
+            What it demands.
+        scaled : bool
+            Whether its size is one amplitude, by which everything is proportional; else each of speed,
+            acceleration and jerk was asked for by itself. This decides what the message advises.
+
+        Raises
+        ------
+        SettingError
+            If a limit is exceeded; the message names each such limit, by how much, and what to change.
+        """
+        faults = self._faults_of_travel(demand)
+        for kind, unit in _RATES:
+            value, limit = getattr(demand, kind), getattr(self, kind)
+            if value > limit * (1.0 + _ROUNDING):
+                advice = (
+                    f"multiply the amplitude by at most {_rounded_down(limit / value)}"
+                    if scaled
+                    else f"ask for a {kind} of at most {limit:g}"
+                )
+                faults.append(
+                    f"{kind} reaches {value:g}, {value - limit:g} more than the limit of {limit:g} {unit}: {advice}"
+                )
+        if faults:
+            raise SettingError(f"{name}: " + "; ".join(faults))
+
+    def _faults_of_travel(self, demand: Extremes) -> list[str]:
+        low, high = self.travel
+        below, above = low - demand.lowest, demand.highest - high
+        span, room = demand.highest - demand.lowest, high - low
+        margin = _ROUNDING * span
+        if max(below, above) <= margin:
+            return []
+        if span <= room:
+            advice = f"shift it by {below if below > margin else -above:g}"
+        else:
+            advice = f"it spans {span:g}: shorten it to at most {_rounded_down(room / span)} of that"
+        return [
+            f"position goes beyond the {side} end of travel, {end:g} m or rad, by {excess:g}: {advice}"
+            for side, end, excess in (("lower", low, below), ("upper", high, above))
+            if excess > margin
+        ]
+
+
+def _rounded_down(share: float) -> str:
+    """A share between 0 and 1 with four digits, never more than it is."""
+    if share <= 0.0:
+        return "0"
+    scale = 10.0 ** (3 - math.floor(math.log10(share)))
+    return f"{math.floor(share * scale) / scale:.4g}"

@@ -1,0 +1,108 @@
+"""What all trajectories share: whole numbers of samples, and envelopes that fade smoothly."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+
+MOST_SAMPLES: Final = 100_000_000
+"""Longest trajectory; position, velocity and acceleration then take 2.4 GB."""
+_WHOLE: Final = 1e-9  # a duration this close to whole sampling periods, relative to one period, is whole
+
+
+def positive(value: float, what: str, unit: str) -> float:
+    """The value itself, as a float.
+
+    Raises
+    ------
+    SettingError
+        If it is not positive and finite.
+
+    Examples
+    --------
+    >>> positive(2, "dwell", "s")
+    2.0
+    """
+    if not (math.isfinite(value) and value > 0.0):
+        raise SettingError(f"{what} is {value:g} {unit}: give a positive number")
+    return float(value)
+
+
+def intervals(seconds: float, sampling_period: float, what: str) -> int:
+    """Sampling periods that hold a duration: the next whole number.
+
+    Parameters
+    ----------
+    seconds : float
+        Duration, s, 0 or more.
+    sampling_period : float
+        Time between two samples, s.
+    what : str
+        What lasts so long, for messages.
+
+    Raises
+    ------
+    SettingError
+        If the duration is negative or not finite, the sampling period not positive, or the samples more
+        than `MOST_SAMPLES`.
+
+    Examples
+    --------
+    >>> intervals(0.3, 0.1, "dwell"), intervals(0.31, 0.1, "dwell")
+    (3, 4)
+    """
+    positive(sampling_period, "sampling period", "s")
+    if not (math.isfinite(seconds) and seconds >= 0.0):
+        raise SettingError(f"{what} is {seconds:g} s: give 0 s or more")
+    ratio = seconds / sampling_period
+    if ratio >= MOST_SAMPLES:
+        raise SettingError(
+            f"{what} of {seconds:g} s is {ratio:.3g} samples of {sampling_period:g} s: at most "
+            f"{MOST_SAMPLES:g} are possible: give a shorter time or a longer sampling period"
+        )
+    return math.ceil(ratio - _WHOLE * max(1.0, ratio * 1e-3))
+
+
+def envelope(
+    n_intervals: int, n_fade: int, sampling_period: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Envelope that rises from 0 to 1 and falls to 0 again, with its first and second time derivatives.
+
+    The flanks are polynomials of degree 7 whose first three derivatives vanish at both ends, so that a faded
+    motion begins and ends at rest with neither velocity, acceleration nor jerk.
+
+    Parameters
+    ----------
+    n_intervals : int
+        Sampling periods from the first to the last sample.
+    n_fade : int
+        Sampling periods of each flank, at most half of `n_intervals`; 0 gives a constant 1.
+    sampling_period : float
+        Time between two samples, s.
+
+    Returns
+    -------
+    tuple of three arrays of shape (n_intervals + 1,)
+
+    Examples
+    --------
+    >>> value, slope, bend = envelope(8, 4, 0.5)
+    >>> value.tolist()[:5], slope.tolist()[2], bend.tolist()[2]
+    ([0.0, 0.070556640625, 0.5, 0.929443359375, 1.0], 1.09375, 0.0)
+    """
+    value, slope, bend = np.ones(n_intervals + 1), np.zeros(n_intervals + 1), np.zeros(n_intervals + 1)
+    if n_fade:
+        s = np.arange(n_fade + 1) / n_fade
+        rest, seconds = 1.0 - s, n_fade * sampling_period
+        rise = s**4 * (35.0 + s * (-84.0 + s * (70.0 - 20.0 * s)))
+        rise_slope = 140.0 * (s * rest) ** 3 / seconds
+        rise_bend = 420.0 * (s * rest) ** 2 * (rest - s) / seconds**2
+        for whole, flank, sign in ((value, rise, 1.0), (slope, rise_slope, -1.0), (bend, rise_bend, 1.0)):
+            whole[: n_fade + 1] = flank
+            whole[-n_fade - 1 :] = sign * flank[::-1]
+    return value, slope, bend
