@@ -97,8 +97,8 @@ def chirp(
     >>> chirp(1.0, 10.0, 5.0, 0.02, sampling_period=0.001, limits=Limits((-1.0, 1.0), speed=1.0))
     Traceback (most recent call last):
         ...
-    symid.errors.SettingError: chirp from 1 to 10 Hz: speed reaches 1.14479, 0.14479 more than the limit of 1 m/s or \
-rad/s: multiply the amplitude by at most 0.8735
+    symid.errors.SettingError: chirp from 1 to 10 Hz: speed reaches 1.14985, 0.149851 more than the limit of 1 m/s or \
+rad/s: multiply the amplitude by at most 0.8696
     """
     count = intervals(positive(seconds, "chirp", "s"), sampling_period, "chirp")
     _check_chirp(f0, f1, sampling_period, quantity, sweep)

@@ -126,11 +126,12 @@ amplitude by at most 0.6666
             advice = f"shift it by {below if below > margin else -above:g}"
         else:
             advice = f"it spans {span:g}: shorten it to at most {_rounded_down(room / span)} of that"
-        return [
-            f"position goes beyond the {side} end of travel, {end:g} m or rad, by {excess:g}: {advice}"
+        ends = " and ".join(
+            f"the {side} end of travel, {end:g} m or rad, by {excess:g}"
             for side, end, excess in (("lower", low, below), ("upper", high, above))
             if excess > margin
-        ]
+        )
+        return [f"position goes beyond {ends}: {advice}"]
 
 
 def _rounded_down(share: float) -> str:

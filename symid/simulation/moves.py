@@ -106,13 +106,18 @@ class MoveProfile:
         t = np.clip(np.asarray(time, dtype=np.float64), 0.0, self.duration)
         late = t >= 0.5 * self.duration
         folded = np.where(late, self.duration - t, t)
-        way, velocity, acceleration = self._first_half(folded)
+        way, velocity, acceleration = self._first_half(folded, late)
         way = np.where(late, self.distance - way, way)
         acceleration = np.where(late, -acceleration, acceleration)
         return way, velocity, np.where(t >= self.duration, 0.0, acceleration)
 
-    def _first_half(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Cubics of the first four segments, evaluated at times up to half of the duration."""
+    def _first_half(
+        self, t: FloatArray, mirrored: npt.NDArray[np.bool_]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Cubics of the first four segments, evaluated at times up to half of the duration.
+
+        At a jump of the acceleration its value is that just after, in mirrored time that just before.
+        """
         ramp, steady, peak = self.jerk_time, self.acceleration_time, self.acceleration
         jerk = peak / ramp if ramp else 0.0
         begins = np.array([0.0, ramp, ramp + steady, 2.0 * ramp + steady])
@@ -125,7 +130,8 @@ class MoveProfile:
                 0.5 * self.speed * (2.0 * ramp + steady),
             ]
         )
-        segment = np.searchsorted(begins, t, side="right") - 1
+        after, before = (np.searchsorted(begins, t, side=side) - 1 for side in ("right", "left"))
+        segment = np.where(mirrored, np.maximum(before, 0), after)
         s = t - begins[segment]
         a = np.array([0.0, peak, peak, 0.0])[segment]
         j = np.array([jerk, 0.0, -jerk, 0.0])[segment]
