@@ -206,7 +206,9 @@ def steps(
     intervals(values.size * count * sampling_period, sampling_period, "steps")
     position = np.append(np.repeat(values, count), values[-1])
     still = np.zeros_like(position)
-    return Trajectory(position, still, still, sampling_period, f"{values.size} levels").checked(limits)
+    return Trajectory(position, still, still, sampling_period, f"steps through {values.size} levels").checked(
+        limits
+    )
 
 
 def from_log(log: Log, signal: str = REFERENCE, *, limits: Limits | None = None) -> Trajectory:

@@ -243,8 +243,11 @@ def trapezoids(
     """
     ways = np.atleast_1d(np.asarray(distances, dtype=np.float64))
     rates = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
-    if ways.size == 0 or rates.size == 0:
-        raise SettingError("there is no move to make: give at least one distance and one speed")
+    if ways.ndim > 1 or rates.ndim > 1 or not ways.size or not rates.size:
+        raise SettingError(
+            f"distances of shape {ways.shape} and speeds of shape {rates.shape} make no moves: give a number or "
+            "a list of at least one for each"
+        )
     order = [(float(speed), float(way)) for speed in rates for way in ways]
     profiles = [MoveProfile.fastest(abs(way), speed, acceleration, jerk) for speed, way in order]
     name = f"{2 * len(order)} moves at {', '.join(f'{speed:g}' for speed in rates)} m/s or rad/s"

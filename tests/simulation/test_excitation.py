@@ -199,7 +199,8 @@ def test_moves_beyond_the_limits_are_refused():
     ("values", "message"),
     [
         ({"distances": 0.0}, "distance of a move is 0"),
-        ({"distances": []}, "no move to make"),
+        ({"distances": []}, "make no moves: give a number or a list"),
+        ({"speeds": [[0.1]]}, r"shape \(1, 1\) make no moves"),
         ({"speeds": [0.1, -1.0]}, "speed of a move is -1"),
         ({"acceleration": math.nan}, "acceleration of a move is nan"),
         ({"jerk": 0.0}, "jerk of a move is 0"),
@@ -431,7 +432,8 @@ def test_trajectories_join_only_where_they_fit():
     second = steps([0.2, 0.0], 0.5, sampling_period=0.1)
     assert first.then(second).dwell(0.25).position.tolist() == [0.0] * 5 + [0.2] * 10 + [0.0] * 9
     with pytest.raises(
-        SettingError, match=r"begins at 0 m or rad, where 2 levels ends at 0\.2: shift it by 0\.2"
+        SettingError,
+        match=r"begins at 0 m or rad, where steps through 2 levels ends at 0\.2: shift it by 0\.2",
     ):
         first.then(first)
     assert first.then(first.shifted(0.2)).position.max() == 0.4
