@@ -31,6 +31,9 @@ MOST_OPTIONAL_SENSORS = 3
 """Up to so many optional sensors, a regressor is generated for every subset of them."""
 
 
+_IMPERFECTIONS = ("noise", "resolution", "delay")
+
+
 @dataclass(frozen=True)
 class Axis:
     """A declared machine axis.
@@ -146,9 +149,34 @@ class Axis:
         """The axis without some of its elements."""
         return replace(self, elements=tuple(element for element in self.elements if element not in elements))
 
+    def with_signal(self, signal: str, noise: float, resolution: float = 0.0, delay: float = 0.0) -> Axis:
+        """The axis with other imperfections of a sensor, or of the drive's recorded force (which has no delay).
+
+        Raises
+        ------
+        SettingError
+            If there is no such signal.
+
+        Examples
+        --------
+        >>> from symid.axis import load_axis
+        >>> load_axis("rigid_1m").with_signal("q", noise=1e-7).sensors[0].noise
+        1e-07
+        """
+        if signal == self.drive.signal:
+            return replace(self, drive=replace(self.drive, noise=noise, resolution=resolution))
+        (changed,) = self.measured((signal,))
+        better = replace(changed, noise=noise, resolution=resolution, delay=delay)
+        return replace(
+            self, sensors=tuple(better if sensor is changed else sensor for sensor in self.sensors)
+        )
+
     @property
     def signature(self) -> str:
-        """Hash of everything declared; generated modules carry it to show that they are up to date."""
+        """Hash of what was declared; generated modules carry it to show that they are up to date.
+
+        Imperfections of signals do not count: no regressor depends on them.
+        """
         return hashlib.sha256(repr(_canonical(self)).encode()).hexdigest()[:16]
 
     def force_unit(self, joint: Joint) -> Unit:
@@ -199,7 +227,8 @@ def _canonical(value: object) -> object:
         # The terms too: a law's class may change while its fields stay.
         return (type(value).__name__, _canonical(value.at), _canonical(value.terms()))
     if is_dataclass(value) and not isinstance(value, type):
-        return (type(value).__name__, *((f.name, _canonical(getattr(value, f.name))) for f in fields(value)))
+        named = (f.name for f in fields(value) if f.name not in _IMPERFECTIONS)
+        return (type(value).__name__, *((name, _canonical(getattr(value, name))) for name in named))
     if isinstance(value, tuple):
         return tuple(_canonical(item) for item in value)
     return value

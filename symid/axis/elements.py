@@ -189,6 +189,8 @@ class Drive:
         an axis in current units where the torque constant is unknown.
     held : bool
         Whether a sample of the force is sent at t and held until the next one; it then acts half a sample late.
+    noise, resolution : float
+        Standard deviation of white noise and step of the recorded force, in its unit; for simulation.
     """
 
     signal: str
@@ -197,6 +199,8 @@ class Drive:
     command: str | None = None
     unit: str | None = None
     held: bool = False
+    noise: float = 0.0
+    resolution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -211,11 +215,18 @@ class Sensor:
         The body measured.
     relative_to : Body or Ground, optional
         The body it is measured from. By default the body it is on, so that the sensor reads the body's coordinate.
+    noise, resolution : float
+        Standard deviation of white noise and step of the reading, SI; for simulation.
+    delay : float
+        Age of a reading in seconds; for simulation.
     """
 
     signal: str
     body: Body
     relative_to: Body | Ground | None = None
+    noise: float = 0.0
+    resolution: float = 0.0
+    delay: float = 0.0
 
     @property
     def reference(self) -> Body | Ground:

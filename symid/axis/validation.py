@@ -48,7 +48,7 @@ def declaration_faults(
         *_name_faults(elements, drive, checked_sensors),
         *_body_faults(bodies),
         *_reference_faults(bodies, elements, drive, checked_sensors),
-        *_number_faults(elements, drive),
+        *_number_faults(elements, drive, checked_sensors),
         *_joint_faults(elements, drive),
         *_connection_faults(bodies, elements, drive),
     )
@@ -167,7 +167,7 @@ def _bodies_of(holder: object) -> Iterator[Body]:
     return (candidate for candidate in candidates if isinstance(candidate, Body))
 
 
-def _number_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
+def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sensor]) -> Iterator[str]:
     numbers: list[tuple[str, object]] = []
     for holder in (*elements, drive):
         at, geared = getattr(holder, "at", None), getattr(holder, "geared", None)
@@ -177,6 +177,11 @@ def _number_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
             numbers.append((f"{_label(holder)}: ratio", geared.ratio))
         if isinstance(holder, (Weight, PendulumWeight)):
             numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
+    for holder in (drive, *sensors):
+        for field in ("noise", "resolution", "delay"):
+            value = getattr(holder, field, 0.0)
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
+                yield f"{_label(holder)}: {field} is {value!r}: it must be a finite number of at least 0"
     if drive.gain is not None:
         numbers.append(("drive: gain", drive.gain))
     for what, value in numbers:

@@ -13,6 +13,7 @@ COMMANDS = {
     "demo": "Identify the shipped EMPS axis from its real log.",
     "show": "Equations, regressor and parameter maps of an axis.",
     "generate": "Write the generated modules of axes.",
+    "simulate": "A log of an axis under its controller.",
     "identify": "Parameters and their deviations from logs.",
 }
 

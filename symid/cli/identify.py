@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import click
@@ -14,6 +12,8 @@ from symid.cli.options import (
     json_option,
     measured_option,
     number,
+    parameter_file,
+    seconds_of,
     shared,
     signal_list,
     write_json,
@@ -25,7 +25,6 @@ from symid.errors import SettingError
 from symid.identification import Preparation, identify, predict
 from symid.identification.logs import axis_columns, measured_signals
 from symid.report.identification import identification_record, print_identification
-from symid.units import Unit, to_si
 
 log_options = shared(
     click.option(
@@ -119,7 +118,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         method=options["method"],
         preparation=_preparation(declared, runs[0], options),
         ddof=options["ddof"],
-        nominal=_nominal(options["nominal"], declared),
+        nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
     )
     validation = None
     if options["validation"]:
@@ -151,7 +150,10 @@ def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
 
 
 def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
-    late = {name: _seconds(text, name) for name, text in assignments(options["late"], "--late").items()}
+    late = {
+        name: seconds_of(text, f"--late {name}")
+        for name, text in assignments(options["late"], "--late").items()
+    }
     for signal in options["held"] + ((declared.drive.signal,) if declared.drive.held else ()):
         late[signal] = late.get(signal, 0.0) - log.sampling_period / 2
     unknown = [name for name in late if name not in declared.signal_units]
@@ -170,14 +172,6 @@ def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparati
     )
 
 
-def _seconds(text: str, signal: str) -> float:
-    """A time such as 125us or -0.0001."""
-    digits = text.rstrip("abcdefghijklmnopqrstuvwxyzµ")
-    return number(digits, f"--late {signal}") * (
-        to_si(text[len(digits) :], Unit.of("s")) if len(digits) < len(text) else 1.0
-    )
-
-
 def _trim(text: str | None) -> tuple[int, int] | None:
     if text is None:
         return None
@@ -186,22 +180,3 @@ def _trim(text: str | None) -> tuple[int, int] | None:
         raise SettingError(f"--trim {text!r} is not N or BEGIN,END in samples: write for example --trim 49,0")
     begin, end = int(parts[0]), int(parts[-1])
     return begin, end
-
-
-def _nominal(file: str | None, declared: Axis) -> dict[str, float] | None:
-    """Nominal parameters of a JSON file, SI."""
-    if file is None:
-        return None
-    try:
-        values = json.loads(Path(file).read_text(encoding="utf-8"))
-        nominal = {str(name): float(value) for name, value in values.items()}
-    except (ValueError, TypeError, AttributeError) as error:
-        raise SettingError(
-            f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})'
-        ) from error
-    missing = [name for name in declared.physical_parameters if name not in nominal]
-    if missing:
-        raise SettingError(
-            f"{file} lacks {', '.join(missing)}: give a value for each physical parameter of {declared.name!r}"
-        )
-    return nominal

@@ -11,7 +11,9 @@ from typing import Any
 
 import click
 
+from symid.axis import Axis
 from symid.errors import SettingError
+from symid.units import Unit, to_si
 
 json_option = click.option(
     "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
@@ -56,6 +58,47 @@ def number(text: str, what: str) -> float:
     if not math.isfinite(value):
         raise SettingError(f"{what} is {text!r}: it must be a finite number")
     return value
+
+
+def seconds_of(text: str, what: str) -> float:
+    """A time such as 125us or -0.0001, in seconds.
+
+    Raises
+    ------
+    SettingError, LogError
+        If the number or the unit cannot be read.
+
+    Examples
+    --------
+    >>> seconds_of("125us", "--late q2")
+    0.000125
+    """
+    digits = text.rstrip("abcdefghijklmnopqrstuvwxyzµ")
+    factor = to_si(text[len(digits) :], Unit.of("s")) if len(digits) < len(text) else 1.0
+    return number(digits, what) * factor
+
+
+def parameter_file(file: str, axis: Axis) -> dict[str, float]:
+    """Physical parameters of a JSON file, SI.
+
+    Raises
+    ------
+    SettingError
+        If the file holds no parameters, or lacks some.
+    """
+    try:
+        values = json.loads(Path(file).read_text(encoding="utf-8"))
+        parameters = {str(name): float(value) for name, value in values.items()}
+    except (ValueError, TypeError, AttributeError) as error:
+        raise SettingError(
+            f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})'
+        ) from error
+    missing = [name for name in axis.physical_parameters if name not in parameters]
+    if missing:
+        raise SettingError(
+            f"{file} lacks {', '.join(missing)}: give a value for each physical parameter of {axis.name!r}"
+        )
+    return parameters
 
 
 def write_json(record: object, file: str) -> None:

@@ -96,7 +96,7 @@ def read_log(
     given = _Mapping(table.headers, expected, alternatives, {_TIME: time_column, **columns}, units, gains)
     try:
         sources = _sources(given, named=columns.keys())
-        values, notes = _read(table, sources, optional={REFERENCE} - columns.keys())
+        values, notes = _read(table, sources, optional={REFERENCE} - columns.keys() - expected.keys())
         return _checked(str(file), values, notes, expected)
     except LogError as error:
         message = str(error)
@@ -109,7 +109,7 @@ def _sources(given: _Mapping, named: Collection[str]) -> tuple[_Source, ...]:
     """Column and factor of each signal that the file has; raises all faults of the assignment together."""
     faults = list(_unknown_keys(given))
     sources: list[_Source] = []
-    for signal in (_TIME, *given.expected, REFERENCE):
+    for signal in dict.fromkeys((_TIME, *given.expected, REFERENCE)):
         try:
             source = _source(given, signal, must=signal == _TIME or signal in named)
         except LogError as error:

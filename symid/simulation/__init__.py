@@ -1,1 +1,33 @@
 """Simulation of declared axes: trajectories, controllers, dynamics and the engine that runs them."""
+
+from symid.simulation.closed_loop import Simulation, simulate
+from symid.simulation.controller import Cascade, Command, Controller, OpenLoop, tuned_cascade
+from symid.simulation.engine import Engine
+from symid.simulation.excitation import chirp, from_log, steps
+from symid.simulation.limits import Limits
+from symid.simulation.moves import move, trapezoids
+from symid.simulation.multisine import frequency_lines, multisine
+from symid.simulation.plant import Plant, plant_of
+from symid.simulation.trajectory import Trajectory
+
+__all__ = [
+    "Cascade",
+    "Command",
+    "Controller",
+    "Engine",
+    "Limits",
+    "OpenLoop",
+    "Plant",
+    "Simulation",
+    "Trajectory",
+    "chirp",
+    "frequency_lines",
+    "from_log",
+    "move",
+    "multisine",
+    "plant_of",
+    "simulate",
+    "steps",
+    "trapezoids",
+    "tuned_cascade",
+]

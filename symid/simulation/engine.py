@@ -103,14 +103,7 @@ class Engine:
         """Accelerations of the bodies under a drive force, of shape (n,)."""
         external = self.plant.drive * drive_force + self.plant.constant
         self._release(external)
-        flow = self._flow()
-        force = self._force(external, self.state)
-        n = self._n
-        total = force - self.plant.damping @ self.state[n:] - self.plant.stiffness @ self.state[:n]
-        if flow.stuck:
-            directions = np.array([self.plant.laws[j].direction for j in flow.stuck])
-            total = total - directions.T @ flow.holding_forces(self.state, force)
-        return np.asarray(np.linalg.solve(self.plant.mass, total))
+        return self._flow().acceleration(self.state, self._force(external, self.state))
 
     def _velocity(self, j: int, state: FloatArray) -> float:
         return float(self.plant.laws[j].direction @ state[self._n :])

@@ -38,6 +38,7 @@ class Flow:
         self._generator[n : 2 * n, :n] = -free @ plant.stiffness
         self._generator[n : 2 * n, n : 2 * n] = -free @ plant.damping
         self._generator[n : 2 * n, 2 * n :] = free
+        self._acceleration = self._generator[n : 2 * n]
         self._holding = holding
         self._stiffness, self._damping = plant.stiffness, plant.damping
         self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
@@ -48,6 +49,11 @@ class Flow:
             self._known[duration] = self.transition(duration)
         transition, gain = self._known[duration]
         return np.asarray(transition @ state + gain @ force)
+
+    def acceleration(self, state: FloatArray, force: FloatArray) -> FloatArray:
+        """Accelerations of the bodies, of shape (n,)."""
+        size = len(state)
+        return np.asarray(self._acceleration[:, :size] @ state + self._acceleration[:, size:] @ force)
 
     def transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
         """Matrices of state and force, by the matrix exponential."""

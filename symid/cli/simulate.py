@@ -1,0 +1,233 @@
+"""`symid simulate`: a log of an axis under its controller."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import polars as pl
+
+from symid.axis import Axis, load_axis
+from symid.cli.options import assignments, json_option, number, parameter_file, seconds_of, shared, write_json
+from symid.data import Log, read_log
+from symid.errors import SettingError
+from symid.identification.logs import axis_columns
+from symid.simulation import (
+    Cascade,
+    Controller,
+    OpenLoop,
+    Plant,
+    Trajectory,
+    chirp,
+    from_log,
+    multisine,
+    plant_of,
+    simulate,
+    trapezoids,
+    tuned_cascade,
+)
+
+_UNIT = 1e-3
+"""Amplitude of a trial trajectory, SI."""
+
+trajectory_options = shared(
+    click.option(
+        "--trajectory",
+        default="trapezoids",
+        show_default=True,
+        metavar="KIND",
+        help="trapezoids, chirp, multisine, or a log whose reference is followed.",
+    ),
+    click.option("--seconds", default=10.0, show_default=True, help="Duration of a chirp or multisine."),
+    click.option(
+        "--band",
+        default="0.5,20",
+        show_default=True,
+        metavar="HZ,HZ",
+        help="Frequencies of a chirp or multisine.",
+    ),
+    click.option(
+        "--travel",
+        default=0.2,
+        show_default=True,
+        help="Longest move, or travel of a chirp or multisine, in m or rad.",
+    ),
+    click.option(
+        "--speed",
+        default=0.5,
+        show_default=True,
+        help="Highest speed; trapezoids also run at a half and a fifth of it.",
+    ),
+    click.option("--acceleration", default=5.0, show_default=True, help="Highest acceleration."),
+    click.option("--jerk", default=500.0, show_default=True, help="Highest jerk of trapezoids."),
+    click.option("--dwell", default=0.2, show_default=True, help="Rest between trapezoids, in seconds."),
+)
+
+controller_options = shared(
+    click.option("--rate", default=8000.0, show_default=True, help="Rate of the controller, in Hz."),
+    click.option(
+        "--bandwidth",
+        default=20.0,
+        show_default=True,
+        help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
+    ),
+    click.option(
+        "--controller-gain",
+        "gains",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
+    ),
+    click.option("--force-limit", default=math.inf, show_default=True, help="Largest force."),
+    click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
+)
+
+
+@click.command("simulate", epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv")
+@click.argument("axis")
+@click.option(
+    "--parameters", "file", required=True, metavar="P.json", help="Values of the physical parameters, SI."
+)
+@click.option("-o", "--output", required=True, metavar="LOG", help="Log to write (.csv or .parquet).")
+@trajectory_options
+@controller_options
+@click.option("--log-rate", type=float, help="Rate of the log, in Hz [that of the controller].")
+@click.option("--noise", multiple=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
+@click.option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
+@click.option(
+    "--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us."
+)
+@click.option("--seed", default=0, show_default=True, help="Of the noise.")
+@json_option
+def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
+    """Simulate AXIS under its controller along a trajectory and write the log."""
+    if Path(output).suffix not in (".csv", ".parquet"):
+        raise SettingError(f"log {output!r} is of no known kind: end its name with .csv or .parquet")
+    declared = _with_imperfections(load_axis(axis), options)
+    parameters = parameter_file(file, declared)
+    plant = plant_of(declared, parameters)
+    controller, trajectory = _run_of(declared, plant, options)
+    run = simulate(
+        declared, parameters, trajectory, controller, frequency_hz=options["log_rate"], seed=options["seed"]
+    )
+    _write(run.log, Path(output))
+    record = {
+        "axis": declared.name,
+        "log": output,
+        "samples": run.log.n_samples,
+        "sampling_frequency_hz": run.log.sampling_frequency,
+        "signals": {name: str(unit) for name, unit in declared.signal_units.items()},
+        "largest_force": float(abs(run.forces).max()),
+    }
+    if json_file:
+        write_json(record, json_file)
+    if json_file != "-":
+        duration = run.log.n_samples * run.log.sampling_period
+        print(
+            f"wrote {output}: {run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz, {duration:g} s"
+        )
+
+
+def _with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
+    noise, resolution, delay = (
+        assignments(options[name], f"--{name}") for name in ("noise", "resolution", "delay")
+    )
+    for signal in {**noise, **resolution, **delay}:
+        if signal not in axis.signal_units:
+            raise SettingError(
+                f"axis {axis.name!r} has no signal {signal!r}: choose from {', '.join(axis.signal_units)}"
+            )
+        axis = axis.with_signal(
+            signal,
+            noise=number(noise.get(signal, "0"), f"--noise {signal}"),
+            resolution=number(resolution.get(signal, "0"), f"--resolution {signal}"),
+            delay=seconds_of(delay.get(signal, "0"), f"--delay {signal}"),
+        )
+    return axis
+
+
+def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
+    """Controller and trajectory; open loop they both come from the log of the force."""
+    if options["open_loop"]:
+        expected, alternatives = axis_columns(axis)
+        log = read_log(options["open_loop"], expected=expected, alternatives=alternatives)
+        return OpenLoop(log[axis.drive.signal]), from_log(log, next(iter(plant.sensors)))
+    return _cascade(axis, plant, options), _trajectory(axis, options)
+
+
+def _cascade(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
+    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
+    tuned = tuned_cascade(plant, signal, options["bandwidth"], options["force_limit"])
+    names = {
+        "Kpp": "position_gain",
+        "Kpv": "velocity_gain",
+        "Kiv": "integral_gain",
+        "Kfa": "acceleration_feedforward",
+        "Kfv": "velocity_feedforward",
+    }
+    given = assignments(options["gains"], "--controller-gain")
+    unknown = [name for name in given if name not in names]
+    if unknown:
+        raise SettingError(f"--controller-gain {unknown[0]} is not known: choose from {', '.join(names)}")
+    values = {names[name]: number(text, f"--controller-gain {name}") for name, text in given.items()}
+    return tuned.with_gains(**values)
+
+
+def _trajectory(axis: Axis, options: dict[str, Any]) -> Trajectory:
+    period, kind = 1.0 / options["rate"], options["trajectory"]
+    if kind == "trapezoids":
+        return trapezoids(
+            options["travel"],
+            [options["speed"] / 5, options["speed"] / 2, options["speed"]],
+            acceleration=options["acceleration"],
+            jerk=options["jerk"],
+            dwell=options["dwell"],
+            sampling_period=period,
+        )
+    low, high = _band(options["band"])
+    seconds = options["seconds"]
+    if kind == "chirp":
+        return _within(options, lambda size: chirp(low, high, seconds, size, sampling_period=period))
+    if kind == "multisine":
+        lines = np.unique(np.round(np.linspace(low, high, 21) * seconds).clip(1)) / seconds  # whole cycles
+        amplitude = partial(
+            multisine, lines, sampling_period=period, quantity="acceleration", seconds=seconds
+        )
+        return _within(options, amplitude)
+    if Path(kind).suffix:
+        unit = axis.signal_units[axis.sensors[0].signal]
+        return from_log(read_log(kind, expected={"reference": unit}))
+    raise SettingError(
+        f"trajectory {kind!r} is not known: use trapezoids, chirp, multisine or the path of a log"
+    )
+
+
+def _within(options: dict[str, Any], make: Callable[[float], Trajectory]) -> Trajectory:
+    """The trajectory with the amplitude that uses nine tenths of the tightest limit; all of it scales with that."""
+    found = make(_UNIT).extremes
+    reached = {"travel": max(abs(found.lowest), abs(found.highest)), "speed": found.speed}
+    reached["acceleration"] = found.acceleration
+    return make(0.9 * _UNIT * min(options[name] / value for name, value in reached.items()))
+
+
+def _band(text: str) -> tuple[float, float]:
+    parts = [number(part, "--band") for part in text.split(",")]
+    if len(parts) != 2 or not 0 < parts[0] < parts[1]:
+        raise SettingError(f"--band {text!r} is not LOW,HIGH in Hz: write for example --band 0.5,20")
+    return parts[0], parts[1]
+
+
+def _write(log: Log, path: Path) -> None:
+    """Write a log as a whole or not at all."""
+    frame = pl.DataFrame({"t": log.time, **{name: log[name] for name in log.signals}})
+    unfinished = path.with_name(path.name + ".unfinished")
+    if path.suffix == ".parquet":
+        frame.write_parquet(unfinished)
+    else:
+        frame.write_csv(unfinished)
+    unfinished.replace(path)

@@ -1,0 +1,175 @@
+"""Controllers: from a reference and measured motion to a drive force, sample by sample.
+
+A controller of a user's own is a class derived from `Controller`.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+from symid.simulation.plant import Plant
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a controller is asked for at one sample.
+
+    Parameters
+    ----------
+    index : int
+        Number of the controller's sample.
+    position, velocity, acceleration : float
+        Reference and its derivatives.
+    """
+
+    index: int
+    position: float
+    velocity: float
+    acceleration: float
+
+
+class Controller(ABC):
+    """Law of a sampled controller; what it has to remember stands in a state that it gets and returns."""
+
+    @abstractmethod
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        """Drive force until the next sample, and the state to remember.
+
+        Parameters
+        ----------
+        command : Command
+            Reference at this sample.
+        measured : mapping of str to float
+            Sensor readings by signal.
+        state : array
+            As returned at the last sample; `start` at the first one.
+        period : float
+            Time to the next sample, s.
+        """
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Signals that the controller reads."""
+        return ()
+
+    @property
+    def start(self) -> FloatArray:
+        """State before the first sample."""
+        return np.zeros(0)
+
+
+@dataclass(frozen=True)
+class OpenLoop(Controller):
+    """A given force, such as that of a log: `forces` has one value for each sample of the controller."""
+
+    forces: FloatArray
+
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        """Drive force at this sample; the last one is kept beyond the end."""
+        return float(self.forces[min(command.index, len(self.forces) - 1)]), state
+
+
+@dataclass(frozen=True)
+class Cascade(Controller):
+    """P position loop around a PI velocity loop, with feed-forward, force limit and anti-windup.
+
+    F = Kpv (e_v + Kiv integral of e_v) + Kfa a_ref + Kfv v_ref with e_v = v_ref + Kpp (q_ref - q) - v. With
+    ``position_gain=0`` it is the PI velocity loop of the paper.
+
+    Parameters
+    ----------
+    signal : str
+        Signal of the position sensor that is controlled.
+    position_gain : float
+        Kpp, 1/s.
+    velocity_gain : float
+        Kpv, N s/m.
+    integral_gain : float
+        Kiv, 1/s: the inverse of the integral time.
+    acceleration_feedforward, velocity_feedforward : float
+        Kfa in kg and Kfv in N s/m.
+    force_limit : float
+        Largest force, N; while it is reached the integral does not grow further.
+    """
+
+    signal: str
+    position_gain: float
+    velocity_gain: float
+    integral_gain: float
+    acceleration_feedforward: float = 0.0
+    velocity_feedforward: float = 0.0
+    force_limit: float = math.inf
+
+    def with_gains(self, **gains: float) -> Cascade:
+        """The same cascade with other gains, by the names of its fields."""
+        return replace(self, **gains)  # type: ignore[arg-type]  # all fields that are given are numbers
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """The controlled position."""
+        return (self.signal,)
+
+    @property
+    def start(self) -> FloatArray:
+        """Integral of the velocity error, last position, and whether there is one."""
+        return np.zeros(3)
+
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        """Drive force; the velocity is the difference of the last two readings, as drives compute it."""
+        position = measured[self.signal]
+        integral, last, started = state
+        velocity = (position - last) / period if started else 0.0
+        error = command.velocity + self.position_gain * (command.position - position) - velocity
+        grown = integral + self.integral_gain * period * error
+        wanted = self.velocity_gain * (error + grown)
+        wanted += self.acceleration_feedforward * command.acceleration
+        wanted += self.velocity_feedforward * command.velocity
+        force = min(max(wanted, -self.force_limit), self.force_limit)
+        kept = grown if force == wanted or error * wanted < 0 else integral
+        return force, np.array([kept, position, 1.0])
+
+
+def tuned_cascade(
+    plant: Plant, signal: str, bandwidth_hz: float = 20.0, force_limit: float = math.inf
+) -> Cascade:
+    """Cascade for the moving mass that the drive sees at low frequency.
+
+    The velocity loop crosses over at `bandwidth_hz`; the position loop at a fifth of it, as does the integral.
+
+    Parameters
+    ----------
+    plant : Plant
+        The axis.
+    signal : str
+        A position sensor.
+    bandwidth_hz : float
+        Bandwidth of the velocity loop.
+    force_limit : float
+        Largest force.
+
+    Raises
+    ------
+    SettingError
+        If the signal is not that of a position sensor.
+    """
+    if signal not in plant.sensors or plant.sensors[signal][1] != 0:
+        raise SettingError(f"{signal!r} is no position sensor of this axis: a cascade controls a position")
+    row, _ = plant.sensors[signal]
+    angular = 2 * math.pi * bandwidth_hz
+    s = 1j * angular / 100
+    response = row @ np.linalg.solve(plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drive)
+    mass = float(abs(1 / (response * s**2)))
+    return Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)

@@ -1,0 +1,131 @@
+"""Closed loops: against an independent integration, controllers' limits, imperfections of signals, round trips."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from symid import Axis, Preparation, identify, load_axis, load_generated
+from symid.errors import SettingError
+from symid.simulation import (
+    Cascade,
+    OpenLoop,
+    Trajectory,
+    plant_of,
+    simulate,
+    steps,
+    trapezoids,
+    tuned_cascade,
+)
+
+RATE = 4000.0
+RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
+EMPS = {"M": 95.1, "Fv": 203.5, "Fc": 20.4, "OF": -3.16}
+
+
+def moves(rate: float = RATE) -> Trajectory:
+    return trapezoids([0.2], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / rate)
+
+
+def test_the_closed_loop_is_that_of_matrices() -> None:
+    """Linear axis and cascade as one discrete system, written by hand: z = (q, v, integral, last position)."""
+    M, Fv = 100.0, 80.0
+    gains = Cascade("q", position_gain=25.0, velocity_gain=8000.0, integral_gain=20.0)
+    reference = moves()
+    period = reference.sampling_period
+    whole = expm(np.array([[0, 1, 0], [0, -Fv / M, 1 / M], [0, 0, 0]]) * period)
+    q = v = integral = last = 0.0
+    expected = []
+    for k in range(reference.n_samples):
+        expected.append(q)
+        speed = (q - last) / period if k else 0.0
+        error = reference.velocity[k] + 25.0 * (reference.position[k] - q) - speed
+        integral += 20.0 * period * error
+        force = 8000.0 * (error + integral)
+        last = q
+        q, v, _ = whole @ [q, v, force]
+    run = simulate(load_axis("rigid_1m"), {"M": M, "Fv": Fv, "Fs": 0.0}, reference, gains)
+    assert np.abs(run.log["q"] - expected).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("axis", "parameters"),
+    [
+        ("rigid_1m", RIGID),
+        ("emps", EMPS),
+        ("emps_asymmetric", {"M": 95.0, "Fvp": 166.0, "Fcp": 20.0, "Fvn": 240.0, "Fcn": 21.0}),
+    ],
+)
+def test_a_simulated_log_gives_its_parameters_back(axis: str, parameters: dict[str, float]) -> None:
+    declared = load_axis(axis)
+    controller = tuned_cascade(plant_of(declared, parameters), "q")
+    run = simulate(declared, parameters, moves(), controller, steps=4 if axis == "emps_asymmetric" else 1)
+    held = Preparation(late={"F": -0.5 / RATE})
+    found = identify(load_generated(axis), run.log, preparation=held)
+    for name, value in found.physical_parameters.items():
+        assert value == pytest.approx(parameters[name], rel=2e-3), name
+
+
+def test_the_force_stays_within_its_limit_and_the_integral_does_not_wind_up() -> None:
+    axis = load_axis("rigid_1m")
+    free = tuned_cascade(plant_of(axis, RIGID), "q")
+    limited = tuned_cascade(plant_of(axis, RIGID), "q", force_limit=300.0)
+    reference = steps([0.0, 0.05], 1.0, sampling_period=1 / RATE)
+    runs = [simulate(axis, RIGID, reference, controller) for controller in (free, limited)]
+    assert np.abs(runs[0].forces).max() > 1000
+    assert np.abs(runs[1].forces).max() == 300.0
+    overshoot = runs[1].log["q"].max() - 0.05
+    assert overshoot < 0.02
+    assert runs[1].log["q"][-1] == pytest.approx(0.05, abs=1e-3)
+
+
+def test_the_logged_force_drives_the_axis_as_the_controller_did() -> None:
+    axis = load_axis("rigid_1m")
+    closed = simulate(axis, RIGID, moves(), tuned_cascade(plant_of(axis, RIGID), "q"))
+    again = simulate(axis, RIGID, moves(), OpenLoop(closed.log["F"]))
+    assert np.abs(again.log["q"] - closed.log["q"]).max() < 1e-12
+
+
+def test_signals_are_as_imperfect_as_declared() -> None:
+    axis = load_axis("direct_2m1s").with_signal("q2", noise=0.0, resolution=1e-6, delay=2 / RATE)
+    axis = axis.with_signal("ddq1", noise=0.01).with_signal("Fm", noise=2.0)
+    values = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}
+    controller = tuned_cascade(plant_of(axis, values), "q2", 10.0)
+    run = simulate(axis, values, moves(), controller, seed=5)
+    exact = run.states[:, 1] - run.states[:, 0]
+    assert np.abs(run.log["q2"][2:] - exact[:-2]).max() <= 0.5001e-6
+    assert np.allclose(np.round(run.log["q2"] / 1e-6), run.log["q2"] / 1e-6)
+    assert np.std(run.log["ddq1"] - run.accelerations[:, 0]) == pytest.approx(0.01, rel=0.05)
+    assert np.std(run.log["Fm"] - run.forces) == pytest.approx(2.0, rel=0.05)
+    again = simulate(axis, values, moves(), controller, seed=5)
+    assert np.array_equal(again.log["ddq1"], run.log["ddq1"])
+
+
+def test_a_slower_log_holds_every_so_many_samples() -> None:
+    axis = load_axis("rigid_1m")
+    controller = tuned_cascade(plant_of(axis, RIGID), "q")
+    fast, slow = (simulate(axis, RIGID, moves(), controller, frequency_hz=f) for f in (RATE, RATE / 16))
+    assert slow.log.sampling_frequency == pytest.approx(RATE / 16)
+    assert np.array_equal(slow.log["q"], fast.log["q"][::16])
+
+
+def test_mistakes_are_refused() -> None:
+    axis = load_axis("rigid_1m")
+    controller = tuned_cascade(plant_of(axis, RIGID), "q")
+    with pytest.raises(SettingError, match="multiple"):
+        simulate(axis, RIGID, moves(), controller, frequency_hz=3000.0)
+    with pytest.raises(SettingError, match="lack Fv, Fs"):
+        simulate(axis, {"M": 1.0}, moves(), controller)
+    with pytest.raises(SettingError, match="positive"):
+        simulate(axis, {**RIGID, "M": -1.0}, moves(), controller)
+    with pytest.raises(SettingError, match="runs away"):
+        simulate(axis, RIGID, moves(), Cascade("q", 25.0, -1e6, 20.0))
+    with pytest.raises(SettingError, match="no position sensor"):
+        tuned_cascade(plant_of(axis, RIGID), "F")
+
+
+def test_imperfections_do_not_make_generated_modules_stale() -> None:
+    axis: Axis = load_axis("emps")
+    assert axis.with_signal("q", noise=1e-6, resolution=5e-8).signature == axis.signature
+    assert math.isinf(tuned_cascade(plant_of(axis, EMPS), "q").force_limit)
