@@ -29,10 +29,11 @@ from symid.axis import (
 from symid.errors import SymidError
 
 if TYPE_CHECKING:
-    from symid.codegen.generate import compiled, plan
+    from symid.codegen.generate import compiled, generate
     from symid.codegen.store import load_generated
     from symid.data import Log, read_log
-    from symid.identification import Identification, Preparation, identify, predict
+    from symid.identification import Identification, Preparation, identify, predict, read_axis_log
+    from symid.simulation import simulate
     from symid.symbolic import DerivedModel, derive
 
 __version__ = "0.1.0"
@@ -45,10 +46,12 @@ _ROOMS = {
     "Identification": "symid.identification",
     "load_generated": "symid.codegen.store",
     "Log": "symid.data",
-    "plan": "symid.codegen.generate",
+    "generate": "symid.codegen.generate",
     "predict": "symid.identification",
     "Preparation": "symid.identification",
+    "read_axis_log": "symid.identification",
     "read_log": "symid.data",
+    "simulate": "symid.simulation",
 }
 """Rooms that load sympy or scipy, opened when a name is used: declaring an axis needs neither."""
 
@@ -90,10 +93,12 @@ __all__ = [
     "chain",
     "compiled",
     "derive",
+    "generate",
     "identify",
     "load_axis",
     "load_generated",
-    "plan",
     "predict",
+    "read_axis_log",
     "read_log",
+    "simulate",
 ]

@@ -7,9 +7,7 @@ import click
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
 from symid.codegen import load_generated
-from symid.data import read_log
-from symid.identification import Preparation, identify, predict
-from symid.identification.logs import axis_columns
+from symid.identification import Preparation, identify, predict, read_axis_log
 from symid.report.identification import identification_record, print_identification
 
 PUBLISHED_RECIPE = Preparation(
@@ -23,10 +21,9 @@ PUBLISHED_RECIPE = Preparation(
 def command(json_file: str | None) -> None:
     """Identify the EMPS axis from its real log with the published recipe, and apply the result to the second log."""
     axis = load_axis("emps")
-    expected, alternatives = axis_columns(axis)
     folder = shipped_folder("data") / "emps"
     log, other = (
-        read_log(folder / name, expected=expected, alternatives=alternatives, columns={"q": "qm"})
+        read_axis_log(axis, folder / name, columns={"q": "qm"})
         for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat")
     )
     found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)

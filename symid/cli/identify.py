@@ -20,10 +20,9 @@ from symid.cli.options import (
 )
 from symid.cli.progress import tracked
 from symid.codegen import load_generated
-from symid.data import Log, read_log
+from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Preparation, identify, predict
-from symid.identification.logs import axis_columns, measured_signals
+from symid.identification import Preparation, identify, measured_signals, predict, read_axis_log
 from symid.report.identification import identification_record, print_identification
 
 log_options = shared(
@@ -138,11 +137,10 @@ def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     gains = {
         name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
     }
-    expected, alternatives = axis_columns(declared, signal_list(options["measured"]))
-    return read_log(
+    return read_axis_log(
+        declared,
         file,
-        expected=expected,
-        alternatives=alternatives,
+        measured=signal_list(options["measured"]),
         columns=assignments(options["column"], "--column"),
         units=assignments(options["unit"], "--unit"),
         gains=gains,

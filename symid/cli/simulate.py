@@ -16,7 +16,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.options import assignments, json_option, number, parameter_file, seconds_of, shared, write_json
 from symid.data import Log, read_log
 from symid.errors import SettingError
-from symid.identification.logs import axis_columns
+from symid.identification import read_axis_log
 from symid.simulation import (
     Cascade,
     Controller,
@@ -154,8 +154,7 @@ def _with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
 def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
     """Controller and trajectory; open loop they both come from the log of the force."""
     if options["open_loop"]:
-        expected, alternatives = axis_columns(axis)
-        log = read_log(options["open_loop"], expected=expected, alternatives=alternatives)
+        log = read_axis_log(axis, options["open_loop"])
         return OpenLoop(log[axis.drive.signal]), from_log(log, next(iter(plant.sensors)))
     return _cascade(axis, plant, options), _trajectory(axis, options)
 

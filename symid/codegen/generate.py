@@ -16,6 +16,7 @@ from symid.codegen.store import (
     orphans,
     planned_file,
     sensor_sets_in,
+    write,
 )
 from symid.symbolic.pipeline import DerivedModel, derive
 
@@ -49,6 +50,29 @@ def plan(
         paths, names = [file.path for file in files], [Path(name).stem for name in axes or axis_names()]
         files += [file for folder in folders for file in orphans(folder, paths, names)]
     return files
+
+
+def generate(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> list[Path]:
+    """Write the generated modules of axes; those that are current are left alone.
+
+    Parameters
+    ----------
+    axes, measured
+        As in `plan`.
+
+    Returns
+    -------
+    list of Path
+        Files that were written or removed.
+
+    Raises
+    ------
+    SymidError
+        If an axis cannot be loaded or derived; nothing is written then.
+    """
+    files = plan(axes, measured)
+    write(files)
+    return [file.path for file in files if not file.is_current]
 
 
 def _plan_axis(name: str, measured: Sequence[str] | None) -> list[GeneratedFile]:

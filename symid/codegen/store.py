@@ -8,10 +8,14 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from symid.axis import Axis, axis_file, load_axis
 from symid.codegen.model import GeneratedModel
 from symid.errors import GeneratedModuleError
+
+if TYPE_CHECKING:
+    from symid.symbolic.pipeline import DerivedModel
 
 _MEASURED = re.compile(r"^MEASURED = \((.*)\)$", re.MULTILINE)
 
@@ -145,6 +149,16 @@ def load_generated(
             f"generated module {path.name} is older than the declaration of {declared.name!r}; {command}"
         )
     return model
+
+
+def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
+    """Generated model of a derived one; a generated model is returned as it is."""
+    if isinstance(model, GeneratedModel):
+        return model
+    # Only who holds a derived model has loaded sympy already.
+    from symid.codegen.generate import compiled
+
+    return compiled(model)
 
 
 def compile_module(text: str, name: str, cure: str = "generate it again") -> GeneratedModel:

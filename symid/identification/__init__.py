@@ -1,6 +1,7 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
 from symid.identification.identify import Identification, identify
+from symid.identification.logs import measured_signals, read_axis_log
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.prediction import Prediction, predict
@@ -15,7 +16,9 @@ __all__ = [
     "Prediction",
     "Preparation",
     "identify",
+    "measured_signals",
     "observe",
     "physical_estimates",
     "predict",
+    "read_axis_log",
 ]

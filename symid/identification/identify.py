@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symid.codegen import GeneratedModel
+from symid.codegen import GeneratedModel, as_generated
 from symid.data import Log
 from symid.errors import SettingError
 from symid.estimation import (
@@ -30,6 +31,9 @@ from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.residuals import EquationResidual
 from symid.identification.settings import Preparation
 from symid.identification.verdict import Status, verdict
+
+if TYPE_CHECKING:
+    from symid.symbolic import DerivedModel
 
 _CONDITION_THAT_COSTS_DIGITS = 1e4
 _MANY_ROWS = 1_000_000
@@ -99,7 +103,7 @@ class Identification:
 
 
 def identify(
-    model: GeneratedModel,
+    model: GeneratedModel | DerivedModel,
     logs: Log | Sequence[Log],
     *,
     method: Method = "wls",
@@ -111,8 +115,8 @@ def identify(
 
     Parameters
     ----------
-    model : GeneratedModel
-        Regressor and maps, from `symid.load_model` or `symid.derive`.
+    model : GeneratedModel or DerivedModel
+        Regressor and maps, from `symid.load_generated` or `symid.derive`.
     logs : Log or sequence of Log
         Runs of one axis; every equation of every log gets a weight of its own.
     method : {"wls", "ols"}
@@ -146,6 +150,7 @@ def identify(
     >>> round(found["M"], 2), round(found["Fv"], 1), round(found["Fs"], 1)
     (5.0, 1.0, 2.0)
     """
+    model = as_generated(model)
     runs = (logs,) if isinstance(logs, Log) else tuple(logs)
     if not runs:
         raise SettingError("there is no log: give at least one")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 
 from symid.axis import Axis
-from symid.data import Log
+from symid.data import Log, read_log
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -40,6 +41,51 @@ def axis_columns(
     if drive.command is None or drive.gain is None:
         return expected, {}
     return expected, {drive.signal: (drive.command, drive.gain)}
+
+
+def read_axis_log(
+    axis: Axis,
+    path: str | os.PathLike[str],
+    *,
+    measured: Sequence[str] | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    gains: Mapping[str, float] | None = None,
+) -> Log:
+    """Log of an axis from a CSV, Parquet or MATLAB file.
+
+    Parameters
+    ----------
+    axis : Axis
+        Says which signals to expect, and in which units.
+    path : path-like
+        The file.
+    measured : sequence of str, optional
+        Sensors to read; all that the file holds by default.
+    columns, units, gains : mapping, optional
+        Column, unit and factor of signals whose columns are foreign, as in `read_log`.
+
+    Raises
+    ------
+    LogError
+        If the log cannot be used.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis, shipped_folder
+    >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
+    >>> read_axis_log(load_axis("emps"), file, columns={"q": "qm"}).n_samples
+    24841
+    """
+    expected, alternatives = axis_columns(axis, measured)
+    return read_log(
+        path,
+        expected=expected,
+        alternatives=alternatives,
+        columns=columns or {},
+        units=units or {},
+        gains=gains or {},
+    )
 
 
 def measured_signals(

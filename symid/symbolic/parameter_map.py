@@ -66,6 +66,15 @@ class ParameterMap:
     relations: int
     counted: bool
 
+    def __str__(self) -> str:
+        """Minimal parameters, the first solution of the inverse map, and what is determined."""
+        lines = [f"{name} = {expression}" for name, expression in self.minimal.items()]
+        lines += [
+            f"{name} = {expression}" for branch in self.inverse[:1] for name, expression in branch.items()
+        ]
+        lines += [f"{name}: {determined}" for name, determined in self.identifiability.items()]
+        return "\n".join(lines)
+
 
 def parameter_map(model: MinimalModel) -> ParameterMap:
     """Parameter map of a minimal model.

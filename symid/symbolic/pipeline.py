@@ -31,6 +31,15 @@ class DerivedModel:
     measured: tuple[str, ...]
     minimal: MinimalModel
 
+    def __str__(self) -> str:
+        """The minimal model, one equation a line."""
+        names = [parameter.name for parameter in self.minimal.parameters]
+        lines = [f"{self.axis.name} from {', '.join(self.measured)}"]
+        for y, row in zip(self.minimal.output, self.minimal.regressor, strict=True):
+            terms = (f"{name}*({entry})" for name, entry in zip(names, row, strict=True) if entry != 0)
+            lines.append(f"    {y} = {' + '.join(terms)}")
+        return "\n".join(lines)
+
     @cached_property
     def parameter_map(self) -> ParameterMap:
         """Maps between minimal and physical parameters."""
@@ -60,9 +69,9 @@ def derive(axis: Axis, measured: Sequence[str] | None = None) -> DerivedModel:
     Examples
     --------
     >>> from symid.axis import load_axis
-    >>> model = derive(load_axis("rigid_1m"))
-    >>> [parameter.name for parameter in model.minimal.parameters]
-    ['X1', 'X2', 'X3']
+    >>> print(derive(load_axis("rigid_1m")))
+    rigid_1m from q
+        F = X1*(q_d2) + X2*(q_d1) + X3*(sign(q_d1))
     """
     sensors = axis.measured(None if measured is None else tuple(measured))
     dynamics = inverse_dynamics(axis)

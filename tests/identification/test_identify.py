@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from symid import Log, Preparation, identify, load_generated, predict
+from symid import Log, Preparation, derive, identify, load_axis, load_generated, predict
 from symid.errors import LogError, SettingError
 
 RATE = 8000.0
@@ -138,6 +138,16 @@ def test_a_map_without_closed_form_asks_for_nominal_values() -> None:
     found = identify(load_generated("direct_3m2s"), log, preparation=Preparation(cutoff_hz=150.0))
     assert found.status in ("no_physical_parameters", "poorly_excited")
     assert found.physical == ()
+
+
+def test_a_derived_model_serves_as_well_as_a_generated_one() -> None:
+    log, preparation = ballscrew_log(), Preparation(cutoff_hz=150.0)
+    derived = derive(load_axis("ballscrew_2m1s"), ("qm", "ql"))
+    generated = load_generated("ballscrew_2m1s", ("qm", "ql"))
+    first, second = (identify(model, log, preparation=preparation) for model in (derived, generated))
+    assert np.array_equal(first.fit.parameters, second.fit.parameters)
+    assert "Fm = X1*(qm_d2)" in str(derived)
+    assert "Kt: unique" in str(derived.parameter_map)
 
 
 def test_a_log_without_a_signal_is_refused() -> None:

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from symid import Log, Preparation, identify, load_axis, load_generated, predict, read_log
-from symid.identification.logs import axis_columns
+from symid import Log, Preparation, identify, load_axis, load_generated, predict, read_axis_log
 
 DATA = Path(__file__).parents[2] / "data"
 RECIPE = Preparation(cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0)
@@ -26,8 +25,7 @@ ASYMMETRIC = {
 
 
 def emps_log(name: str) -> Log:
-    expected, alternatives = axis_columns(load_axis("emps"))
-    return read_log(DATA / "emps" / name, expected=expected, alternatives=alternatives, columns={"q": "qm"})
+    return read_axis_log(load_axis("emps"), DATA / "emps" / name, columns={"q": "qm"})
 
 
 @pytest.mark.parametrize(
@@ -66,9 +64,9 @@ def test_emps_parameters_on_the_other_log_leave_the_published_error() -> None:
 
 
 def bench_log(name: str) -> Log:
-    return read_log(
+    return read_axis_log(
+        load_axis("motor_bench"),
         DATA / "flex_motor_bench" / f"Multisine{name}.mat",
-        expected=axis_columns(load_axis("motor_bench"))[0],
         columns={"iq": "iq_adx", "qm": "theta_mx", "ql": "theta_my", "t": "time"},
         units={"t": "us"},
         gains={"ql": -1.0},
