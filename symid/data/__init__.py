@@ -9,6 +9,7 @@ from symid.data.filtering import (
     decimate,
     decimation_filter,
     derivatives,
+    faithful_share,
     kept_indices,
 )
 from symid.data.log import Log
@@ -28,6 +29,7 @@ __all__ = [
     "decimate",
     "decimation_filter",
     "derivatives",
+    "faithful_share",
     "in_pieces",
     "inspect_clock",
     "inspect_spans",

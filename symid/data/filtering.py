@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 from scipy import signal
+from scipy.optimize import brentq
 
 from symid.arrays import FloatArray
 from symid.data.zero_phase import ZeroPhaseFilter
@@ -199,6 +200,39 @@ def central_difference_gain(frequency: npt.ArrayLike, sampling_period: float) ->
     1.0
     """
     return np.asarray(np.sinc(2.0 * np.asarray(frequency, dtype=np.float64) * sampling_period))[()]
+
+
+def faithful_share(differences: int, gain: float) -> float:
+    """Frequency over sampling frequency at which successive central differences keep a gain, equation [36].
+
+    [sin(w T) / (w T)]^m = A is solved for w T / (2 pi). A cutoff frequency divided by it is the first guess of the
+    sampling frequency in the paper's tuning.
+
+    Parameters
+    ----------
+    differences : int
+        Number m of successive differences, at least 1.
+    gain : float
+        Gain A to keep, between 0 and 1.
+
+    Raises
+    ------
+    SettingError
+        If the number or the gain is not possible.
+
+    Examples
+    --------
+    The two sampling frequencies of the paper, from -0.08 dB and -0.045 dB at 164.42 Hz:
+
+    >>> [round(164.42 / faithful_share(m, 10 ** (db / 20))) for m, db in ((4, -0.08), (2, -0.045))]
+    [8791, 8289]
+    """
+    if differences < 1 or not 0.0 < gain < 1.0:
+        raise SettingError(
+            f"{differences} differences with a gain of {gain:g} are not possible: give 1 or more, "
+            "and a gain between 0 and 1"
+        )
+    return float(brentq(lambda share: np.sinc(2.0 * share) ** differences - gain, 1e-9, 0.5))
 
 
 def kept_indices(n_samples: int, factor: int) -> slice:

@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.signal import csd, welch
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, central_difference_gain, derivatives
+from symid.data import Log, LowPass, derivatives, faithful_share
 from symid.errors import SettingError
 
 _COHERENT = 0.8
@@ -108,13 +107,8 @@ def faithful_band(log: Log, model: GeneratedModel) -> float:
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
     """
     order = max(model.highest_derivatives.values())
-    if order == 0:
-        return log.sampling_frequency / 2
-
-    def excess(frequency: float) -> float:
-        return float(central_difference_gain(frequency, log.sampling_period)) ** order - _FAITHFUL
-
-    return float(brentq(excess, 1e-6 * log.sampling_frequency, 0.5 * log.sampling_frequency))
+    share = faithful_share(order, _FAITHFUL) if order else 0.5
+    return share * log.sampling_frequency
 
 
 def _excerpts(values: FloatArray) -> FloatArray:
