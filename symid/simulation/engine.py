@@ -27,13 +27,26 @@ _MOST_EVENTS = 100
 class _SmoothStep:
     """One step without events: matrix of the state, effect of the drive force and of all constant forces.
 
-    `speeds` times the state are the velocities of the joints that can stick, positive while they keep their direction.
+    `speeds` times the state are the velocities of the joints that slide, positive while they keep their direction;
+    `holding` times the state, with the effects of the forces, are those on the stuck joints, between their limits.
     """
 
     transition: FloatArray
     drive: FloatArray
     offset: FloatArray
     speeds: FloatArray
+    holding: FloatArray
+    holding_drive: FloatArray
+    holding_offset: FloatArray
+    lowest: FloatArray
+    highest: FloatArray
+
+    def holds(self, state: FloatArray, drive_force: float) -> bool:
+        """Whether no stuck joint breaks loose."""
+        if not self.lowest.size:
+            return True
+        force = self.holding @ state + self.holding_drive * drive_force + self.holding_offset
+        return bool((force >= self.lowest).all() and (force <= self.highest).all())
 
 
 @dataclass(eq=False)
@@ -57,7 +70,7 @@ class Engine:
             self.state = np.zeros(2 * n)
         self._n = n
         self._flows: dict[tuple[int, ...], Flow] = {}
-        self._steps: dict[tuple[float, ...], _SmoothStep | None] = {}
+        self._steps: dict[tuple[float, ...], _SmoothStep] = {}
         self._holding = [j for j, law in enumerate(self.plant.laws) if law.can_hold]
         self._varying = [j for j, law in enumerate(self.plant.laws) if not _is_constant(law.force)]
         self._sign = [float(np.sign(self._velocity(j, self.state))) for j in range(len(self.plant.laws))]
@@ -76,28 +89,38 @@ class Engine:
         self.state = self._flow().advance(self.state, self._force(external, self.state), left)
 
     def _advance_smoothly(self, drive_force: float, duration: float) -> bool:
-        """Advance without an event, if there is none: all joints that move keep their direction, none is stuck."""
+        """Advance without an event, if there is none: sliding joints keep their direction, stuck ones hold."""
         key = (duration, *self._sign)
         if key not in self._steps:
             self._steps[key] = self._smooth_step(duration)
         step = self._steps[key]
-        if step is None:
+        if not step.holds(self.state, drive_force):
             return False
         end = step.transition @ self.state + (step.drive * drive_force + step.offset)
         if step.speeds.size and (step.speeds @ end).min() < 0:
             return False
+        if not step.holds(end, drive_force):
+            return False
         self.state = end
         return True
 
-    def _smooth_step(self, duration: float) -> _SmoothStep | None:
-        flow = self._flow()
-        if flow.stuck:
-            return None
+    def _smooth_step(self, duration: float) -> _SmoothStep:
+        flow, rest = self._flow(), np.zeros(2 * self._n)
         transition, gain = flow.transition(duration)
         force = self._force(self.plant.constant, self.state)
-        rows = [self._sign[j] * self.plant.laws[j].direction for j in self._holding]
-        speeds = np.array([np.concatenate([np.zeros(self._n), row]) for row in rows])
-        return _SmoothStep(transition, gain @ self.plant.drive, gain @ force, speeds)
+        rows = [self._sign[j] * self.plant.laws[j].direction for j in self._holding if self._sign[j]]
+        limits = np.array([self.plant.laws[j].limits(0.0) for j in flow.stuck]).reshape(-1, 2)
+        return _SmoothStep(
+            transition,
+            gain @ self.plant.drive,
+            gain @ force,
+            speeds=np.array([np.concatenate([np.zeros(self._n), row]) for row in rows]),
+            holding=np.stack([flow.holding_forces(unit, 0 * force) for unit in np.eye(2 * self._n)], axis=1),
+            holding_drive=flow.holding_forces(rest, self.plant.drive),
+            holding_offset=flow.holding_forces(rest, force),
+            lowest=limits[:, 0],
+            highest=limits[:, 1],
+        )
 
     def acceleration(self, drive_force: float) -> FloatArray:
         """Accelerations of the bodies under a drive force, of shape (n,)."""
