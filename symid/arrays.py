@@ -5,3 +5,6 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 """Array of 64 bit floating point numbers of any shape."""
+
+BoolArray = npt.NDArray[np.bool_]
+"""Array of truth values of any shape."""

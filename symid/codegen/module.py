@@ -199,13 +199,7 @@ def _law_columns(model: DerivedModel) -> tuple[tuple[int, int], ...]:
 
 def _equations(model: DerivedModel) -> str:
     """The minimal model as readable text, one equation a paragraph."""
-    paragraphs = []
-    for y, row in zip(model.minimal.output, model.minimal.regressor, strict=True):
-        terms = " + ".join(
-            f"{p.name} ({e})" for p, e in zip(model.minimal.parameters, row, strict=True) if e != 0
-        )
-        paragraphs.append(textwrap.fill(f"{y} = {terms}", 110, subsequent_indent="    "))
-    return "\n".join(paragraphs)
+    return "\n".join(textwrap.fill(line, 110, subsequent_indent="    ") for line in model.minimal.written)
 
 
 def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:

@@ -16,6 +16,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy import fft
 
+from symid.arrays import BoolArray, FloatArray
 from symid.errors import SettingError
 from symid.estimation.correlation import (
     ResidualCovariance,
@@ -25,7 +26,7 @@ from symid.estimation.correlation import (
     flat_top,
 )
 from symid.estimation.least_squares import LeastSquares, residuals
-from symid.estimation.triangular import BoolArray, FloatArray, checked_observation
+from symid.estimation.triangular import checked_observation
 
 CorrelationStatus: TypeAlias = Literal["ok", "correlation_persists", "too_few_samples"]
 

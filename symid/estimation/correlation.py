@@ -11,8 +11,8 @@ from math import ceil, log10, sqrt
 import numpy as np
 from scipy import fft
 
+from symid.arrays import BoolArray, FloatArray
 from symid.errors import SettingError
-from symid.estimation.triangular import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.estimation.rank import RankAnalysis, analyse_rank, condition_number
-from symid.estimation.triangular import FloatArray, TriangularFactor, triangle
+from symid.estimation.triangular import TriangularFactor, triangle
 
 Method: TypeAlias = Literal["ols", "wls"]
 Status: TypeAlias = Literal["ok", "rank_deficient", "too_few_rows"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from symid.estimation.triangular import FloatArray
+from symid.arrays import FloatArray
 
 _EPS = float(np.finfo(np.float64).eps)
 

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from symid.arrays import BoolArray, FloatArray
 from symid.estimation.least_squares import LeastSquares
-from symid.estimation.triangular import BoolArray, FloatArray, checked_observation
+from symid.estimation.triangular import checked_observation
 
 _CHUNK_ROWS = 65_536
 

@@ -8,16 +8,13 @@ rows nor the number of logs is limited by memory, and the normal equations are n
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from scipy.linalg import lapack
 
+from symid.arrays import BoolArray, FloatArray
 from symid.errors import SettingError
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 # Elements of one chunk of [W | y] (1.5 MB). Measured on 1e7 rows of 5 + 1 and 3e6 of 15 + 1 columns: the time
 # is flat above, and rises by half (5) to threefold (15) towards a sixteenth of it.

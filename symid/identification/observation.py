@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import shift
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import (
     Log,
@@ -28,8 +27,6 @@ from symid.data import (
 from symid.errors import SettingError
 from symid.identification.settings import Preparation, completed
 from symid.signals import derivative_name
-
-BoolArray = npt.NDArray[np.bool_]
 
 _STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""

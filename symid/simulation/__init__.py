@@ -4,9 +4,9 @@ from symid.simulation.closed_loop import Simulation, simulate
 from symid.simulation.controller import Cascade, Command, Controller, OpenLoop, tuned_cascade
 from symid.simulation.engine import Engine
 from symid.simulation.excitation import chirp, from_log, steps
-from symid.simulation.limits import Limits
-from symid.simulation.moves import move, trapezoids
-from symid.simulation.multisine import frequency_lines, multisine
+from symid.simulation.limits import Extremes, Limits
+from symid.simulation.moves import MoveProfile, move, trapezoids
+from symid.simulation.multisine import Multisine, frequency_lines, multisine
 from symid.simulation.plant import Plant, plant_of
 from symid.simulation.trajectory import Trajectory
 
@@ -15,7 +15,10 @@ __all__ = [
     "Command",
     "Controller",
     "Engine",
+    "Extremes",
     "Limits",
+    "MoveProfile",
+    "Multisine",
     "OpenLoop",
     "Plant",
     "Simulation",

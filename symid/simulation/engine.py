@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from symid.arrays import FloatArray
 from symid.simulation.flow import Flow
-from symid.simulation.plant import Plant
+from symid.simulation.plant import JUST_MOVING, LawFunction, Plant
 
 _MOST_EVENTS = 100
 """Events in one step, after which the rest of the step is made without further ones (Zeno's chattering)."""
@@ -143,7 +143,7 @@ class Engine:
         for j, law in enumerate(self.plant.laws):
             if not (j in self._holding and self._sign[j] == 0):
                 q, v = float(law.direction @ state[: self._n]), self._velocity(j, state)
-                speed = self._sign[j] * max(abs(v), 1e-300) if j in self._holding else v
+                speed = self._sign[j] * max(abs(v), JUST_MOVING) if j in self._holding else v
                 force = force - law.direction * law.force(q, speed)
         return force
 
@@ -183,8 +183,7 @@ class Engine:
         times = [(self._stop_time(flow, j, start, force, duration), j) for j in moving]
         times += [(self._leave_time(flow, int(i), start, force, duration), flow.stuck[i]) for i in leaving]
         time, joint = min(times)
-        transition, gain = flow.transition(time)
-        self.state = transition @ start + gain @ force
+        self.state = flow.advance(start, force, time)
         if self._sign[joint] != 0:
             self._come_to_rest(joint)
         self._release(external)
@@ -200,8 +199,7 @@ class Engine:
 
     def _stop_time(self, flow: Flow, j: int, start: FloatArray, force: FloatArray, duration: float) -> float:
         def speed(time: float) -> float:
-            transition, gain = flow.transition(time)
-            return self._sign[j] * self._velocity(j, transition @ start + gain @ force)
+            return self._sign[j] * self._velocity(j, flow.advance(start, force, time))
 
         if speed(0.0) <= 0:
             return 0.0
@@ -211,18 +209,16 @@ class Engine:
         low, high = 0.0, duration
         for _ in range(60):
             middle = (low + high) / 2
-            transition, gain = flow.transition(middle)
-            out = self._excess(flow, transition @ start + gain @ force, force)[i] != 0
+            out = self._excess(flow, flow.advance(start, force, middle), force)[i] != 0
             low, high = (low, middle) if out else (middle, high)
             if high - low <= 1e-15 * duration:
                 break
         return high
 
 
-def _is_constant(force: object) -> bool:
+def _is_constant(force: LawFunction) -> bool:
     """Whether a joint's force depends on nothing but the sign of its velocity."""
-    assert callable(force)
     probes = [(q, v) for q in (-1.3, 0.4, 2.1) for v in (0.7, 3.9)]
-    forward = {float(force(q, v)) for q, v in probes}
-    backward = {float(force(q, -v)) for q, v in probes}
+    forward = {force(q, v) for q, v in probes}
+    backward = {force(q, -v) for q, v in probes}
     return len(forward) == 1 and len(backward) == 1

@@ -15,28 +15,10 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import REFERENCE, Log, derivatives
 from symid.errors import SettingError
-from symid.simulation.limits import Extremes, Limits
-from symid.simulation.moves import MoveProfile, move, trapezoids
-from symid.simulation.multisine import DERIVATIVE_ORDER, Multisine, Quantity, frequency_lines, multisine
+from symid.simulation.limits import Limits
+from symid.simulation.multisine import DERIVATIVE_ORDER, Quantity
 from symid.simulation.sampling import envelope, intervals, positive
 from symid.simulation.trajectory import Trajectory
-
-__all__ = [
-    "Extremes",
-    "Limits",
-    "MoveProfile",
-    "Multisine",
-    "Quantity",
-    "Sweep",
-    "Trajectory",
-    "chirp",
-    "frequency_lines",
-    "from_log",
-    "move",
-    "multisine",
-    "steps",
-    "trapezoids",
-]
 
 Sweep = Literal["linear", "logarithmic"]
 """How the frequency of a chirp runs over time."""

@@ -7,6 +7,7 @@ lambda = (D M^-1 D')^-1 D M^-1 (w - C x(1) - K x), w being all other forces, and
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import expm
@@ -41,13 +42,11 @@ class Flow:
         self._acceleration = self._generator[n : 2 * n]
         self._holding = holding
         self._stiffness, self._damping = plant.stiffness, plant.damping
-        self._known: dict[float, tuple[FloatArray, FloatArray]] = {}
+        self.transition = lru_cache(maxsize=64)(self._transition)
 
     def advance(self, state: FloatArray, force: FloatArray, duration: float) -> FloatArray:
         """State (displacements, velocities) after a duration under a constant force."""
-        if duration not in self._known:
-            self._known[duration] = self.transition(duration)
-        transition, gain = self._known[duration]
+        transition, gain = self.transition(duration)
         return np.asarray(transition @ state + gain @ force)
 
     def acceleration(self, state: FloatArray, force: FloatArray) -> FloatArray:
@@ -55,7 +54,7 @@ class Flow:
         size = len(state)
         return np.asarray(self._acceleration[:, :size] @ state + self._acceleration[:, size:] @ force)
 
-    def transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
+    def _transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
         """Matrices of state and force, by the matrix exponential."""
         whole = expm(self._generator * duration)
         size = 2 * (len(whole) // 3)

@@ -26,7 +26,7 @@ from symid.symbolic.operators import OperatorModel, operator_model
 
 LawFunction = Callable[[float, float], float]
 
-_JUST_MOVING = 1e-300
+JUST_MOVING = 1e-300
 """A speed with a sign and nothing else: laws are evaluated at it to know their limits at rest."""
 
 
@@ -51,7 +51,7 @@ class JointLaw:
 
     def limits(self, q: float) -> tuple[float, float]:
         """Lowest and highest force at rest, from either side; they differ where the law can hold the joint."""
-        return self.force(q, -_JUST_MOVING), self.force(q, _JUST_MOVING)
+        return self.force(q, -JUST_MOVING), self.force(q, JUST_MOVING)
 
     @property
     def can_hold(self) -> bool:
@@ -196,14 +196,10 @@ def _sensors(
 ) -> dict[str, tuple[FloatArray, int]]:
     axis = operators.source.axis
     kinematics = Kinematics(axis)
-    sensors = {}
-    for sensor in axis.sensors:
-        if sensor.relative_to is None:
-            displacement = kinematics.displacement(sensor.body)
-        else:
-            displacement = (kinematics.absolute(sensor.body) - kinematics.absolute(sensor.reference)).expand()
-        sensors[sensor.signal] = (
-            values.row(operators.functional(displacement), bodies),
+    return {
+        sensor.signal: (
+            values.row(operators.functional(kinematics.reading(sensor)), bodies),
             derivative_order(sensor),
         )
-    return sensors
+        for sensor in axis.sensors
+    }

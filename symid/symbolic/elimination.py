@@ -17,12 +17,12 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Sensor
-from symid.symbolic.equations import InputOutputEquation, SignalWriter, by_power
+from symid.symbolic.equations import InputOutputEquation, SignalWriter, by_power, driving_terms
 from symid.symbolic.expressions import positive
 from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
-from symid.symbolic.measurement import measurement, motion_columns
-from symid.symbolic.operators import OperatorModel, add, operator_model
+from symid.symbolic.measurement import measurement
+from symid.symbolic.operators import OperatorModel, operator_model
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     """
     operators = operator_model(model)
     known = measurement(operators, measured)
-    rows = {balance: motion_columns(operators, known, balance) for balance in operators.motion}
+    rows = {balance: known.substitute(motion) for balance, motion in operators.motion.items()}
     kernel = left_kernel(rows, known.unknown, operators.ring)
     combined = divisible(kernel, {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order})
     signals = SignalWriter(operators, known)
@@ -126,10 +126,8 @@ def _reduced_by(
 
 def _signals_of(row: EliminationRow, operators: OperatorModel) -> dict[tuple[str, int], PolyElement]:
     """Coefficients of a row by signal and order of derivative; the drive's name is empty here."""
-    columns = dict(row.entries)
-    for balance, multiplier in row.multipliers.items():
-        columns = add(columns, {"": operators.force[balance]} if operators.force[balance] else {}, multiplier)
-        columns = add(columns, operators.inputs[balance], multiplier)
+    force, inputs = driving_terms(row, operators)
+    columns = {**row.entries, **inputs, "": force}
     smooth = {
         "",
         *row.entries,

@@ -98,17 +98,9 @@ class SignalWriter:
 
     def equation(self, row: EliminationRow) -> InputOutputEquation:
         """Equation that a row stands for."""
-        force: Row = {}
-        inputs: Row = {}
-        for balance, multiplier in row.multipliers.items():
-            inputs = add(inputs, self.operators.inputs[balance], multiplier)
-            force = (
-                add(force, {"": self.operators.force[balance]}, multiplier)
-                if self.operators.force[balance]
-                else force
-            )
+        force, inputs = driving_terms(row, self.operators)
         terms = [*self._motion_terms(row), *self._law_terms(inputs)]
-        forces = {order: -c for order, c in by_power(force[""]).items()} if force else {}
+        forces = {order: -c for order, c in by_power(force).items()}
         return InputOutputEquation(tuple(terms), dict(sorted(forces.items())), row.multipliers)
 
     def _motion_terms(self, row: EliminationRow) -> list[RegressorTerm]:
@@ -219,6 +211,15 @@ class SignalWriter:
             if sensor.signal not in used
         ]
         return tuple(said)
+
+
+def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[PolyElement, Row]:
+    """Operators of a combination of balances on the drive force and on the nonlinear laws."""
+    force, inputs = operators.ring.zero, dict[str, PolyElement]()
+    for balance, multiplier in row.multipliers.items():
+        force += operators.force[balance] * multiplier
+        inputs = add(inputs, operators.inputs[balance], multiplier)
+    return force, inputs
 
 
 def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:

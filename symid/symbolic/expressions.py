@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
+from symid.axis.laws import FUNCTIONS
 from symid.errors import SymidError
 
 
@@ -29,9 +30,7 @@ class positive(sp.Function):  # type: ignore[misc]  # noqa: N801 - sympy has no 
 _LANGUAGE = {
     "q": sp.Symbol("q"),
     "v": sp.Symbol("v"),
-    "positive": positive,
-    "abs": sp.Abs,
-    **{name: getattr(sp, name) for name in ("sign", "sin", "cos", "exp")},
+    **{name: {"positive": positive, "abs": sp.Abs}.get(name) or getattr(sp, name) for name in FUNCTIONS},
 }
 
 

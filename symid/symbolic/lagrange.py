@@ -22,6 +22,7 @@ from symid.axis import (
     Joint,
     Law,
     PendulumWeight,
+    Sensor,
     Spring,
     Weight,
 )
@@ -136,6 +137,12 @@ class Kinematics:
             return sp.Integer(0)
         carried = isinstance(body.on, Body) and body.on.turns == body.turns
         return self.displacement(body) + (self.absolute(body.on) if carried else 0)
+
+    def reading(self, sensor: Sensor) -> sp.Expr:
+        """Displacement that a sensor measures, or measures a derivative of."""
+        if sensor.relative_to is None:
+            return self.displacement(sensor.body)
+        return (self.absolute(sensor.body) - self.absolute(sensor.reference)).expand()
 
     def lever(self, axis: Axis) -> sp.Expr:
         """A known ratio in metres per radian; 1 where the axis has none."""

@@ -11,11 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sympy.polys.rings import PolyElement
-
 from symid.axis import Sensor, derivative_order
 from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import OperatorModel, Row, add
+from symid.symbolic.operators import OperatorModel, add
 
 Functional = dict[str, Any]
 """Coefficients of absolute displacements, by body name."""
@@ -91,6 +89,7 @@ class Measurement:
 
 def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
     """Basis of what the sensors measure, and every displacement in terms of it."""
+    kinematics = Kinematics(model.source.axis)
     ranked = sorted(sensors, key=derivative_order)
     basis: list[MeasuredFunction] = []
     repeated: list[RepeatedFunction] = []
@@ -98,7 +97,7 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
         tuple[str, Functional, dict[int, Any]]
     ] = []  # pivot body, function with pivot 1, in basis functions
     for sensor in ranked:
-        functional = _sensor_functional(model, sensor)
+        functional = model.functional(kinematics.reading(sensor))
         remainder, combination = _reduce(functional, reduced)
         if remainder:
             pivot = sensor.body.name if sensor.body.name in remainder else next(iter(remainder))
@@ -117,14 +116,6 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
         unknown = {body: -c for body, c in row.items() if body != pivot}
         displacements[pivot] = {**{f"y{i}": c for i, c in own.items() if c}, **unknown}
     return Measurement(tuple(basis), tuple(repeated), displacements)
-
-
-def _sensor_functional(model: OperatorModel, sensor: Sensor) -> Functional:
-    kinematics = Kinematics(model.source.axis)
-    if sensor.relative_to is None:
-        return model.functional(kinematics.displacement(sensor.body))
-    difference = kinematics.absolute(sensor.body) - kinematics.absolute(sensor.reference)
-    return model.functional(difference.expand())
 
 
 def _reduce(
@@ -154,12 +145,3 @@ def _clear(
         return entry
     cleared = {i: combination.get(i, 0) - share * own.get(i, 0) for i in {*combination, *own}}
     return body, add(functional, row, -share), {i: c for i, c in sorted(cleared.items()) if c}
-
-
-def motion_columns(model: OperatorModel, measured: Measurement, balance: str) -> dict[str, PolyElement]:
-    """Operators of one balance on basis functions and unknown displacements."""
-    row: Row = {}
-    for body, operator in model.motion[balance].items():
-        for column, share in measured.displacements[body].items():
-            row = add(row, {column: operator * share}, model.ring.one)
-    return row

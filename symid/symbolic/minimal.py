@@ -140,6 +140,15 @@ class MinimalModel:
     output: tuple[sp.Expr, ...]
     regressor: tuple[tuple[sp.Expr, ...], ...]
 
+    @property
+    def written(self) -> tuple[str, ...]:
+        """Each equation as text: y = X1*(column) + ..."""
+        names = [parameter.name for parameter in self.parameters]
+        return tuple(
+            f"{y} = " + " + ".join(f"{name}*({e})" for name, e in zip(names, row, strict=True) if e != 0)
+            for y, row in zip(self.output, self.regressor, strict=True)
+        )
+
 
 @dataclass(frozen=True)
 class _Column:

@@ -33,12 +33,8 @@ class DerivedModel:
 
     def __str__(self) -> str:
         """The minimal model, one equation a line."""
-        names = [parameter.name for parameter in self.minimal.parameters]
-        lines = [f"{self.axis.name} from {', '.join(self.measured)}"]
-        for y, row in zip(self.minimal.output, self.minimal.regressor, strict=True):
-            terms = (f"{name}*({entry})" for name, entry in zip(names, row, strict=True) if entry != 0)
-            lines.append(f"    {y} = {' + '.join(terms)}")
-        return "\n".join(lines)
+        heading = f"{self.axis.name} from {', '.join(self.measured)}"
+        return "\n".join([heading, *(f"    {equation}" for equation in self.minimal.written)])
 
     @cached_property
     def parameter_map(self) -> ParameterMap:

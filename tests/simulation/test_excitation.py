@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from symid.data import Log
 from symid.errors import LogError, SettingError
-from symid.simulation.excitation import (
+from symid.simulation import (
     Extremes,
     Limits,
     MoveProfile,
