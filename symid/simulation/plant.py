@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import prod
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import sympy as sp
@@ -25,6 +25,8 @@ from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
 
 LawFunction = Callable[[float, float], float]
+
+_MATRICES = ("stiffness", "damping", "mass")
 
 JUST_MOVING = 1e-300
 """A speed with a sign and nothing else: laws are evaluated at it to know their limits at rest."""
@@ -119,8 +121,8 @@ class ForwardDynamics:
 
     Parameters
     ----------
-    axis : str
-        Its name.
+    axis : Axis
+        The declared axis.
     parameters : tuple of str
         Physical parameters, in order.
     bodies : tuple of str
@@ -129,33 +131,44 @@ class ForwardDynamics:
         Stiffness, damping and mass.
     drive, constant : tuple of Polynomial
         Effect of the drive force and of constant forces on each body.
-    laws : tuple of (array, tuple of (Polynomial, callable))
-        Direction of each joint with nonlinear laws, parameter and expression of each law.
+    laws : tuple of (array, tuple of LawTerm)
+        Direction of each joint with nonlinear laws, and the laws.
     sensors : mapping of str to (array, int)
         As in `Plant`.
     """
 
-    axis: str
+    axis: Axis
     parameters: tuple[str, ...]
     bodies: tuple[str, ...]
     motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
     drive: tuple[Polynomial, ...]
     constant: tuple[Polynomial, ...]
-    laws: tuple[tuple[FloatArray, tuple[tuple[Polynomial, LawFunction], ...]], ...]
+    laws: tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]
     sensors: Mapping[str, tuple[FloatArray, int]]
+
+    def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
+        """Physical parameters in a matrix."""
+        entries = (entry for row in self.motion[_MATRICES.index(matrix)] for entry in row)
+        return {name for entry in entries for name in self.names(entry)}
+
+    def names(self, polynomial: Polynomial) -> set[str]:
+        """Physical parameters in a polynomial."""
+        return {
+            self.parameters[i] for _, powers in polynomial.terms for i, power in enumerate(powers) if power
+        }
 
     def at(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, as `plant_of`."""
         missing = [name for name in self.parameters if name not in parameters]
         if missing:
             raise SettingError(
-                f"parameters of axis {self.axis!r} lack {', '.join(missing)}: give a value for each"
+                f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
         values = np.array([float(parameters[name]) for name in self.parameters])
         stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
         if not np.all(np.linalg.eigvalsh(mass) > 0):
             raise SettingError(
-                f"the masses of axis {self.axis!r} are {np.diag(mass).tolist()}: they must be positive"
+                f"the masses of axis {self.axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
             )
         return Plant(
             bodies=self.bodies,
@@ -165,11 +178,30 @@ class ForwardDynamics:
             drive=np.array([p.at(values) for p in self.drive]),
             constant=np.array([p.at(values) for p in self.constant]),
             laws=tuple(
-                JointLaw(direction, tuple((parameter.at(values), function) for parameter, function in terms))
+                JointLaw(direction, tuple((term.parameter.at(values), term.force) for term in terms))
                 for direction, terms in self.laws
             ),
             sensors=self.sensors,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class LawTerm:
+    """One nonlinear law of a joint: parameter times expression.
+
+    Parameters
+    ----------
+    parameter : Polynomial
+        What multiplies the expression.
+    force : callable
+        Expression as a function of displacement and velocity, two numbers.
+    forces : callable
+        The same for arrays.
+    """
+
+    parameter: Polynomial
+    force: LawFunction
+    forces: Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +240,7 @@ def forward_dynamics(axis: Axis) -> ForwardDynamics:
     powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
     ones = [str(w.symbol) for w in model.inputs if not w.expression.free_symbols]
     return ForwardDynamics(
-        axis=axis.name,
+        axis=axis,
         parameters=tuple(axis.physical_parameters),
         bodies=bodies,
         motion=tuple(
@@ -250,9 +282,9 @@ class _Numbers:
 
 def _laws(
     operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
-) -> tuple[tuple[FloatArray, tuple[tuple[Polynomial, LawFunction], ...]], ...]:
+) -> tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]:
     kinematics = Kinematics(operators.source.axis)
-    joints: dict[tuple[float, ...], list[tuple[Polynomial, LawFunction]]] = {}
+    joints: dict[tuple[float, ...], list[LawTerm]] = {}
     for entry in operators.source.inputs:
         if not entry.expression.free_symbols:
             continue
@@ -261,7 +293,8 @@ def _laws(
         lever = numbers.number(functional[body])
         parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / lever)
         direction = tuple(float(x) for x in numbers.row(functional, bodies))
-        joints.setdefault(direction, []).append((parameter, law_function(entry.expression)))
+        term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
+        joints.setdefault(direction, []).append(term)
     return tuple((np.array(direction), tuple(terms)) for direction, terms in joints.items())
 
 
@@ -274,6 +307,18 @@ def law_function(expression: sp.Expr) -> LawFunction:
     6.0
     """
     function = eval(f"lambda q, v: float({code(expression)})", {"np": np})
+    return function  # type: ignore[no-any-return]  # eval is untyped
+
+
+def array_function(expression: sp.Expr) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    """Law expression in q and v as a function of two arrays.
+
+    Examples
+    --------
+    >>> array_function(sp.sympify("v*q"))(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
+    [6.0, 4.0]
+    """
+    function = eval(f"lambda q, v: {code(expression)} + 0 * q", {"np": np})
     return function  # type: ignore[no-any-return]  # eval is untyped
 
 

@@ -1,0 +1,126 @@
+"""Nonlinear least squares by damped Gauss-Newton steps, with derivatives by central differences.
+
+Unlike `scipy.optimize.least_squares` it takes a step for each parameter's differences, and lets a residual be
+undefined: such a step is shortened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.errors import SymidError
+
+_LARGEST_DAMPING = 1e12
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where the iterations ended.
+
+    Parameters
+    ----------
+    x : array of shape (n,)
+        The arguments.
+    residual : array of shape (m,)
+        The residual there.
+    slope : array of shape (m, n)
+        Its derivatives.
+    converged : bool
+        Whether the last step lowered the sum of squares by less than the tolerance.
+    """
+
+    x: FloatArray
+    residual: FloatArray
+    slope: FloatArray
+    converged: bool
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+
+def minimise(
+    residual: Callable[[FloatArray], FloatArray],
+    start: FloatArray,
+    steps: FloatArray,
+    *,
+    longest: FloatArray | None = None,
+    iterations: int = 50,
+    tolerance: float = 1e-8,
+) -> Minimum:
+    """Least squares from a start.
+
+    Parameters
+    ----------
+    residual : callable
+        Array of shape (m,) from one of shape (n,); may raise ValueError or LinAlgError where it is undefined, but not
+        at the start.
+    start : array of shape (n,)
+        First arguments.
+    steps : array of shape (n,)
+        For the central differences.
+    longest : array of shape (n,), optional
+        No argument moves further in one iteration.
+    iterations : int
+        At most so many.
+    tolerance : float
+        Relative decrease of the sum of squares that counts as none.
+
+    Examples
+    --------
+    >>> found = minimise(lambda x: np.array([x[0] - 3, x[0] * x[1] - 6]), np.ones(2), np.full(2, 1e-6))
+    >>> found.x.round(6).tolist()
+    [3.0, 2.0]
+    """
+    x, damping = np.array(start, dtype=float), 1e-3
+    current = residual(x)
+    for _ in range(iterations):
+        slope = _slope(residual, x, steps)
+        normal, gradient = slope.T @ slope, slope.T @ current
+        size = np.sqrt(np.diag(normal))
+        size[size == 0] = 1.0
+        cost, decrease = current @ current, 0.0
+        while damping < _LARGEST_DAMPING:
+            scaled = normal / np.outer(size, size) + damping * np.eye(x.size)
+            move = -np.linalg.solve(scaled, gradient / size) / size
+            if longest is not None:
+                move = move / max(float(np.max(np.abs(move) / longest)), 1.0)
+            candidate = x + move
+            trial = _tried(residual, candidate)
+            if trial is not None and trial @ trial <= cost:
+                decrease = float(cost - trial @ trial)
+                x, current, damping = candidate, trial, max(damping / 10, 1e-14)
+                break
+            damping *= 8
+        if damping >= _LARGEST_DAMPING or decrease <= tolerance * cost:
+            return Minimum(x, current, _slope(residual, x, steps), True)
+    return Minimum(x, current, _slope(residual, x, steps), False)
+
+
+def _slope(residual: Callable[[FloatArray], FloatArray], x: FloatArray, steps: FloatArray) -> FloatArray:
+    """Central differences, one-sided at the edge of where the residual is defined."""
+    columns = []
+    for i, step in enumerate(steps):
+        sides = [x + side * step * np.eye(x.size)[i] for side in (1, -1)]
+        ahead, behind = (_tried(residual, side) for side in sides)
+        if ahead is not None and behind is not None:
+            columns.append((ahead - behind) / (2 * step))
+        elif ahead is not None:
+            columns.append((ahead - residual(x)) / step)
+        else:
+            columns.append((residual(x) - residual(sides[1])) / step)
+    return np.stack(columns, axis=1)
+
+
+def _tried(residual: Callable[[FloatArray], FloatArray], x: FloatArray) -> FloatArray | None:
+    try:
+        with np.errstate(all="ignore"):
+            found = residual(x)
+    except (SymidError, ValueError, np.linalg.LinAlgError):
+        return None
+    return found if np.all(np.isfinite(found)) else None

@@ -1,0 +1,174 @@
+"""Innovations of a run as a function of the parameters, scaled so that their sum of squares is the likelihood.
+
+The logarithm of the Gaussian likelihood with an unknown level of all noise is, but for constants,
+-(N p / 2) log sum |L^-1 e[k]|^2 det(L)^(2/p), L L' being the covariance of the innovations e for noise of unit level:
+least squares of the scaled innovations is maximum likelihood. The state at the beginning of each stretch is free; it is
+projected out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from symid.arrays import FloatArray
+from symid.output_error.predictor import Predictor, predictor
+from symid.output_error.run import Motion, Run
+from symid.output_error.sampled_plant import SampledPlant, sampled_plant
+from symid.simulation import ForwardDynamics, Plant
+
+_LARGEST_RATIO = 14.0
+"""Of noise levels, as a logarithm; beyond it the smaller noise plays no part."""
+_FORGOTTEN = 1e-10
+_FIRST_RATIO = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class PredictionError:
+    """Scaled innovations of a run as a function of parameters and noise ratios.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        The axis.
+    run : Run
+        The log.
+    motions : tuple of Motion
+        Motion of every joint with nonlinear laws.
+    free_timing : bool
+        Whether the time by which the force is recorded late is a nuisance parameter.
+    """
+
+    dynamics: ForwardDynamics
+    run: Run
+    motions: tuple[Motion, ...]
+    free_timing: bool = False
+
+    @property
+    def first_nuisance(self) -> FloatArray:
+        """Nuisance parameters to begin with.
+
+        Logarithms of the noise levels of the force (for its effect in one sample) and of the other readings, relative
+        to that of the first reading; then the further lateness of the force in samples, if it is free.
+        """
+        ratios = [_FIRST_RATIO] + [0.0] * (len(self.run.signals) - 1)
+        return np.array(ratios + [0.0] * self.free_timing)
+
+    def innovations(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
+        """Innovations of shape (n_samples, n_outputs), in the units of the readings."""
+        raw, found = self._raw(parameters, nuisance)
+        return self._projected(raw, found, np.eye(len(self.run.signals)))
+
+    def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
+        """Scaled innovations, the stretches one after the other, of shape (n_samples * n_outputs,)."""
+        raw, found = self._raw(parameters, nuisance)
+        root = np.linalg.cholesky(found.covariance)
+        level = np.exp(np.mean(np.log(np.diag(root))))
+        whitening = solve_triangular(root, level * np.eye(len(root)), lower=True)
+        return self._projected(raw, found, whitening).ravel()
+
+    def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
+        """Standard deviations of the noise of the force and of the readings, SI: their ratios at the level observed."""
+        errors = self.innovations(parameters, nuisance)
+        sampled = self._sampled(self.dynamics.at(parameters))
+        force, readings = self._assumed_noise(sampled, nuisance)
+        assumed = predictor(sampled, force, readings).covariance
+        level = float(np.sqrt(np.mean(np.diag(errors.T @ errors) / len(errors) / np.diag(assumed))))
+        names = (self.dynamics.axis.drive.signal, *self.run.signals)
+        return {name: level * float(std) for name, std in zip(names, (force, *readings), strict=True)}
+
+    def states(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
+        """Predicted displacements and velocities of the bodies, of shape (n_samples, 2 n)."""
+        plant = self.dynamics.at(parameters)
+        sampled, found = self._predictor(plant, nuisance)
+        inputs = self._inputs(plant, sampled, nuisance)
+        n = len(found.innovations.A)
+        whole = found.innovations.observed(np.eye(n))
+        states = whole.response(inputs, self.run.starts)
+        raw = inputs[:, : len(self.run.signals)] - states @ sampled.output.T
+        for first, last in self._stretches:
+            free = found.innovations.free_response(last - first)
+            start = np.linalg.lstsq(free.reshape(-1, n), -raw[first:last].ravel(), rcond=None)[0]
+            states[first:last] += whole.free_response(last - first) @ start
+        return states
+
+    @cached_property
+    def _stretches(self) -> tuple[tuple[int, int], ...]:
+        ends = [*self.run.starts[1:], len(self.run.readings)]
+        return tuple(zip(self.run.starts, ends, strict=True))
+
+    @cached_property
+    def _units(self) -> FloatArray:
+        """Sizes in which the noise of the readings is counted: that of their second differences."""
+        steps = np.diff(self.run.readings, n=2, axis=0)
+        typical = np.sqrt(np.mean(steps**2, axis=0))
+        return np.asarray(np.where(typical > 0, typical, 1.0))
+
+    @cached_property
+    def _law_values(self) -> tuple[list[list[FloatArray]], list[list[FloatArray]]]:
+        """Values of each law of each joint in the parts of the intervals, and at the samples."""
+        joints = list(zip(self.motions, self.dynamics.laws, strict=True))
+        within = [[term.forces(motion.q, motion.v) for term in terms] for motion, (_, terms) in joints]
+        return within, [
+            [term.forces(motion.q_at, motion.v_at) for term in terms] for motion, (_, terms) in joints
+        ]
+
+    def _sampled(self, plant: Plant) -> SampledPlant:
+        return sampled_plant(plant, self.run.signals, self.run.period, self.run.parts)
+
+    def _assumed_noise(self, sampled: SampledPlant, nuisance: FloatArray) -> tuple[float, FloatArray]:
+        """Noise of the force and of the readings, up to a common factor."""
+        effect = abs(sampled.output[0] @ (sampled.transition @ sampled.force_effect))
+        levels = np.exp(_LARGEST_RATIO * np.tanh(nuisance[: len(self.run.signals)] / _LARGEST_RATIO))
+        force = float(levels[0]) * self._units[0] / max(float(effect), np.finfo(float).tiny)
+        return float(force), self._units * np.append(1.0, levels[1:])
+
+    def _predictor(self, plant: Plant, nuisance: FloatArray) -> tuple[SampledPlant, Predictor]:
+        sampled = self._sampled(plant)
+        return sampled, predictor(sampled, *self._assumed_noise(sampled, nuisance))
+
+    def _raw(self, parameters: Mapping[str, float], nuisance: FloatArray) -> tuple[FloatArray, Predictor]:
+        plant = self.dynamics.at(parameters)
+        sampled, found = self._predictor(plant, nuisance)
+        return found.innovations.response(self._inputs(plant, sampled, nuisance), self.run.starts), found
+
+    def _inputs(self, plant: Plant, sampled: SampledPlant, nuisance: FloatArray) -> FloatArray:
+        """Readings without what forces add to them directly, and effects of the forces on the state."""
+        run = self.run
+        effects = run.drive @ sampled.effects[:, :, 0] + sampled.effects[:, :, -1].sum(axis=0)
+        direct = np.outer(run.drive_at, sampled.feedthrough[:, 0]) + sampled.feedthrough[:, -1]
+        if self.free_timing:
+            effects += (nuisance[-1] * run.drive_rate) @ sampled.effects[:, :, 0]
+            direct += np.outer(nuisance[-1] * run.drive_rate_at, sampled.feedthrough[:, 0])
+        for j, (law, within, at) in enumerate(zip(plant.laws, *self._law_values, strict=True)):
+            weights = [parameter for parameter, _ in law.terms]
+            effects += _combined(weights, within) @ sampled.effects[:, :, 1 + j]
+            direct += np.outer(_combined(weights, at), sampled.feedthrough[:, 1 + j])
+        return np.hstack([run.readings - direct, effects])
+
+    def _projected(self, raw: FloatArray, found: Predictor, whitening: FloatArray) -> FloatArray:
+        """Innovations without what any initial state of a stretch could make."""
+        n = len(found.innovations.A)
+        errors = raw @ whitening.T
+        longest = max(last - first for first, last in self._stretches)
+        free = whitening @ found.innovations.free_response(longest, _FORGOTTEN)
+        if not np.all(np.isfinite(free)):
+            raise np.linalg.LinAlgError("the predictor is not stable")
+        memory = len(free)
+        bases: dict[int, FloatArray] = {}
+        for first, last in self._stretches:
+            length = min(last - first, memory)
+            if length not in bases:
+                bases[length] = np.linalg.qr(free[:length].reshape(-1, n))[0]
+            beginning = errors[first : first + length].ravel()
+            remaining = beginning - bases[length] @ (bases[length].T @ beginning)
+            errors[first : first + length] = remaining.reshape(length, -1)
+        return errors
+
+
+def _combined(weights: Sequence[float], values: Sequence[FloatArray]) -> FloatArray:
+    return np.asarray(sum(w * x for w, x in zip(weights, values, strict=True)))

@@ -1,0 +1,113 @@
+"""One-step prediction of the readings: the innovations form of a sampled axis.
+
+The log's force is the true one plus white noise, and every reading has white noise of its own. The stationary Kalman
+gain of this model turns the recursion of the axis into that of its innovations e[k] = y[k] - y^[k | k-1], which are
+white if the model is right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.output_error.block_filter import StateSpace
+from symid.output_error.sampled_plant import SampledPlant
+
+_DOUBLINGS = 60
+_SETTLED = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Predictor:
+    """Innovations of a sampled axis.
+
+    Parameters
+    ----------
+    innovations : StateSpace
+        Its inputs are the readings without what forces add to them directly, and the effects of the forces on the
+        state; its outputs the innovations.
+    covariance : array of shape (n_outputs, n_outputs)
+        Of the innovations, for the noise that was assumed.
+    """
+
+    innovations: StateSpace
+    covariance: FloatArray
+
+
+def predictor(plant: SampledPlant, force_noise: float, reading_noise: FloatArray) -> Predictor:
+    """Stationary Kalman predictor.
+
+    Parameters
+    ----------
+    plant : SampledPlant
+        The axis.
+    force_noise : float
+        Standard deviation of the noise of the logged force.
+    reading_noise : array of shape (n_outputs,)
+        Standard deviations of the noise of the readings.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the readings do not determine the state.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.output_error.sampled_plant import sampled_plant
+    >>> from symid.simulation import plant_of
+    >>> plant = plant_of(load_axis("rigid_1m"), {"M": 1.0, "Fv": 0.0, "Fs": 0.0})
+    >>> found = predictor(sampled_plant(plant, ["q"], 1.0, parts=1), 1.0, np.ones(1))
+    >>> np.abs(np.linalg.eigvals(found.innovations.A)).round(3).tolist()
+    [0.5, 0.5]
+    """
+    scale = _state_scale(plant)
+    A = plant.transition * scale / scale[:, None]
+    C = plant.output * scale / reading_noise[:, None]
+    noise = -force_noise * plant.force_effect / scale
+    direct = -force_noise * plant.feedthrough[:, 0] / reading_noise
+    measurement = np.eye(len(C)) + np.outer(direct, direct)
+    cross = np.outer(noise, direct)
+    process = np.outer(noise, noise)
+    process += 1e-12 * np.trace(process) * np.eye(len(process))
+    P = _stationary_covariance(A, C, process, measurement, cross)
+    covariance = C @ P @ C.T + measurement
+    gain = np.linalg.solve(covariance, (A @ P @ C.T + cross).T).T * scale[:, None] / reading_noise
+    n, p = len(A), len(C)
+    innovations = StateSpace(
+        A=plant.transition - gain @ plant.output,
+        B=np.hstack([gain, np.eye(n)]),
+        C=-plant.output,
+        D=np.hstack([np.eye(p), np.zeros((p, n))]),
+    )
+    return Predictor(innovations, covariance * np.outer(reading_noise, reading_noise))
+
+
+def _state_scale(plant: SampledPlant) -> FloatArray:
+    """Sizes of the states that make the equation well conditioned: the effect of a force over a few samples."""
+    effect, reach = plant.force_effect, np.abs(plant.force_effect)
+    for _ in range(8):
+        effect = plant.transition @ effect
+        reach = np.maximum(reach, np.abs(effect))
+    return np.asarray(np.where(reach > 0, reach, reach.max()))
+
+
+def _stationary_covariance(
+    A: FloatArray, C: FloatArray, process: FloatArray, measurement: FloatArray, cross: FloatArray
+) -> FloatArray:
+    """Covariance of the predicted state, by the structure-preserving doubling algorithm (Chu, Fan, Lin, Wang 2004)."""
+    A = (A - cross @ np.linalg.solve(measurement, C)).T
+    G = C.T @ np.linalg.solve(measurement, C)
+    H = process - cross @ np.linalg.solve(measurement, cross.T)
+    one = np.eye(len(A))
+    for _ in range(_DOUBLINGS):
+        W = np.linalg.solve(one + G @ H, np.hstack([A, G]))
+        through, spread = W[:, : len(A)], W[:, len(A) :]
+        growth = A.T @ H @ through
+        A, G, H = A @ through, G + A @ spread @ A.T, H + growth
+        H, G = (H + H.T) / 2, (G + G.T) / 2
+        if np.abs(growth).max() <= _SETTLED * np.abs(H).max():
+            return H
+    raise np.linalg.LinAlgError("the readings do not determine the state")

@@ -1,0 +1,246 @@
+"""What a log says about the forces between its samples, and the stretches in which its axis moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.ndimage import shift
+from scipy.signal import firwin, upfirdn
+
+from symid.arrays import BoolArray, FloatArray
+from symid.data import Log, LowPass, central_difference
+from symid.simulation import ForwardDynamics
+from symid.simulation.plant import JointLaw
+
+Course = Literal["held", "smooth"]
+"""Course of the drive force between two samples: held from each to the next, or the smooth one through all values."""
+
+_FINEST = 8
+_FINE_ENOUGH = 8000.0
+"""Parts a second beyond which forces need not be cut finer, Hz."""
+_INTERPOLATION_REACH = 24
+"""Samples on either side that the band-limited interpolation of a force uses."""
+_STANDSTILL_SHARE = 0.01
+_SHORTEST_STANDSTILL = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Displacement and velocity of a joint in the parts of the sampling intervals, and at the samples.
+
+    Parameters
+    ----------
+    q, v : array of shape (n_samples, n_parts)
+        Within the intervals.
+    q_at, v_at : array of shape (n_samples,)
+        At the samples.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    q_at: FloatArray
+    v_at: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A log, cut into stretches in which the axis moves; one after the other in each array.
+
+    Parameters
+    ----------
+    signals : tuple of str
+        Sensors, the columns of the readings.
+    period : float
+        Sampling period, s.
+    readings : array of shape (n_samples, n_outputs)
+        What they read.
+    drive : array of shape (n_samples, n_parts)
+        Drive force in each part of the interval after each sample.
+    drive_at : array of shape (n_samples,)
+        Drive force at the samples, as accelerometers see it.
+    drive_rate, drive_rate_at : array, shapes as those of the force
+        Change of the force for a recording that is later by one sample; 0 for a held force.
+    course : {"held", "smooth"}
+        Course of the force between samples.
+    late : float
+        Samples by which the force is taken to be recorded late.
+    force : array of shape (n,)
+        The force of the whole log.
+    kept : bool array of shape (n,)
+        Samples of the log that are in the stretches.
+    motions : tuple of Motion or None
+        Motion of each joint with nonlinear laws; None where no sensors tell it.
+    starts : tuple of int
+        First sample of each stretch.
+    """
+
+    signals: tuple[str, ...]
+    period: float
+    readings: FloatArray
+    drive: FloatArray
+    drive_at: FloatArray
+    drive_rate: FloatArray
+    drive_rate_at: FloatArray
+    course: Course
+    late: float
+    force: FloatArray
+    kept: BoolArray
+    motions: tuple[Motion | None, ...]
+    starts: tuple[int, ...]
+
+    @property
+    def parts(self) -> int:
+        """Parts of a sampling interval."""
+        return int(self.drive.shape[1])
+
+    def recorded_later(self, samples: float) -> Run:
+        """The same run with the force taken to be recorded later by so many more samples."""
+        late = self.late + samples
+        drive, at, rate, rate_at = (x[self.kept] for x in _between(self.force, self.course, self.parts, late))
+        return replace(self, drive=drive, drive_at=at, drive_rate=rate, drive_rate_at=rate_at, late=late)
+
+
+def run_of(
+    dynamics: ForwardDynamics,
+    log: Log,
+    signals: Sequence[str],
+    course: Course,
+    *,
+    cutoff_hz: float,
+    late: float = 0.0,
+    standstill: float | None = None,
+) -> Run:
+    """Forces and stretches of a log.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        Joints and sensors of the axis.
+    log : Log
+        A run of it.
+    signals : sequence of str
+        Sensors used.
+    course : {"held", "smooth"}
+        Course of the force between samples.
+    cutoff_hz : float
+        Of the low-pass filter from which velocities of joints with friction are taken.
+    late : float
+        Seconds by which the force was recorded late; negative for one that acts later than recorded.
+    standstill : float, optional
+        Speed below which a joint with friction that can hold it counts as resting; 0 cuts nothing.
+    """
+    force = log[dynamics.axis.drive.signal]
+    parts = min(_FINEST, max(1, math.ceil(_FINE_ENOUGH * log.sampling_period)))
+    samples = late / log.sampling_period
+    forces = _between(force, course, parts, samples)
+    lowpass = LowPass(min(cutoff_hz, 0.4 * log.sampling_frequency))
+    motions = tuple(
+        _measured_motion(dynamics, direction, log, lowpass, parts) for direction, _ in dynamics.laws
+    )
+    margin = math.ceil(0.5 * log.sampling_frequency / lowpass.cutoff_hz)
+    moving = np.ones(log.n_samples, dtype=bool)
+    for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
+        can_hold = JointLaw(direction, tuple((1.0, term.force) for term in terms)).can_hold
+        if motion is not None and can_hold and standstill != 0:
+            moving &= ~_resting(motion, standstill, margin)
+    kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))
+    readings = np.stack([log[name] for name in signals], axis=1)
+    return Run(
+        signals=tuple(signals),
+        period=log.sampling_period,
+        readings=readings[kept],
+        drive=forces[0][kept],
+        drive_at=forces[1][kept],
+        drive_rate=forces[2][kept],
+        drive_rate_at=forces[3][kept],
+        course=course,
+        late=samples,
+        force=force,
+        kept=kept,
+        motions=tuple(m and Motion(m.q[kept], m.v[kept], m.q_at[kept], m.v_at[kept]) for m in motions),
+        starts=starts,
+    )
+
+
+def _between(
+    force: FloatArray, course: Course, parts: int, late: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Force at the middle of each part of the intervals and at the samples, and the change of both with `late`."""
+    n = force.size
+    if course == "held":
+        places = np.arange(n)[:, None] + (np.arange(parts) + 0.5) / parts + late
+        held = force[np.clip(np.floor(places).astype(int), 0, n - 1)]
+        before = force[np.clip(np.ceil(np.arange(n) + late).astype(int) - 1, 0, n - 1)]
+        return held, before, np.zeros_like(held), np.zeros(n)
+    moved = shift(force, -late, order=5, mode="nearest") if late else force
+    rate = (8 * _step(moved, 1) - _step(moved, 2)) / 12
+    return _upsampled(moved, parts), moved, _upsampled(rate, parts), rate
+
+
+def _step(x: FloatArray, width: int) -> FloatArray:
+    """x[k + width] - x[k - width], with the ends held."""
+    extended = np.pad(x, width, mode="edge")
+    return np.asarray(extended[2 * width :] - extended[: -2 * width])
+
+
+def _upsampled(values: FloatArray, parts: int) -> FloatArray:
+    """Band-limited course of a signal at the middle of each part of the interval after each sample."""
+    n, fine = values.size, 2 * parts
+    taps = firwin(2 * fine * _INTERPOLATION_REACH + 1, 1 / fine, window=("kaiser", 8.0))
+    edge = min(2 * _INTERPOLATION_REACH, n - 1)
+    extended = np.pad(values, edge, mode="reflect", reflect_type="odd")
+    first = (_INTERPOLATION_REACH + edge) * fine
+    whole = upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
+    return np.asarray(whole).reshape(n, fine)[:, 1::2]
+
+
+def _measured_motion(
+    dynamics: ForwardDynamics, direction: FloatArray, log: Log, lowpass: LowPass, parts: int
+) -> Motion | None:
+    """Motion of a joint that is a combination of measured positions; None if it is not."""
+    names = [s for s, (_, order) in dynamics.sensors.items() if order == 0 and s in log.signals]
+    if not names:
+        return None
+    rows = np.stack([dynamics.sensors[name][0] for name in names])
+    shares = np.linalg.lstsq(rows.T, direction, rcond=None)[0]
+    if not np.allclose(shares @ rows, direction):
+        return None
+    reading = sum(share * log[name] for share, name in zip(shares, names, strict=True))
+    q = lowpass.apply(reading, log.sampling_frequency)
+    v = central_difference(q, log.sampling_period)
+    return motion_between(q, v, parts)
+
+
+def motion_between(q: FloatArray, v: FloatArray, parts: int) -> Motion:
+    """Motion in the parts of the intervals from that at the samples, by straight lines."""
+    share = (np.arange(parts) + 0.5) / parts
+    inner = [np.append(x[1:], x[-1])[:, None] * share + x[:, None] * (1 - share) for x in (q, v)]
+    return Motion(inner[0], inner[1], q, v)
+
+
+def _resting(motion: Motion, standstill: float | None, margin: int) -> BoolArray:
+    """Samples in standstills that last; a reversal that passes quickly is none."""
+    speed = np.abs(motion.v_at)
+    slow = speed < (_STANDSTILL_SHARE * speed.max() if standstill is None else standstill)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], slow.astype(np.int8), [0]])))
+    resting = np.zeros(speed.size, dtype=bool)
+    for begin, end in edges.reshape(-1, 2):
+        if end - begin >= _SHORTEST_STANDSTILL:
+            resting[max(begin - margin, 0) : end + margin] = True
+    return resting
+
+
+def _stretches(moving: BoolArray, shortest: int) -> tuple[BoolArray, tuple[int, ...]]:
+    """Samples of the stretches that are long enough, and where each begins among them."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], moving.astype(np.int8), [0]]))).reshape(-1, 2)
+    kept, starts, count = np.zeros(moving.size, dtype=bool), [], 0
+    for begin, end in edges:
+        if end - begin >= shortest:
+            kept[begin:end] = True
+            starts.append(count)
+            count += end - begin
+    return kept, tuple(starts)
