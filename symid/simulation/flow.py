@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import expm
 
 from symid.arrays import FloatArray
 from symid.simulation.plant import Plant
@@ -49,9 +48,6 @@ class Flow:
         motion = np.hstack([plant.stiffness, plant.damping])
         self.acceleration_rows = np.hstack([-free @ motion, free])
         self.holding_rows = np.hstack([-holding @ motion, holding])
-        self._generator = np.zeros((3 * n, 3 * n))
-        self._generator[:n, n : 2 * n] = np.eye(n)
-        self._generator[n : 2 * n] = self.acceleration_rows
         frequency = math.sqrt(np.linalg.norm(free @ plant.stiffness, 2))
         self.reach = 1.0 / max(frequency + float(np.linalg.norm(free @ plant.damping, 2)), 1.0)
         self.transition = lru_cache(maxsize=64)(self._transition)
@@ -71,19 +67,30 @@ class Flow:
 
     def series(self, state: FloatArray, force: FloatArray) -> FloatArray:
         """Taylor series of the state in time over `reach`, of shape (terms, 2 n); exact to rounding up to 1."""
-        return np.asarray((self._series @ np.concatenate([state, force])).reshape(_ORDER, -1))
+        return np.asarray(self._series @ np.concatenate([state, force]))
 
     def _transition(self, duration: float) -> tuple[FloatArray, FloatArray]:
-        """Matrices of state and force, by the matrix exponential."""
-        whole = expm(self._generator * duration)
-        size = 2 * (len(whole) // 3)
-        return whole[:size, :size], whole[:size, size:]
+        """Matrices of state and force: the Taylor series of a part of the duration, squared as often as needed.
+
+        SciPy's matrix exponential would share matrices of this size among threads, which takes milliseconds.
+        """
+        doublings = max(math.ceil(math.log2(duration / self.reach)), 0) if duration > 0 else 0
+        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(_ORDER), self._series, 1)
+        size = len(whole)
+        transition, gain = whole[:, :size], whole[:, size:]
+        for _ in range(doublings):
+            transition, gain = transition @ transition, transition @ gain + gain
+        return transition, gain
 
     @cached_property
     def _series(self) -> FloatArray:
-        size = 2 * (len(self._generator) // 3)
-        term, terms = np.eye(len(self._generator)), []
+        """Terms of the exponential over `reach`, of shape (terms, 2 n, 3 n)."""
+        n = len(self.acceleration_rows)
+        generator = np.zeros((3 * n, 3 * n))
+        generator[:n, n : 2 * n] = np.eye(n)
+        generator[n : 2 * n] = self.acceleration_rows
+        term, terms = np.eye(3 * n), []
         for order in range(1, _ORDER + 1):
-            terms.append(term[:size])
-            term = self._generator @ term * (self.reach / order)
-        return np.concatenate(terms)
+            terms.append(term[: 2 * n])
+            term = generator @ term * (self.reach / order)
+        return np.array(terms)

@@ -78,14 +78,13 @@ class LinearLoop:
         """For each sample, whether its force is that of the linear law and no event happens until the next one."""
         mode, n = self._mode, states.shape[1]
         good = np.abs(forces) <= self._loop.limit
-        if mode.sliding:
-            good &= (states[1:] @ mode.speeds.T >= 0).all(axis=1)
-        if mode.flow.stuck:
-            rows, limits = mode.flow.holding_rows, mode.limits(states[0])
-            pushed = np.outer(forces, rows[:, n:] @ mode.plant.drive) + rows[:, n:] @ mode.constant
-            needed = states @ rows[:, :n].T
+        for speed in mode.speeds:
+            good &= states[1:] @ speed >= 0.0
+        for row, (low, high) in zip(mode.flow.holding_rows, mode.limits(states[0]), strict=True):
+            pushed = forces * (row[n:] @ mode.plant.drive) + row[n:] @ mode.constant
+            needed = states @ row[:n]
             for held in (needed[:-1] + pushed, needed[1:] + pushed):
-                good &= ((held >= limits[:, 0]) & (held <= limits[:, 1])).all(axis=1)
+                good &= (held >= low) & (held <= high)
         return np.asarray(good)
 
     def _write(self, record: Record, k: int, states: FloatArray, forces: FloatArray) -> None:
