@@ -7,7 +7,7 @@ from symid.simulation.excitation import chirp, from_log, steps
 from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import Multisine, frequency_lines, multisine
-from symid.simulation.plant import Plant, plant_of
+from symid.simulation.plant import ForwardDynamics, Plant, forward_dynamics, plant_of
 from symid.simulation.trajectory import Trajectory
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Controller",
     "Engine",
     "Extremes",
+    "ForwardDynamics",
     "Limits",
     "MoveProfile",
     "Multisine",
@@ -24,6 +25,7 @@ __all__ = [
     "Simulation",
     "Trajectory",
     "chirp",
+    "forward_dynamics",
     "frequency_lines",
     "from_log",
     "move",

@@ -111,73 +111,159 @@ def plant_of(axis: Axis, parameters: Mapping[str, float]) -> Plant:
     >>> plant.mass.tolist(), plant.damping.tolist(), plant.laws[0].limits(0.0)
     ([[2.0]], [[3.0]], (-4.0, 4.0))
     """
-    missing = [name for name in axis.physical_parameters if name not in parameters]
-    if missing:
-        raise SettingError(
-            f"parameters of axis {axis.name!r} lack {', '.join(missing)}: give a value for each"
+    return forward_dynamics(axis).at(parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDynamics:
+    """The matrices of an axis as functions of its physical parameters, for any number of parameter values.
+
+    Parameters
+    ----------
+    axis : str
+        Its name.
+    parameters : tuple of str
+        Physical parameters, in order.
+    bodies : tuple of str
+        Free bodies.
+    motion : tuple of matrices of Polynomial
+        Stiffness, damping and mass.
+    drive, constant : tuple of Polynomial
+        Effect of the drive force and of constant forces on each body.
+    laws : tuple of (array, tuple of (Polynomial, callable))
+        Direction of each joint with nonlinear laws, parameter and expression of each law.
+    sensors : mapping of str to (array, int)
+        As in `Plant`.
+    """
+
+    axis: str
+    parameters: tuple[str, ...]
+    bodies: tuple[str, ...]
+    motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
+    drive: tuple[Polynomial, ...]
+    constant: tuple[Polynomial, ...]
+    laws: tuple[tuple[FloatArray, tuple[tuple[Polynomial, LawFunction], ...]], ...]
+    sensors: Mapping[str, tuple[FloatArray, int]]
+
+    def at(self, parameters: Mapping[str, float]) -> Plant:
+        """The plant at parameter values, as `plant_of`."""
+        missing = [name for name in self.parameters if name not in parameters]
+        if missing:
+            raise SettingError(
+                f"parameters of axis {self.axis!r} lack {', '.join(missing)}: give a value for each"
+            )
+        values = np.array([float(parameters[name]) for name in self.parameters])
+        stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
+        if not np.all(np.linalg.eigvalsh(mass) > 0):
+            raise SettingError(
+                f"the masses of axis {self.axis!r} are {np.diag(mass).tolist()}: they must be positive"
+            )
+        return Plant(
+            bodies=self.bodies,
+            mass=mass,
+            damping=damping,
+            stiffness=stiffness,
+            drive=np.array([p.at(values) for p in self.drive]),
+            constant=np.array([p.at(values) for p in self.constant]),
+            laws=tuple(
+                JointLaw(direction, tuple((parameter.at(values), function) for parameter, function in terms))
+                for direction, terms in self.laws
+            ),
+            sensors=self.sensors,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomial:
+    """A polynomial of the physical parameters as numbers.
+
+    Parameters
+    ----------
+    terms : tuple of (float, tuple of int)
+        Coefficient and exponents of each term.
+    """
+
+    terms: tuple[tuple[float, tuple[int, ...]], ...]
+
+    def at(self, values: FloatArray) -> float:
+        """Its value."""
+        return float(
+            sum(c * prod(x**p for x, p in zip(values, powers, strict=True) if p) for c, powers in self.terms)
+        )
+
+
+def forward_dynamics(axis: Axis) -> ForwardDynamics:
+    """Forward dynamics of an axis for any parameter values: derived once, evaluated often.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> dynamics = forward_dynamics(load_axis("rigid_1m"))
+    >>> [dynamics.at({"M": m, "Fv": 3.0, "Fs": 4.0}).mass.item() for m in (1.0, 2.0)]
+    [1.0, 2.0]
+    """
     model = inverse_dynamics(axis)
     operators = operator_model(model)
-    values = _Values(operators, parameters)
+    numbers = _Numbers(operators)
     bodies = tuple(operators.motion)
     powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
-    stiffness, damping, mass = (
-        np.array([[values.of(p.get(order)) for p in row] for row in powers]) for order in range(3)
-    )
-    if np.any(np.linalg.eigvalsh(mass) <= 0):
-        raise SettingError(
-            f"the masses of axis {axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
-        )
     ones = [str(w.symbol) for w in model.inputs if not w.expression.free_symbols]
-    constant = [-sum(values.of(operators.inputs[b].get(one)) for one in ones) for b in bodies]
-    return Plant(
+    return ForwardDynamics(
+        axis=axis.name,
+        parameters=tuple(axis.physical_parameters),
         bodies=bodies,
-        mass=mass,
-        damping=damping,
-        stiffness=stiffness,
-        drive=np.array([-values.of(operators.force[b]) for b in bodies]),
-        constant=np.array(constant, dtype=float),
-        laws=_laws(operators, values, bodies),
-        sensors=_sensors(operators, values, bodies),
+        motion=tuple(
+            tuple(tuple(numbers.polynomial(p.get(order)) for p in row) for row in powers)
+            for order in range(3)
+        ),
+        drive=tuple(numbers.polynomial(operators.force[b], -1.0) for b in bodies),
+        constant=tuple(
+            Polynomial(
+                tuple(t for one in ones for t in numbers.polynomial(operators.inputs[b].get(one), -1.0).terms)
+            )
+            for b in bodies
+        ),
+        laws=_laws(operators, numbers, bodies),
+        sensors=_sensors(operators, numbers, bodies),
     )
 
 
-class _Values:
-    """Numbers for the polynomials and field elements of an operator model."""
+class _Numbers:
+    """Numbers for the field elements and polynomials of an operator model."""
 
-    def __init__(self, operators: OperatorModel, parameters: Mapping[str, float]) -> None:
+    def __init__(self, operators: OperatorModel) -> None:
         self.field = operators.ring.domain
         self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
-        self.values = [1.0, *(float(parameters[str(symbol)]) for symbol in operators.ring.symbols[1:])]
 
     def number(self, element: Any) -> float:
         """Number of an element of the coefficient field."""
         return float(self.field.to_sympy(self.field.convert(element)).xreplace(self.constants))
 
-    def of(self, polynomial: PolyElement | None) -> float:
-        """Number of a polynomial without s."""
+    def polynomial(self, polynomial: PolyElement | None, factor: float = 1.0) -> Polynomial:
+        """A polynomial without s, times a factor."""
         terms = polynomial.terms() if polynomial else ()
-        return float(
-            sum(self.number(c) * prod(x**p for x, p in zip(self.values, m, strict=True)) for m, c in terms)
-        )
+        return Polynomial(tuple((factor * self.number(c), tuple(map(int, m[1:]))) for m, c in terms))
 
     def row(self, functional: Mapping[str, Any], bodies: tuple[str, ...]) -> FloatArray:
         """A function of displacements as a row."""
         return np.array([self.number(functional[b]) if b in functional else 0.0 for b in bodies])
 
 
-def _laws(operators: OperatorModel, values: _Values, bodies: tuple[str, ...]) -> tuple[JointLaw, ...]:
+def _laws(
+    operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
+) -> tuple[tuple[FloatArray, tuple[tuple[Polynomial, LawFunction], ...]], ...]:
     kinematics = Kinematics(operators.source.axis)
-    joints: dict[tuple[float, ...], list[tuple[float, LawFunction]]] = {}
+    joints: dict[tuple[float, ...], list[tuple[Polynomial, LawFunction]]] = {}
     for entry in operators.source.inputs:
         if not entry.expression.free_symbols:
             continue
         functional = operators.functional(kinematics.displacement(entry.joint))
         body = next(iter(functional))
-        parameter = values.of(operators.inputs[body][str(entry.symbol)]) / values.number(functional[body])
-        direction = tuple(float(x) for x in values.row(functional, bodies))
+        lever = numbers.number(functional[body])
+        parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / lever)
+        direction = tuple(float(x) for x in numbers.row(functional, bodies))
         joints.setdefault(direction, []).append((parameter, law_function(entry.expression)))
-    return tuple(JointLaw(np.array(direction), tuple(terms)) for direction, terms in joints.items())
+    return tuple((np.array(direction), tuple(terms)) for direction, terms in joints.items())
 
 
 def law_function(expression: sp.Expr) -> LawFunction:
@@ -193,13 +279,13 @@ def law_function(expression: sp.Expr) -> LawFunction:
 
 
 def _sensors(
-    operators: OperatorModel, values: _Values, bodies: tuple[str, ...]
+    operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
 ) -> dict[str, tuple[FloatArray, int]]:
     axis = operators.source.axis
     kinematics = Kinematics(axis)
     return {
         sensor.signal: (
-            values.row(operators.functional(kinematics.reading(sensor)), bodies),
+            numbers.row(operators.functional(kinematics.reading(sensor)), bodies),
             derivative_order(sensor),
         )
         for sensor in axis.sensors
