@@ -177,7 +177,10 @@ def varying_law() -> None:
 
     body = Body("slide", mass="M")
     axis = Axis(
-        "stribeck", (body, ViscousFriction(body, "Fv"), Stribeck(body)), Drive("F", body), (Position("q", body),)
+        "stribeck",
+        (body, ViscousFriction(body, "Fv"), Stribeck(body)),
+        Drive("F", body),
+        (Position("q", body),),
     )
     values = {"M": 100.0, "Fv": 80.0, "Fs": 40.0, "dF": 20.0}
     path = trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / FINE)

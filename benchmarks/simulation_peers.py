@@ -138,7 +138,9 @@ class _Phase:
             return self._machine.friction - abs(self.holding(z, drive)) + (1e-12 if t == 0.0 else 0.0)
 
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]  # how solve_ivp takes them
-        run = solve_ivp(motion, (0.0, left), state, method, rtol=tolerance, atol=tolerance * 1e-3, events=event)
+        run = solve_ivp(
+            motion, (0.0, left), state, method, rtol=tolerance, atol=tolerance * 1e-3, events=event
+        )
         end = run.y[:, -1].copy()
         if run.status == 1 and sign:
             inverse = np.linalg.solve(self._machine.mass, joint)

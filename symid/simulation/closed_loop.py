@@ -120,9 +120,7 @@ def simulate(
     log = Log.from_arrays(
         signals, sampling_period=every * trajectory.sampling_period, source=f"simulated {axis.name}"
     )
-    return Simulation(
-        log, trajectory.time, record.states[:-1], record.accelerations[:-1], record.forces
-    )
+    return Simulation(log, trajectory.time, record.states[:-1], record.accelerations[:-1], record.forces)
 
 
 def _ratio(period: float, frequency_hz: float | None) -> int:

@@ -116,7 +116,9 @@ class OpenLoop(Controller):
     def linear(self, period: float) -> LinearLaw:
         """Nothing but the given force."""
         none = np.zeros((0, 0))
-        return LinearLaw(none, np.zeros((0, 3)), np.zeros(0), np.zeros(3), given=np.asarray(self.forces, float))
+        return LinearLaw(
+            none, np.zeros((0, 3)), np.zeros(0), np.zeros(3), given=np.asarray(self.forces, float)
+        )
 
 
 @dataclass(frozen=True)
@@ -181,7 +183,7 @@ class Cascade(Controller):
         return force, np.array([kept, position, 1.0])
 
     def linear(self, period: float) -> LinearLaw:
-        """The law while the force is below its limit: state (integral, last position, 1), w = (q_ref, v_ref, a_ref, q)."""
+        """The law while the force is below its limit; state: integral, last position, 1."""
         error_state = np.array([0.0, 1.0 / period, 0.0])
         error_input = np.array([self.position_gain, 1.0, 0.0, -self.position_gain - 1.0 / period])
         growth = self.integral_gain * period

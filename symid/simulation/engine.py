@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import brentq
 
 from symid.arrays import FloatArray
 from symid.simulation.mode import Mode, Modes
@@ -23,6 +22,8 @@ from symid.simulation.plant import Plant
 
 _MOST_EVENTS = 100
 """Events in one step, after which the rest of the step is made without further ones (Zeno's chattering)."""
+_MOST_TRIALS, _SHARP = 100, 2.3e-16
+"""Newton's steps to an event, and the change, relative to the step, at which they end."""
 
 
 @dataclass(eq=False)
@@ -164,17 +165,25 @@ def _value(series: FloatArray, time: float) -> FloatArray:
 
 
 def _first_zero(series: FloatArray, end: float) -> float:
-    """Where a polynomial that is negative at `end` falls to zero; 0 if it starts there."""
+    """Where a polynomial that is negative at `end` falls to zero, by Newton's method within bounds.
+
+    Examples
+    --------
+    >>> _first_zero(np.array([1.0, 0.0, -4.0]), 1.0), _first_zero(np.array([0.0, -1.0]), 1.0)
+    (0.5, 0.0)
+    """
     coefficients = series[::-1].tolist()
     if coefficients[-1] <= 0:
         return 0.0
-
-    def value(time: float) -> float:
-        total = 0.0
+    low, high, time = 0.0, end, end
+    for _ in range(_MOST_TRIALS):
+        value = slope = 0.0
         for coefficient in coefficients:
-            total = total * time + coefficient
-        return total
-
-    if value(end) >= 0:
-        return end
-    return float(brentq(value, 0.0, end, xtol=1e-15 * end, rtol=8.9e-16))
+            slope = slope * time + value
+            value = value * time + coefficient
+        low, high = (time, high) if value > 0 else (low, time)
+        change = -value / slope if slope < 0 else low + high
+        if abs(change) <= _SHARP * end:
+            break
+        time = time + change if low < time + change < high else (low + high) / 2
+    return time

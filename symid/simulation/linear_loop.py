@@ -55,7 +55,9 @@ class LinearLoop:
         """Advance from sample k up to `end`; how many samples were made, and the controller's state after them."""
         system, inputs, n = self._system, self._loop.inputs[k:end], record.states.shape[1]
         with np.errstate(all="ignore"):
-            states = self._recursion.states(self._start(record, k, memory), inputs @ self._inputs + system.offset)
+            states = self._recursion.states(
+                self._start(record, k, memory), inputs @ self._inputs + system.offset
+            )
             forces = states[:-1] @ system.force_state + inputs @ system.force_input
             good = self._is_smooth(states[:, :n], forces)
         made = len(good) if good.all() else int(np.argmin(good))
@@ -71,7 +73,9 @@ class LinearLoop:
                 past = reader.past(record, k)
                 start[pipe] = (past if reader.is_between else past[:-1])[::-1]
         held = slice(n, n + memory.size)
-        start[held] = system.memory[:, held] @ (memory - system.memory @ start)  # their product is its own inverse
+        start[held] = system.memory[:, held] @ (
+            memory - system.memory @ start
+        )  # their product is its own inverse
         return start
 
     def _is_smooth(self, states: FloatArray, forces: FloatArray) -> BoolArray:

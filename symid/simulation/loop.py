@@ -87,7 +87,9 @@ class Loop:
     @cached_property
     def pieces(self) -> tuple[tuple[float, tuple[Reader, ...]], ...]:
         """Durations into which a sample is cut, each with the sensors that take their value at its end."""
-        moments = {self.period * i / self.steps: () for i in range(1, self.steps + 1)}
+        moments: dict[float, tuple[Reader, ...]] = {
+            self.period * i / self.steps: () for i in range(1, self.steps + 1)
+        }
         for reader in self.between:
             moments[reader.moment] = (*moments.get(reader.moment, ()), reader)
         if not self.between:

@@ -72,7 +72,9 @@ class Mode:
         n = len(plant.bodies)
         moving = [j for j in range(len(signs)) if j not in flow.stuck]
         self.varying = tuple((plant.laws[j], signs[j]) for j in moving if varies[j])
-        steady = [plant.laws[j].direction * plant.laws[j].force(0.0, signs[j]) for j in moving if not varies[j]]
+        steady = [
+            plant.laws[j].direction * plant.laws[j].force(0.0, signs[j]) for j in moving if not varies[j]
+        ]
         self.constant = np.asarray(plant.constant - sum(steady, start=np.zeros(n)))
         rows = [signs[j] * plant.laws[j].direction for j in moving if can_hold[j]]
         self.sliding = tuple(j for j in moving if can_hold[j])
@@ -123,9 +125,7 @@ class Modes:
     def __init__(self, plant: Plant) -> None:
         self.plant = plant
         self.can_hold = tuple(law.can_hold for law in plant.laws)
-        self.varies = tuple(
-            _varies(law, held) for law, held in zip(plant.laws, self.can_hold, strict=True)
-        )
+        self.varies = tuple(_varies(law, held) for law, held in zip(plant.laws, self.can_hold, strict=True))
         self.of = lru_cache(maxsize=256)(self._of)
         self._flow = lru_cache(maxsize=64)(lambda stuck: Flow(plant, stuck))
 

@@ -135,7 +135,9 @@ class Run:
         for duration, readers in self.loop.pieces:
             engine.advance(force, duration)
             for reader in readers:
-                value = engine.acceleration(force) if reader.order == 2 else engine.state[reader.order * n :][:n]
+                value = (
+                    engine.acceleration(force) if reader.order == 2 else engine.state[reader.order * n :][:n]
+                )
                 record.between[reader.signal][k] = reader.row @ value
         record.forces[k], record.states[k + 1] = force, engine.state
         if self.loop.is_accelerated:

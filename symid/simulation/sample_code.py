@@ -81,7 +81,9 @@ class SampleCode:
             "control": self._control(),
             "motion": motion,
             "update": [*_assigned(self._state, end), *_assigned(*self._next_memory())],
-            "append": [f"remember{i}({self._value(i, reader)})" for i, reader in enumerate(self.loop.controlled)],
+            "append": [
+                f"remember{i}({self._value(i, reader)})" for i, reader in enumerate(self.loop.controlled)
+            ],
         }
         text = _TEMPLATE
         for name, lines in parts.items():
@@ -101,9 +103,7 @@ class SampleCode:
 
     def _control(self) -> list[str]:
         """Readings and force."""
-        lines = [
-            _reading(f"y{i}", f"e{i}", reader.step) for i, reader in enumerate(self.loop.controlled)
-        ]
+        lines = [_reading(f"y{i}", f"e{i}", reader.step) for i, reader in enumerate(self.loop.controlled)]
         readings = "".join(f"{name}, " for name in self._readings)
         law = self.loop.law
         called = f"force(k, (r0, r1, r2), ({readings}), {{}})"
