@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,8 +13,23 @@ from symid.arrays import FloatArray
 from symid.simulation.flow import Flow
 from symid.simulation.plant import JUST_MOVING, JointLaw, Plant
 
-_PROBES = (0.0, *(sign * 10.0**power for power in range(-12, 5) for sign in (1.3, -0.7)))
-"""Displacements and speeds at which a law is looked at, to know whether it is constant."""
+_SPEEDS = (JUST_MOVING, *(0.7 * 10.0**power for power in range(-12, 5)))
+"""Speeds (and displacements) at which a law is looked at, to know whether it is a straight line."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A force level + stiffness q + damping v.
+
+    Parameters
+    ----------
+    level, stiffness, damping : float
+        SI.
+    """
+
+    level: float
+    stiffness: float
+    damping: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +63,17 @@ class Mode:
         Its motion with the joints that stick.
     signs : tuple of float
         Direction of motion for each law, 0 for one that sticks or can not.
-    can_hold, varies : sequence of bool
-        Whether each law can hold its joint, and whether its force varies within a mode.
+    lines : sequence of Line or None
+        Each law in this mode, if it is a straight line.
+    sliding : sequence of int
+        Laws that can hold their joints and do not now.
 
     Attributes
     ----------
     constant : array of shape (n,)
-        Constant forces of the plant and of the laws that do not vary.
+        Constant forces of the plant and of the laws that are straight lines; their slopes are the flow's.
     varying : tuple of (JointLaw, float)
-        Laws whose force varies with the motion, and their sign.
+        All other laws, and their sign.
     speeds : array of shape (n_sliding, 2 n)
         Rows whose products with the state are the speeds of the sliding joints, positive while they keep direction.
     """
@@ -65,21 +83,22 @@ class Mode:
         plant: Plant,
         flow: Flow,
         signs: tuple[float, ...],
-        can_hold: Sequence[bool],
-        varies: Sequence[bool],
+        lines: Sequence[Line | None],
+        sliding: Sequence[int],
     ) -> None:
         self.plant, self.flow, self.signs = plant, flow, signs
         n = len(plant.bodies)
         moving = [j for j in range(len(signs)) if j not in flow.stuck]
-        self.varying = tuple((plant.laws[j], signs[j]) for j in moving if varies[j])
-        steady = [
-            plant.laws[j].direction * plant.laws[j].force(0.0, signs[j]) for j in moving if not varies[j]
-        ]
-        self.constant = np.asarray(plant.constant - sum(steady, start=np.zeros(n)))
-        rows = [signs[j] * plant.laws[j].direction for j in moving if can_hold[j]]
-        self.sliding = tuple(j for j in moving if can_hold[j])
-        self.speeds = np.hstack([np.zeros((len(rows), n)), np.array(rows).reshape(len(rows), n)])
-        self._fixed = None if any(varies[j] for j in flow.stuck) else self._limits(np.zeros(2 * n))
+        self.varying = tuple((plant.laws[j], signs[j]) for j in moving if lines[j] is None)
+        levels = [plant.laws[j].direction * line.level for j in moving if (line := lines[j])]
+        self.constant = np.asarray(plant.constant - sum(levels, start=np.zeros(n)))
+        self.sliding = tuple(sliding)
+        rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
+        self.speeds = np.hstack([np.zeros_like(rows), rows])
+        laws = [plant.laws[j] for j in flow.stuck]
+        at = (-1.3, 0.0, 0.4, 2.1)
+        is_fixed = all(len({law.limits(q) for q in at}) == 1 for law in laws)
+        self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
         self.step = lru_cache(maxsize=32)(self._step)
 
     def force(self, state: FloatArray) -> FloatArray:
@@ -125,9 +144,9 @@ class Modes:
     def __init__(self, plant: Plant) -> None:
         self.plant = plant
         self.can_hold = tuple(law.can_hold for law in plant.laws)
-        self.varies = tuple(_varies(law, held) for law, held in zip(plant.laws, self.can_hold, strict=True))
+        self._lines = tuple({sign: _line(law, sign) for sign in (-1.0, 0.0, 1.0)} for law in plant.laws)
         self.of = lru_cache(maxsize=256)(self._of)
-        self._flow = lru_cache(maxsize=64)(lambda stuck: Flow(plant, stuck))
+        self._flow = lru_cache(maxsize=64)(self._make_flow)
 
     def start(self, state: FloatArray) -> tuple[float, ...]:
         """Signs of a state: joints at rest stick until their laws cannot hold them."""
@@ -139,16 +158,31 @@ class Modes:
 
     def _of(self, signs: tuple[float, ...]) -> Mode:
         stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)
-        return Mode(self.plant, self._flow(stuck), signs, self.can_hold, self.varies)
+        lines = [None if j in stuck else line[signs[j]] for j, line in enumerate(self._lines)]
+        slopes = tuple((line.stiffness, line.damping) if line else (0.0, 0.0) for line in lines)
+        sliding = [j for j, held in enumerate(self.can_hold) if held and j not in stuck]
+        return Mode(self.plant, self._flow(stuck, slopes), signs, lines, sliding)
+
+    def _make_flow(self, stuck: tuple[int, ...], slopes: tuple[tuple[float, float], ...]) -> Flow:
+        stiffness, damping = self.plant.stiffness, self.plant.damping
+        for law, (spring, damper) in zip(self.plant.laws, slopes, strict=True):
+            square = np.outer(law.direction, law.direction)
+            stiffness, damping = stiffness + spring * square, damping + damper * square
+        return Flow(replace(self.plant, stiffness=stiffness, damping=damping), stuck)
 
 
-def _varies(law: JointLaw, can_hold: bool) -> bool:
-    """Whether a joint's force depends on more than the direction of motion, which counts where it can hold."""
-    forward = {law.force(q, abs(v) or JUST_MOVING) for q, v in _pairs()}
-    backward = {law.force(q, -abs(v) or -JUST_MOVING) for q, v in _pairs()}
-    return len(forward) > 1 or len(backward) > 1 or (not can_hold and forward != backward)
-
-
-def _pairs() -> list[tuple[float, float]]:
-    crossed = [(q, v) for q in (-1.3, 0.4, 2.1) for v in _PROBES]
-    return crossed + [(q, v) for q in _PROBES for v in (0.7, 3.9)]
+def _line(law: JointLaw, sign: float) -> Line | None:
+    """The law for motion in a direction (both, if it is 0) as a straight line, if it is one."""
+    directions = (sign,) if sign else (-1.0, 1.0)
+    speeds = [side * speed for side in directions for speed in _SPEEDS]
+    level = law.force(0.0, speeds[0])
+    line = Line(level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1])
+    places = [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
+    places += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
+    if not all(map(math.isfinite, (line.level, line.stiffness, line.damping))):
+        return None
+    for q, v in places:
+        parts = (level, line.stiffness * q, line.damping * v)
+        if abs(law.force(q, v) - sum(parts)) > 1e-13 * sum(abs(part) for part in parts):
+            return None
+    return line

@@ -56,6 +56,20 @@ def test_coulomb_friction_stops_a_sliding_mass_where_it_must() -> None:
     assert np.all(late == late[0])
 
 
+@pytest.mark.parametrize("start", [0.7, -0.4])
+def test_friction_that_differs_by_direction_stops_a_mass_where_it_must(start: float) -> None:
+    """As above, with the coefficients of the direction: the law is a straight line in each."""
+    values = {"M": 95.0, "Fvp": 166.0, "Fcp": 20.0, "Fvn": 240.0, "Fcn": 21.0}
+    Fv, Fc = (166.0, 20.0) if start > 0 else (240.0, 21.0)
+    engine = Engine(plant_of(load_axis("emps_asymmetric"), values), np.array([0.0, start]))
+    stop = 95.0 / Fv * np.log(1 + Fv * abs(start) / Fc)
+    way = np.sign(start) * (95.0 * abs(start) / Fv - Fc / Fv * stop)
+    states = history(engine, np.zeros(int(stop / STEP) + 10))
+    assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
+    assert states[int(stop / STEP), 1] != 0
+    assert states[int(stop / STEP) + 1, 1] == 0
+
+
 def test_a_body_held_on_an_incline_does_not_creep() -> None:
     body = Body("slide", mass="M")
     incline = Weight(body, acceleration=9.80665 * np.sin(np.radians(20)))
