@@ -4,7 +4,8 @@ Two axes run along jerk-limited trapezoids under the same cascade. solve_ivp is 
 controller (its force is held) and where friction sticks or breaks loose, which it locates as events: the only way in
 which it keeps its accuracy. MuJoCo runs with its default integrator and soft friction at the same step, once with the
 controller in a Python loop and once without one, in its own loop in C. It is left out where it is not installed.
-Times are medians of alternating repetitions. Then the same as whole processes, from start to end, and laws that vary.
+Times are medians of alternating repetitions. Then the same as whole processes, from start to
+end, and loops that are simulated sample by sample.
 
 Run: python benchmarks/simulation.py
 """
@@ -18,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
 
@@ -77,24 +79,21 @@ def prepared(case: Case, rate: float):  # type: ignore[no-untyped-def]  # symid 
     return lambda: simulate(axis, case.values, path, gains), loop
 
 
-def errors(case: Case, n_samples: int) -> dict[str, float]:
-    """Largest error of position, against solve_ivp at its tightest, over the first samples."""
-    run, loop = prepared(case, RATE)
-    machine = case.by_hand()
+def errors(case: Case, n_samples: int, found: dict[str, np.ndarray]) -> dict[str, float]:
+    """Largest error of displacements over the first samples, against solve_ivp at its tightest."""
+    _, loop = prepared(case, RATE)
     cut = Loop(loop.position[:n_samples], loop.velocity[:n_samples], loop.period, loop.gains)
-    true = by_solve_ivp(machine, cut, "DOP853", 1e-13)
-    n = machine.joint.size
-    found = {"symid": run().states[:n_samples]}
-    found |= {f"{m} {t:g}": by_solve_ivp(machine, cut, m, t) for m, t in (("RK45", 1e-6), ("DOP853", 1e-10))}
-    return {name: float(np.abs(states - true)[:, :n].max()) for name, states in found.items()}
+    true = by_solve_ivp(case.by_hand(), cut, "DOP853", 1e-13)
+    n = true.shape[1] // 2
+    return {name: float(np.abs(states[:n_samples] - true)[:, :n].max()) for name, states in found.items()}
 
 
-def seconds(**calls: Callable[[], object]) -> dict[str, float]:
+def seconds(calls: dict[str, Callable[[], object]]) -> dict[str, float]:
     """Median time of each of some calls, run in turn; those that take long once."""
     times: dict[str, list[float]] = {name: [] for name in calls}
     for repetition in range(7):
         for name, call in calls.items():
-            if repetition and times[name][0] > 1.0:
+            if repetition and times[name][0] > 2.0:
                 continue
             begin = time.perf_counter()
             call()
@@ -105,21 +104,20 @@ def seconds(**calls: Callable[[], object]) -> dict[str, float]:
 def beside_solve_ivp(case: Case) -> None:
     """Print errors, steps per second and ratios."""
     run, loop = prepared(case, RATE)
-    machine = case.by_hand()
-    run()
-    accuracy = errors(case, loop.position.size)
-    taken = seconds(
-        **{
-            "symid": run,
-            "RK45 1e-06": lambda: by_solve_ivp(machine, loop, "RK45", 1e-6),
-            "DOP853 1e-10": lambda: by_solve_ivp(machine, loop, "DOP853", 1e-10),
-        }
-    )
+    machine, found = case.by_hand(), {"symid": run().states}
+
+    def peer(method: str, tolerance: float) -> Callable[[], object]:
+        name = f"solve_ivp, {method}, rtol {tolerance:g}"
+        return lambda: found.update({name: by_solve_ivp(machine, loop, method, tolerance)})
+
+    calls = {f"solve_ivp, {m}, rtol {t:g}": peer(m, t) for m, t in (("RK45", 1e-6), ("DOP853", 1e-10))}
+    taken = seconds({"symid": run, **calls})
+    accuracy = errors(case, loop.position.size, found)
     print(f"\n{case.axis}, closed loop, {loop.position.size} samples at {RATE:g} Hz")
     for name, time_taken in taken.items():
         ratio = time_taken / taken["symid"]
         speed = loop.position.size / time_taken
-        print(f"  {name:26} {speed:10.0f} steps/s  error {accuracy[name]:.1e} m  {ratio:6.0f} x the time")
+        print(f"  {name:30} {speed:10.0f} steps/s  error {accuracy[name]:.1e} m  {ratio:6.1f} x the time")
 
 
 def beside_mujoco(case: Case) -> None:
@@ -131,7 +129,7 @@ def beside_mujoco(case: Case) -> None:
         calls["mujoco, controller in Python"] = lambda: by_mujoco(machine, loop)
         calls["mujoco, its own loop, forces given"] = lambda: rolled_out(machine, loop, exact.forces)
     print(f"\n{case.axis}, {loop.position.size} samples at {FINE:g} Hz")
-    taken = seconds(**calls)
+    taken = seconds(calls)
     for name, time_taken in taken.items():
         speed, ratio = loop.position.size / time_taken, time_taken / taken["symid, closed loop"]
         print(f"  {name:36} {speed:10.0f} steps/s  {ratio:6.1f} x the time")
@@ -157,8 +155,8 @@ def whole_processes(case: Case) -> None:
         if has_mujoco():
             commands["mujoco"] = [str(Path(__file__).with_name("simulation_peers.py")), str(file)]
         taken = seconds(
-            **{
-                name: lambda command=command: subprocess.run([sys.executable, *command], check=True)
+            {
+                name: partial(subprocess.run, [sys.executable, *command], check=True)
                 for name, command in commands.items()
             }
         )
@@ -166,9 +164,9 @@ def whole_processes(case: Case) -> None:
     print(f"\n{case.axis}, {loop.position.size} samples, whole process: {shown}")
 
 
-def varying_law() -> None:
-    """Print steps per second with friction that falls with speed, which no mode makes linear."""
-    from symid import Axis, Body, Drive, Law, Position, Term, ViscousFriction
+def sample_by_sample() -> None:
+    """Print steps per second where no blocks are possible: a quantised encoder, friction that falls with speed."""
+    from symid import Axis, Body, Drive, Law, Position, Term, ViscousFriction, load_axis
     from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
     class Stribeck(Law):
@@ -176,24 +174,21 @@ def varying_law() -> None:
             return (Term("Fs", "sign(v)"), Term("dF", "sign(v)*exp(-(100*v)**2)"))
 
     body = Body("slide", mass="M")
-    axis = Axis(
-        "stribeck",
-        (body, ViscousFriction(body, "Fv"), Stribeck(body)),
-        Drive("F", body),
-        (Position("q", body),),
-    )
-    values = {"M": 100.0, "Fv": 80.0, "Fs": 40.0, "dF": 20.0}
+    elements = (body, ViscousFriction(body, "Fv"), Stribeck(body))
+    stribeck = Axis("stribeck", elements, Drive("F", body), (Position("q", body),))
+    quantised = load_axis("rigid_1m").with_signal("q", noise=0.0, resolution=1e-7)
+    noisy = load_axis("rigid_1m").with_signal("q", noise=1e-6)
+    values = CASES[0].values
     path = trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / FINE)
-    gains = tuned_cascade(plant_of(axis, values), "q")
-    quantised = axis.with_signal("q", noise=0.0, resolution=1e-7)
-    rigid_1m, (run, loop) = CASES[0], prepared(CASES[0], FINE)
-    del rigid_1m, run, loop
-    taken = seconds(
-        stribeck=lambda: simulate(axis, values, path, gains),
-        quantised=lambda: simulate(quantised, {**values, "dF": 0.0}, path, gains),
-    )
-    for name, time_taken in taken.items():
-        print(f"  {name}: {path.n_samples / time_taken:.0f} steps/s")
+    gains = tuned_cascade(plant_of(quantised, values), "q")
+    calls = {
+        "quantised encoder": lambda: simulate(quantised, values, path, gains),
+        "noisy encoder, friction never at rest": lambda: simulate(noisy, values, path, gains),
+        "Stribeck friction": lambda: simulate(stribeck, {**values, "dF": 20.0}, path, gains),
+    }
+    print(f"\nrigid_1m sample by sample, {path.n_samples} samples at {FINE:g} Hz")
+    for name, time_taken in seconds(calls).items():
+        print(f"  {name:40} {path.n_samples / time_taken:10.0f} steps/s")
 
 
 def has_mujoco() -> bool:
@@ -211,8 +206,7 @@ def main() -> None:
     for case in CASES:
         beside_mujoco(case)
         whole_processes(case)
-    print("\nsample by sample:")
-    varying_law()
+    sample_by_sample()
 
 
 if __name__ == "__main__":
