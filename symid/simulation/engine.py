@@ -11,17 +11,19 @@ that is constant over a step, taken at its midpoint (exponential midpoint rule, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.simulation.flow import ORDER
 from symid.simulation.mode import Mode, Modes
 from symid.simulation.plant import Plant
 
 _MOST_EVENTS = 100
 """Events in one step, after which the rest of the step is made without further ones (Zeno's chattering)."""
+_POWERS = np.arange(ORDER)
 _MOST_TRIALS, _SHARP = 100, 2.3e-16
 """Newton's steps to an event, and the change, relative to the step, at which they end."""
 
@@ -54,13 +56,8 @@ class Engine:
     def __post_init__(self) -> None:
         if self.state.size == 0:
             self.state = np.zeros(2 * len(self.plant.bodies))
-        self.modes = Modes(self.plant)
-        self._signs = self.modes.start(self.state)
-
-    @property
-    def mode(self) -> Mode:
-        """Which joints slide or stick now."""
-        return self.modes.of(self._signs)
+        self._modes = Modes(self.plant)
+        self.mode = self._modes.of(self._modes.start(self.state))
 
     def advance(self, drive_force: float, duration: float) -> None:
         """Advance by a duration under a constant drive force."""
@@ -92,27 +89,31 @@ class Engine:
             return False
         if mode.flow.stuck:
             force = self.plant.drive * drive_force + mode.constant
-            if self._excess(start, force).any() or self._excess(end, force).any():
+            if any(self._excess(start, force)) or any(self._excess(end, force)):
                 return False
         self.state = end
         return True
 
     def _set_sign(self, joint: int, sign: float) -> None:
-        self._signs = (*self._signs[:joint], sign, *self._signs[joint + 1 :])
+        signs = self.mode.signs
+        self.mode = self._modes.of((*signs[:joint], sign, *signs[joint + 1 :]))
 
     def _release(self, drive: FloatArray) -> None:
         """Let joints go that their laws cannot hold, one after the other, the worst first."""
         while stuck := self.mode.flow.stuck:
             excess = self._excess(self.state, drive + self.mode.force(self.state))
-            worst = int(np.argmax(np.abs(excess)))
+            worst = max(range(len(stuck)), key=lambda i: abs(excess[i]))
             if excess[worst] == 0:
                 return
-            self._set_sign(stuck[worst], float(np.sign(excess[worst])))
+            self._set_sign(stuck[worst], math.copysign(1.0, excess[worst]))
 
-    def _excess(self, state: FloatArray, force: FloatArray) -> FloatArray:
+    def _excess(self, state: FloatArray, force: FloatArray) -> list[float]:
         """By how much the force on each stuck joint leaves the range that its law can hold; 0 inside."""
+        if not self.mode.flow.stuck:
+            return []
         needed, limits = self.mode.flow.holding_forces(state, force), self.mode.limits(state)
-        return np.asarray(np.maximum(needed - limits[:, 1], 0.0) + np.minimum(needed - limits[:, 0], 0.0))
+        pairs = zip(needed.tolist(), limits.tolist(), strict=True)
+        return [max(held - high, 0.0) + min(held - low, 0.0) for held, (low, high) in pairs]
 
     def _until_event(self, drive: FloatArray, duration: float) -> float:
         """Advance to the next event, at most by a duration; the time that was made."""
@@ -123,19 +124,22 @@ class Engine:
         made = min(duration, mode.flow.reach)
         series, whole = mode.flow.series(start, force), made / mode.flow.reach
         end = _value(series, whole)
-        speeds, excess = mode.speeds @ end, self._excess(end, force)
-        events = [(_first_zero(series @ mode.speeds[i], whole), mode.sliding[i], 0.0) for i in _below(speeds)]
-        for i in np.flatnonzero(excess):
-            sign = float(np.sign(excess[i]))
-            margin = self._margin(mode, int(i), sign, series, force)
-            events.append((_first_zero(margin, whole), mode.flow.stuck[i], sign))
+        events = []
+        for joint, row in zip(mode.sliding, mode.speeds, strict=True):
+            if row @ end < 0:
+                events.append((_first_zero(series @ row, whole), joint, 0.0))
+        for i, excess in enumerate(self._excess(end, force)):
+            if excess:
+                sign = math.copysign(1.0, excess)
+                margin = self._margin(mode, i, sign, series, force)
+                events.append((_first_zero(margin, whole), mode.flow.stuck[i], sign))
         if not events:
             self.state = end
             return made
         time, joint, sign = min(events)
         self.state = _value(series, time)
         if sign == 0.0:
-            self._come_to_rest(joint)
+            self.state = self._modes.at_rest(self.state, joint)
         self._set_sign(joint, sign)
         self._release(drive)
         return time * mode.flow.reach
@@ -148,20 +152,9 @@ class Engine:
         margin[0] += sign * (limit - row[series.shape[1] :] @ force)
         return np.asarray(margin)
 
-    def _come_to_rest(self, joint: int) -> None:
-        """Stop a joint: take what rounding has left of its velocity out by an impulse along its direction."""
-        direction, n = self.plant.laws[joint].direction, len(self.plant.bodies)
-        shape = np.linalg.solve(self.plant.mass, direction)
-        self.state = self.state.copy()
-        self.state[n:] -= shape * (direction @ self.state[n:]) / (direction @ shape)
-
-
-def _below(values: FloatArray) -> Sequence[int]:
-    return [int(i) for i in np.flatnonzero(values < 0)]
-
 
 def _value(series: FloatArray, time: float) -> FloatArray:
-    return np.asarray(time ** np.arange(len(series)) @ series)
+    return np.asarray(time**_POWERS @ series)
 
 
 def _first_zero(series: FloatArray, end: float) -> float:

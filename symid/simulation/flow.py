@@ -15,7 +15,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.simulation.plant import Plant
 
-_ORDER = 20
+ORDER = 20
 """Terms of the Taylor series; within `Flow.reach` the next one is below 1/20! = 4e-19 of the first."""
 
 
@@ -75,7 +75,7 @@ class Flow:
         SciPy's matrix exponential would share matrices of this size among threads, which takes milliseconds.
         """
         doublings = max(math.ceil(math.log2(duration / self.reach)), 0) if duration > 0 else 0
-        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(_ORDER), self._series, 1)
+        whole = np.tensordot((duration / 2**doublings / self.reach) ** np.arange(ORDER), self._series, 1)
         size = len(whole)
         transition, gain = whole[:, :size], whole[:, size:]
         for _ in range(doublings):
@@ -90,7 +90,7 @@ class Flow:
         generator[:n, n : 2 * n] = np.eye(n)
         generator[n : 2 * n] = self.acceleration_rows
         term, terms = np.eye(3 * n), []
-        for order in range(1, _ORDER + 1):
+        for order in range(1, ORDER + 1):
             terms.append(term[: 2 * n])
             term = generator @ term * (self.reach / order)
         return np.array(terms)

@@ -145,6 +145,8 @@ class Modes:
         self.plant = plant
         self.can_hold = tuple(law.can_hold for law in plant.laws)
         self._lines = tuple({sign: _line(law, sign) for sign in (-1.0, 0.0, 1.0)} for law in plant.laws)
+        shapes = [np.linalg.solve(plant.mass, law.direction) for law in plant.laws]
+        self._impulses = [s / (law.direction @ s) for s, law in zip(shapes, plant.laws, strict=True)]
         self.of = lru_cache(maxsize=256)(self._of)
         self._flow = lru_cache(maxsize=64)(self._make_flow)
 
@@ -155,6 +157,12 @@ class Modes:
             float(np.sign(law.direction @ velocities)) if held else 0.0
             for law, held in zip(self.plant.laws, self.can_hold, strict=True)
         )
+
+    def at_rest(self, state: FloatArray, joint: int) -> FloatArray:
+        """Take what rounding has left of a joint's velocity out, by an impulse along its direction."""
+        direction, n = self.plant.laws[joint].direction, len(self.plant.bodies)
+        velocities = state[n:] - self._impulses[joint] * (direction @ state[n:])
+        return np.concatenate([state[:n], velocities])
 
     def _of(self, signs: tuple[float, ...]) -> Mode:
         stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)
