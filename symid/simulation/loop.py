@@ -60,8 +60,12 @@ class Loop:
 
     @cached_property
     def controlled(self) -> tuple[Reader, ...]:
-        """Sensors that the controller reads."""
+        """Sensors that the controller reads; SettingError if the axis has no such sensor."""
         by_signal = {reader.signal: reader for reader in self.readers}
+        if unknown := [signal for signal in self.controller.signals if signal not in by_signal]:
+            raise SettingError(
+                f"the controller reads {unknown[0]!r}, which is no sensor of this axis: use {', '.join(by_signal)}"
+            )
         return tuple(by_signal[signal] for signal in self.controller.signals)
 
     @cached_property

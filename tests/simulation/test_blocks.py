@@ -28,6 +28,7 @@ from symid.simulation import (
     Command,
     Controller,
     Engine,
+    LinearLaw,
     OpenLoop,
     Trajectory,
     plant_of,
@@ -197,6 +198,55 @@ def test_a_controller_of_ones_own_is_asked_once_for_each_sample() -> None:
     for k, force in enumerate(run.forces):
         assert run.states[k] == pytest.approx(engine.state, abs=1e-13)
         engine.advance(float(force), PERIOD)
+
+
+class TwoEncoders(Controller):
+    """Stiffness and damping on the motor, damping of the transmission, and a filtered push; as matrices too."""
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        return ("ql", "qm")
+
+    @property
+    def start(self) -> FloatArray:
+        return np.array([0.0, 0.0])
+
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        filtered, last = state
+        gap = measured["ql"] - measured["qm"]
+        force = 3e4 * (command.position - measured["qm"]) + 900.0 * command.velocity
+        force += filtered - 200.0 * (measured["qm"] - last) / period + 5e3 * gap
+        return force, np.array([0.9 * filtered + 10.0 * command.acceleration + 50.0 * gap, measured["qm"]])
+
+    def linear(self, period: float) -> LinearLaw:
+        return LinearLaw(
+            A=np.array([[0.9, 0.0], [0.0, 0.0]]),
+            B=np.array([[0.0, 0.0, 10.0, 50.0, -50.0], [0.0, 0.0, 0.0, 0.0, 1.0]]),
+            C=np.array([1.0, 200.0 / period]),
+            D=np.array([3e4, 900.0, 0.0, 5e3, -3e4 - 200.0 / period - 5e3]),
+        )
+
+
+class TwoEncodersPlain(TwoEncoders):
+    """The same, of which only the force is known."""
+
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        return super().force(command, measured, state, period)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.4 * PERIOD, 3.0 * PERIOD])
+def test_a_controller_of_ones_own_with_matrices_runs_in_blocks(delay: float) -> None:
+    axis = load_axis("ballscrew_2m1s").with_signal("ql", noise=1e-7, delay=delay)
+    axis = axis.with_signal("qm", noise=1e-8)
+    values = AXES["ballscrew_2m1s"][0]
+    runs = [simulate(axis, values, moves(), c, seed=7) for c in (TwoEncoders(), TwoEncodersPlain())]
+    assert np.abs(runs[1].states[:, :2]).max() > 0.04
+    assert np.abs(runs[0].states - runs[1].states).max() < 1e-11
+    assert np.abs(runs[0].forces - runs[1].forces).max() < 1e-7
 
 
 def test_progress_is_told_the_parts_of_a_run() -> None:
