@@ -121,7 +121,7 @@ def beside_solve_ivp(case: Case) -> None:
 
 
 def beside_mujoco(case: Case) -> None:
-    """Print steps per second and ratios, and how far MuJoCo's soft friction is from the exact motion."""
+    """Print steps per second and ratios, the distance of MuJoCo's soft friction, and times of whole processes."""
     run, loop = prepared(case, FINE)
     exact, machine = run(), case.by_hand()
     calls = {"symid, closed loop": run}
@@ -136,10 +136,16 @@ def beside_mujoco(case: Case) -> None:
     if has_mujoco():
         distance = np.abs(by_mujoco(machine, loop) - exact.log[case.signal]).max()
         print(f"  mujoco is up to {distance:.1e} m from the exact motion")
+    whole = whole_processes(case)
+    print("  whole process: " + ", ".join(f"{name} {time_taken:.2f} s" for name, time_taken in whole.items()))
+    if has_mujoco():
+        gained = (taken["mujoco, controller in Python"] - taken["symid, closed loop"]) / loop.position.size
+        ahead = loop.position.size + (whole["symid"] - whole["mujoco"]) / gained
+        print(f"  from {ahead:.2g} samples on the whole process of symid ends first")
 
 
-def whole_processes(case: Case) -> None:
-    """Print the time of a process from start to end, derivation of the plant included."""
+def whole_processes(case: Case) -> dict[str, float]:
+    """Time of a process from start to end, derivation of the plant included."""
     _, loop = prepared(case, FINE)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "loop.npz"
@@ -154,14 +160,12 @@ def whole_processes(case: Case) -> None:
         commands = {"symid": [__file__, case.axis]}
         if has_mujoco():
             commands["mujoco"] = [str(Path(__file__).with_name("simulation_peers.py")), str(file)]
-        taken = seconds(
+        return seconds(
             {
                 name: partial(subprocess.run, [sys.executable, *command], check=True)
                 for name, command in commands.items()
             }
         )
-    shown = ", ".join(f"{name} {time_taken:.2f} s" for name, time_taken in taken.items())
-    print(f"\n{case.axis}, {loop.position.size} samples, whole process: {shown}")
 
 
 def sample_by_sample() -> None:
@@ -205,7 +209,6 @@ def main() -> None:
         beside_solve_ivp(case)
     for case in CASES:
         beside_mujoco(case)
-        whole_processes(case)
     sample_by_sample()
 
 

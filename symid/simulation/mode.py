@@ -144,7 +144,7 @@ class Modes:
     def __init__(self, plant: Plant) -> None:
         self.plant = plant
         self.can_hold = tuple(law.can_hold for law in plant.laws)
-        self._lines = tuple({sign: _line(law, sign) for sign in (-1.0, 0.0, 1.0)} for law in plant.laws)
+        self._line = lru_cache(maxsize=None)(lambda j, sign: _line(plant.laws[j], sign))
         shapes = [np.linalg.solve(plant.mass, law.direction) for law in plant.laws]
         self._impulses = [s / (law.direction @ s) for s, law in zip(shapes, plant.laws, strict=True)]
         self.of = lru_cache(maxsize=256)(self._of)
@@ -166,7 +166,7 @@ class Modes:
 
     def _of(self, signs: tuple[float, ...]) -> Mode:
         stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)
-        lines = [None if j in stuck else line[signs[j]] for j, line in enumerate(self._lines)]
+        lines = [None if j in stuck else self._line(j, sign) for j, sign in enumerate(signs)]
         slopes = tuple((line.stiffness, line.damping) if line else (0.0, 0.0) for line in lines)
         sliding = [j for j, held in enumerate(self.can_hold) if held and j not in stuck]
         return Mode(self.plant, self._flow(stuck, slopes), signs, lines, sliding)

@@ -1,7 +1,7 @@
 """The course of a simulation: blocks of samples while the loop is linear, single samples where it is not.
 
-A block is tried first; where it breaks off, the following samples are made one by one, with events inside them
-located exactly.
+A block is tried first. The sample at which it breaks off, because a joint sticks or slips or the force reaches its
+limit, is made by the engine, which locates events exactly. Where blocks break off soon, samples are made one by one.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from symid.simulation.mode import Mode
 from symid.simulation.record import Record
 from symid.simulation.sample_code import compiled
 
-_SHORTEST, _LONGEST = 32, 4096
+_SHORTEST, _LONGEST = 128, 4096
 """Samples of a block: after an event, and at most."""
 _POOR = 16
 """Samples that a block must make to be worth its while."""
@@ -53,7 +53,7 @@ class Run:
     def advance(self, end: int) -> None:
         """Advance until `end` samples are made."""
         if self._made == 0:
-            self._first()
+            self._one()
         while self._made < end:
             ways = self._ways()
             if ways.linear is not None and self._singly == 0:
@@ -71,11 +71,11 @@ class Run:
         self._by_mode.move_to_end(mode)
         return self._by_mode[mode]
 
-    def _first(self) -> None:
-        """The first sample, at which a controller has seen nothing before."""
-        command = self.loop.inputs[0, :3].tolist()
-        readings = [reader.read(self.record, 0) for reader in self.loop.controlled]
-        self._event(*self.loop.force(0, command, readings, self._memory))
+    def _one(self) -> None:
+        """A single sample by the controller's own law and the engine: the first one, and one that ends a block."""
+        k = self._made
+        readings = [reader.read(self.record, k) for reader in self.loop.controlled]
+        self._event(*self.loop.force(k, self.loop.inputs[k, :3].tolist(), readings, self._memory))
 
     def _by_block(self, linear: LinearLoop, end: int) -> None:
         wanted = end - self._made
@@ -85,7 +85,8 @@ class Run:
         if made == wanted:
             self._block = min(4 * self._block, _LONGEST)
         else:
-            self._block, self._singly = _SHORTEST, 1 if made >= _POOR else 2 * _POOR
+            self._one()
+            self._block, self._singly = _SHORTEST, 0 if made >= _POOR else 2 * _POOR
 
     def _by_sample(self, sampled: Callable[..., Any], end: int) -> None:
         loop, record, k = self.loop, self.record, self._made
