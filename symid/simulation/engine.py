@@ -65,12 +65,12 @@ class Engine:
             return
         drive = self.plant.drive * drive_force
         self._release(drive)
-        left = duration
-        for _ in range(_MOST_EVENTS):
-            left -= self._until_event(drive, left)
-            if left <= 0:
-                return
-        self.state = self.mode.flow.advance(self.state, drive + self.mode.force(self.state), left)
+        left, events = duration, 0
+        while left > 0 and events < _MOST_EVENTS:
+            made, is_event = self._until_event(drive, left)
+            left, events = left - made, events + is_event
+        if left > 0:
+            self.state = self.mode.flow.advance(self.state, drive + self.mode.force(self.state), left)
 
     def acceleration(self, drive_force: float) -> FloatArray:
         """Accelerations of the bodies under a drive force, of shape (n,)."""
@@ -115,13 +115,13 @@ class Engine:
         pairs = zip(needed.tolist(), limits.tolist(), strict=True)
         return [max(held - high, 0.0) + min(held - low, 0.0) for held, (low, high) in pairs]
 
-    def _until_event(self, drive: FloatArray, duration: float) -> float:
-        """Advance to the next event, at most by a duration; the time that was made."""
+    def _until_event(self, drive: FloatArray, duration: float) -> tuple[float, bool]:
+        """Advance to the next event, at most by a duration; the time that was made, and whether there was one."""
         mode, start = self.mode, self.state
+        made = min(duration, mode.flow.reach)
         force = drive + mode.force(start)
         if mode.varying:
-            force = drive + mode.force(mode.flow.advance(start, force, duration / 2))
-        made = min(duration, mode.flow.reach)
+            force = drive + mode.force(mode.flow.advance(start, force, made / 2))
         series, whole = mode.flow.series(start, force), made / mode.flow.reach
         end = _value(series, whole)
         events = []
@@ -135,14 +135,14 @@ class Engine:
                 events.append((_first_zero(margin, whole), mode.flow.stuck[i], sign))
         if not events:
             self.state = end
-            return made
+            return made, False
         time, joint, sign = min(events)
         self.state = _value(series, time)
         if sign == 0.0:
             self.state = self._modes.at_rest(self.state, joint)
         self._set_sign(joint, sign)
         self._release(drive)
-        return time * mode.flow.reach
+        return time * mode.flow.reach, True
 
     def _margin(self, mode: Mode, i: int, sign: float, series: FloatArray, force: FloatArray) -> FloatArray:
         """Series of what is left to the limit of a stuck joint's force, on the side to which it leaves."""

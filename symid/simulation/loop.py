@@ -108,6 +108,10 @@ class Loop:
         measured = {reader.signal: value for reader, value in zip(self.controlled, readings, strict=True)}
         force, memory = self.controller.force(Command(k, *reference), measured, memory, self.period)
         if not abs(force) < RUNAWAY:
-            time = self.trajectory.time[k]
-            raise SettingError(f"the axis runs away at t = {time:g} s: lower the controller's gains")
+            raise runaway(self.trajectory.time[k])
         return float(force), memory
+
+
+def runaway(time: float) -> SettingError:
+    """What is said of an unstable loop."""
+    return SettingError(f"the axis runs away at t = {time:g} s: lower the controller's gains")

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.errors import SettingError
 from symid.simulation.engine import Engine
 from symid.simulation.linear_loop import LinearLoop
-from symid.simulation.loop import Loop
+from symid.simulation.loop import Loop, runaway
 from symid.simulation.mode import Mode
 from symid.simulation.record import Record
 from symid.simulation.sample_code import compiled
@@ -51,15 +50,22 @@ class Run:
             record.accelerations[0] = self._engine.acceleration(0.0)
 
     def advance(self, end: int) -> None:
-        """Advance until `end` samples are made."""
-        if self._made == 0:
-            self._one()
-        while self._made < end:
-            ways = self._ways()
-            if ways.linear is not None and self._singly == 0:
-                self._by_block(ways.linear, min(self._made + self._block, end))
-            else:
-                self._by_sample(ways.sampled, min(self._made + (self._singly or _LONGEST), end))
+        """Advance until `end` samples are made; SettingError if the axis runs away."""
+        try:
+            if self._made == 0:
+                self._one()
+            while self._made < end:
+                self._next(end)
+        except OverflowError as error:  # of a law's expression
+            raise runaway(self.loop.trajectory.time[self._made]) from error
+
+    def _next(self, end: int) -> None:
+        """A block or some single samples, at most until `end`."""
+        ways = self._ways()
+        if ways.linear is not None and self._singly == 0:
+            self._by_block(ways.linear, min(self._made + self._block, end))
+        else:
+            self._by_sample(ways.sampled, min(self._made + (self._singly or _LONGEST), end))
 
     def _ways(self) -> _Ways:
         """How samples of the present mode are made."""
@@ -94,12 +100,7 @@ class Run:
         columns = [range(k, end), *loop.inputs[k:end].T.tolist()]
         state = record.states[k]
         limits = self._engine.mode.limits(state).ravel().tolist()
-        try:
-            out, pending, memory = sampled(columns, pasts, state.tolist(), self._kept(), limits)
-        except OverflowError as error:
-            raise SettingError(
-                f"the axis runs away after t = {loop.trajectory.time[k]:g} s: lower the controller's gains"
-            ) from error
+        out, pending, memory = sampled(columns, pasts, state.tolist(), self._kept(), limits)
         made = self._write(np.array(out))
         self._memory = self._remembered(memory)
         self._engine.state = record.states[self._made].copy()

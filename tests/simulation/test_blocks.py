@@ -23,6 +23,7 @@ from symid import (
     load_axis,
 )
 from symid.arrays import FloatArray
+from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
     Command,
@@ -261,6 +262,26 @@ def test_progress_is_told_the_parts_of_a_run() -> None:
     shown = simulate(axis, RIGID, path, tuned_cascade(plant_of(axis, RIGID), "q"), progress=noted)
     assert told == [math.ceil(path.n_samples / 8192)]
     assert shown.log["q"].max() == pytest.approx(0.05, rel=0.05)
+
+
+class Cube(Law):
+    """A spring that pushes away with the cube of the displacement."""
+
+    def terms(self) -> tuple[Term, ...]:
+        return (Term("k3", "q**3", signed=True),)
+
+
+def test_an_axis_that_a_law_lets_run_away_is_named() -> None:
+    body = Body("slide", mass="M")
+    axis = Axis("away", (body, Cube(body)), Drive("F", body), (Position("q", body),))
+    still = np.zeros(4000)
+    with pytest.raises(SettingError, match="runs away at t = 0"):
+        simulate(
+            axis,
+            {"M": 1.0, "k3": -1e9},
+            Trajectory(still, still, still, PERIOD, "rest"),
+            OpenLoop(still + 10.0),
+        )
 
 
 class Stribeck(Law):

@@ -70,6 +70,18 @@ def test_friction_that_differs_by_direction_stops_a_mass_where_it_must(start: fl
     assert states[int(stop / STEP) + 1, 1] == 0
 
 
+def test_a_stiff_axis_stops_as_a_rigid_one() -> None:
+    """2 kg with friction and 3 kg behind 1e13 N/m: 300 times stiffer than a step can follow by one series."""
+    values = {"Mm": 2.0, "Fvm": 0.0, "Fsm": 4.0, "Kt": 1e13, "Ft": 4e6, "Ml": 3.0, "Fvl": 0.0}
+    engine = Engine(plant_of(load_axis("ballscrew_2m1s"), values), np.array([0.0, 0.0, 0.01, 0.01]))
+    states = history(engine, np.zeros(80))
+    stop, way = 5.0 * 0.01 / 4.0, 5.0 * 0.01**2 / (2 * 4.0)
+    assert states[-1] == pytest.approx([way, way, 0.0, 0.0], abs=1e-9)
+    sliding = np.arange(81) * STEP < stop
+    assert np.all(states[sliding, 2] > 0)
+    assert np.all(states[~sliding, 2] == pytest.approx(0.0, abs=1e-9))
+
+
 def test_a_body_held_on_an_incline_does_not_creep() -> None:
     body = Body("slide", mass="M")
     incline = Weight(body, acceleration=9.80665 * np.sin(np.radians(20)))
