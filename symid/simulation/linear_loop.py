@@ -73,9 +73,8 @@ class LinearLoop:
                 past = reader.past(record, k)
                 start[pipe] = (past if reader.is_between else past[:-1])[::-1]
         held = slice(n, n + memory.size)
-        start[held] = system.memory[:, held] @ (
-            memory - system.memory @ start
-        )  # their product is its own inverse
+        own = system.memory[:, held]  # diagonal, with 1 or -1: its own inverse
+        start[held] = own @ (memory - system.memory @ start)
         return start
 
     def _is_smooth(self, states: FloatArray, forces: FloatArray) -> BoolArray:

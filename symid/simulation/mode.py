@@ -62,7 +62,7 @@ class Mode:
     flow : Flow
         Its motion with the joints that stick.
     signs : tuple of float
-        Direction of motion for each law, 0 for one that sticks or can not.
+        Direction of motion for each law; 0 if its joint sticks, or if it has no level at which it could.
     lines : sequence of Line or None
         Each law in this mode, if it is a straight line.
     sliding : sequence of int
@@ -95,9 +95,8 @@ class Mode:
         self.sliding = tuple(sliding)
         rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
         self.speeds = np.hstack([np.zeros_like(rows), rows])
-        laws = [plant.laws[j] for j in flow.stuck]
-        at = (-1.3, 0.0, 0.4, 2.1)
-        is_fixed = all(len({law.limits(q) for q in at}) == 1 for law in laws)
+        places = [side * q for side in (-1.0, 1.0) for q in _SPEEDS]
+        is_fixed = all(len({plant.laws[j].limits(q) for q in places}) == 1 for j in flow.stuck)
         self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
         self.step = lru_cache(maxsize=32)(self._step)
 

@@ -10,9 +10,11 @@ from symid import (
     Body,
     CoulombFriction,
     Drive,
+    Law,
     PendulumWeight,
     Position,
     Spring,
+    Term,
     ViscousFriction,
     Weight,
     load_axis,
@@ -68,6 +70,22 @@ def test_friction_that_differs_by_direction_stops_a_mass_where_it_must(start: fl
     assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
     assert states[int(stop / STEP), 1] != 0
     assert states[int(stop / STEP) + 1, 1] == 0
+
+
+def test_a_level_that_varies_along_the_stroke_holds_with_its_value_there() -> None:
+    """Friction 4 + 3 cos(2 pi q / 0.1), pulled at a quarter of its period by a rising force: it breaks loose at 4 N."""
+
+    class Wavy(Law):
+        def terms(self) -> tuple[Term, ...]:
+            return (Term("Fs", "sign(v)"), Term("dF", "sign(v)*cos(62.83185307179586*q)"))
+
+    body = Body("slide", mass="M")
+    axis = Axis("wavy", (body, Wavy(body)), Drive("F", body), (Position("q", body),))
+    plant = plant_of(axis, {"M": 2.0, "Fs": 4.0, "dF": 3.0})
+    ramp = np.linspace(0, 8, 801)
+    for place, level in ((0.025, 4.0), (0.05, 1.0), (0.1, 7.0)):
+        states = history(Engine(plant, np.array([place, 0.0])), ramp)
+        assert ramp[np.argmax(states[1:, 1] > 0)] == pytest.approx(level, abs=0.011)
 
 
 def test_a_stiff_axis_stops_as_a_rigid_one() -> None:
