@@ -1,96 +1,215 @@
-"""Speed and accuracy of the simulation engine beside scipy's solve_ivp, on a mass with spring and Coulomb friction.
+"""Speed and accuracy of closed loops with Coulomb friction: symid beside scipy's solve_ivp and MuJoCo's engine.
 
-solve_ivp is restarted at every sample (the drive force is held) and at every zero of the velocity, which it locates as
-an event: the only way in which it keeps its accuracy with friction that sticks. Run: python benchmarks/simulation.py
+Two axes run along jerk-limited trapezoids under the same cascade. solve_ivp is restarted at every sample of the
+controller (its force is held) and where friction sticks or breaks loose, which it locates as events: the only way in
+which it keeps its accuracy. MuJoCo runs with its default integrator and soft friction at the same step, once with the
+controller in a Python loop and once without one, in its own loop in C. It is left out where it is not installed.
+Times are medians of alternating repetitions. Then the same as whole processes, from start to
+end, and loops that are simulated sample by sample.
+
+Run: python benchmarks/simulation.py
 """
 
 from __future__ import annotations
 
+import importlib.util
+import subprocess
+import sys
+import tempfile
 import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from statistics import median
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
-from symid import Axis, Body, CoulombFriction, Drive, Position, Spring, ViscousFriction, load_axis
-from symid.simulation import Engine, plant_of, simulate, trapezoids, tuned_cascade
+sys.path.insert(0, str(Path(__file__).parent))
 
-STEP = 1 / 4000
-M, K, FV, FS = 2.0, 500.0, 4.0, 6.0
+from simulation_peers import Loop, Machine, by_mujoco, by_solve_ivp, direct, rigid, rolled_out
+
+RATE = 4000.0
+"""Rate of the controller where solve_ivp takes part, Hz."""
+FINE = 16_000.0
+"""Rate for the comparison with MuJoCo, Hz."""
 
 
-def stick_slip_axis() -> Axis:
-    """Mass on a spring with viscous and Coulomb friction."""
+@dataclass(frozen=True)
+class Case:
+    """An axis with values and a controlled sensor, and the same machine by hand."""
+
+    axis: str
+    values: dict[str, float]
+    signal: str
+    bandwidth_hz: float
+    machine: Callable[..., Machine]
+
+    def by_hand(self) -> Machine:
+        """The equations of motion written down without symid."""
+        return self.machine(**self.values)
+
+
+CASES = (
+    Case("rigid_1m", {"M": 100.0, "Fv": 80.0, "Fs": 40.0}, "q", 20.0, rigid),
+    Case(
+        "direct_2m1s",
+        {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0},
+        "q2",
+        10.0,
+        direct,
+    ),
+)
+
+
+def prepared(case: Case, rate: float):  # type: ignore[no-untyped-def]  # symid is imported late, as start-up
+    """Run of symid without arguments, and the same loop for the peers."""
+    from symid import load_axis
+    from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+    axis = load_axis(case.axis)
+    path = trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / rate)
+    gains = tuned_cascade(plant_of(axis, case.values), case.signal, case.bandwidth_hz)
+    loop = Loop(
+        path.position,
+        path.velocity,
+        path.sampling_period,
+        (gains.position_gain, gains.velocity_gain, gains.integral_gain),
+    )
+    return lambda: simulate(axis, case.values, path, gains), loop
+
+
+def errors(case: Case, n_samples: int, found: dict[str, np.ndarray]) -> dict[str, float]:
+    """Largest error of displacements over the first samples, against solve_ivp at its tightest."""
+    _, loop = prepared(case, RATE)
+    cut = Loop(loop.position[:n_samples], loop.velocity[:n_samples], loop.period, loop.gains)
+    true = by_solve_ivp(case.by_hand(), cut, "DOP853", 1e-13)
+    n = true.shape[1] // 2
+    return {name: float(np.abs(states[:n_samples] - true)[:, :n].max()) for name, states in found.items()}
+
+
+def seconds(calls: dict[str, Callable[[], object]]) -> dict[str, float]:
+    """Median time of each of some calls, run in turn; those that take long once."""
+    times: dict[str, list[float]] = {name: [] for name in calls}
+    for repetition in range(7):
+        for name, call in calls.items():
+            if repetition and times[name][0] > 2.0:
+                continue
+            begin = time.perf_counter()
+            call()
+            times[name].append(time.perf_counter() - begin)
+    return {name: median(found) for name, found in times.items()}
+
+
+def beside_solve_ivp(case: Case) -> None:
+    """Print errors, steps per second and ratios."""
+    run, loop = prepared(case, RATE)
+    machine, found = case.by_hand(), {"symid": run().states}
+
+    def peer(method: str, tolerance: float) -> Callable[[], object]:
+        name = f"solve_ivp, {method}, rtol {tolerance:g}"
+        return lambda: found.update({name: by_solve_ivp(machine, loop, method, tolerance)})
+
+    calls = {f"solve_ivp, {m}, rtol {t:g}": peer(m, t) for m, t in (("RK45", 1e-6), ("DOP853", 1e-10))}
+    taken = seconds({"symid": run, **calls})
+    accuracy = errors(case, loop.position.size, found)
+    print(f"\n{case.axis}, closed loop, {loop.position.size} samples at {RATE:g} Hz")
+    for name, time_taken in taken.items():
+        ratio = time_taken / taken["symid"]
+        speed = loop.position.size / time_taken
+        print(f"  {name:30} {speed:10.0f} steps/s  error {accuracy[name]:.1e} m  {ratio:6.1f} x the time")
+
+
+def beside_mujoco(case: Case) -> None:
+    """Print steps per second and ratios, the distance of MuJoCo's soft friction, and times of whole processes."""
+    run, loop = prepared(case, FINE)
+    exact, machine = run(), case.by_hand()
+    calls = {"symid, closed loop": run}
+    if has_mujoco():
+        calls["mujoco, controller in Python"] = lambda: by_mujoco(machine, loop)
+        calls["mujoco, its own loop, forces given"] = lambda: rolled_out(machine, loop, exact.forces)
+    print(f"\n{case.axis}, {loop.position.size} samples at {FINE:g} Hz")
+    taken = seconds(calls)
+    for name, time_taken in taken.items():
+        speed, ratio = loop.position.size / time_taken, time_taken / taken["symid, closed loop"]
+        print(f"  {name:36} {speed:10.0f} steps/s  {ratio:6.1f} x the time")
+    if has_mujoco():
+        distance = np.abs(by_mujoco(machine, loop) - exact.log[case.signal]).max()
+        print(f"  mujoco is up to {distance:.1e} m from the exact motion")
+    whole = whole_processes(case)
+    print("  whole process: " + ", ".join(f"{name} {time_taken:.2f} s" for name, time_taken in whole.items()))
+    if has_mujoco():
+        gained = (taken["mujoco, controller in Python"] - taken["symid, closed loop"]) / loop.position.size
+        ahead = loop.position.size + (whole["symid"] - whole["mujoco"]) / gained
+        print(f"  from {ahead:.2g} samples on the whole process of symid ends first")
+
+
+def whole_processes(case: Case) -> dict[str, float]:
+    """Time of a process from start to end, derivation of the plant included."""
+    _, loop = prepared(case, FINE)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "loop.npz"
+        np.savez(
+            file,
+            values=list(case.values.values()),
+            gains=loop.gains,
+            position=loop.position,
+            velocity=loop.velocity,
+            period=loop.period,
+        )
+        commands = {"symid": [__file__, case.axis]}
+        if has_mujoco():
+            commands["mujoco"] = [str(Path(__file__).with_name("simulation_peers.py")), str(file)]
+        return seconds(
+            {
+                name: partial(subprocess.run, [sys.executable, *command], check=True)
+                for name, command in commands.items()
+            }
+        )
+
+
+def sample_by_sample() -> None:
+    """Print steps per second where no blocks are possible: a quantised encoder, friction that falls with speed."""
+    from symid import Axis, Body, Drive, Law, Position, Term, ViscousFriction, load_axis
+    from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+    class Stribeck(Law):
+        def terms(self) -> tuple[Term, ...]:
+            return (Term("Fs", "sign(v)"), Term("dF", "sign(v)*exp(-(100*v)**2)"))
+
     body = Body("slide", mass="M")
-    elements = (body, Spring("spring", body, "K"), ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs"))
-    return Axis("stick_slip", elements, Drive("F", body), (Position("q", body),))
+    elements = (body, ViscousFriction(body, "Fv"), Stribeck(body))
+    stribeck = Axis("stribeck", elements, Drive("F", body), (Position("q", body),))
+    quantised = load_axis("rigid_1m").with_signal("q", noise=0.0, resolution=1e-7)
+    noisy = load_axis("rigid_1m").with_signal("q", noise=1e-6)
+    values = CASES[0].values
+    path = trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / FINE)
+    gains = tuned_cascade(plant_of(quantised, values), "q")
+    calls = {
+        "quantised encoder": lambda: simulate(quantised, values, path, gains),
+        "noisy encoder, friction never at rest": lambda: simulate(noisy, values, path, gains),
+        "Stribeck friction": lambda: simulate(stribeck, {**values, "dF": 20.0}, path, gains),
+    }
+    print(f"\nrigid_1m sample by sample, {path.n_samples} samples at {FINE:g} Hz")
+    for name, time_taken in seconds(calls).items():
+        print(f"  {name:40} {path.n_samples / time_taken:10.0f} steps/s")
 
 
-def by_engine(forces: np.ndarray) -> np.ndarray:
-    """Displacement at every sample, by symid."""
-    engine = Engine(plant_of(stick_slip_axis(), {"M": M, "K": K, "Fv": FV, "Fs": FS}))
-    found = np.zeros(forces.size)
-    for k, force in enumerate(forces):
-        engine.advance(float(force), STEP)
-        found[k] = engine.state[0]
-    return found
-
-
-def by_solve_ivp(forces: np.ndarray, tolerance: float) -> np.ndarray:
-    """Displacement at every sample, by DOP853 with events."""
-    state, found = np.zeros(2), np.zeros(forces.size)
-    for k, force in enumerate(forces):
-        left = STEP
-        while left > 1e-16:
-            pull = force - K * state[0]
-            if state[1] == 0 and abs(pull) <= FS:
-                break
-            sign = np.sign(state[1]) if state[1] else np.sign(pull)
-            state, made = _until_rest(state, float(force), float(sign), left, tolerance)
-            left -= made
-        found[k] = state[0]
-    return found
-
-
-def _until_rest(
-    state: np.ndarray, force: float, sign: float, left: float, tolerance: float
-) -> tuple[np.ndarray, float]:
-    def motion(_: float, z: np.ndarray) -> list[float]:
-        return [z[1], (force - K * z[0] - FV * z[1] - FS * sign) / M]
-
-    def rest(_: float, z: np.ndarray) -> float:
-        return float(sign * z[1] + (1e-18 if sign * z[1] >= 0 else 0))
-
-    rest.terminal, rest.direction = True, -1  # type: ignore[attr-defined]  # how solve_ivp takes them
-    run = solve_ivp(motion, (0, left), state, "DOP853", rtol=tolerance, atol=tolerance * 1e-3, events=rest)
-    end = run.y[:, -1].copy()
-    if run.status == 1:
-        end[1] = 0.0
-    return end, float(run.t[-1])
+def has_mujoco() -> bool:
+    """Whether MuJoCo is installed."""
+    return importlib.util.find_spec("mujoco") is not None
 
 
 def main() -> None:
-    """Print accuracy and steps per second of both, and of a closed loop."""
-    forces = 15 * np.sin(2 * np.pi * 0.9 * STEP * np.arange(8000))
-    reference = by_solve_ivp(forces, 1e-13)
-    print(f"{'stick and slip, open loop':28} {'steps/s':>10} {'largest error':>14}")
-    speeds = {}
-    for name, method in (
-        ("symid", by_engine),
-        ("solve_ivp, rtol 1e-6", lambda f: by_solve_ivp(f, 1e-6)),
-        ("solve_ivp, rtol 1e-10", lambda f: by_solve_ivp(f, 1e-10)),
-    ):
-        begin = time.perf_counter()
-        found = method(forces)
-        speeds[name] = forces.size / (time.perf_counter() - begin)
-        print(f"{name:28} {speeds[name]:10.0f} {np.abs(found - reference).max():11.1e} m")
-    print(
-        f"ratio to solve_ivp, rtol 1e-10: {speeds['symid'] / speeds['solve_ivp, rtol 1e-10']:.0f} (aim 100)"
-    )
-    axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
-    path = trapezoids([0.2], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=STEP / 4)
-    begin = time.perf_counter()
-    simulate(axis, values, path, tuned_cascade(plant_of(axis, values), "q"))
-    print(f"closed loop of rigid_1m: {path.n_samples / (time.perf_counter() - begin):.0f} steps/s")
+    """Print everything, or run one axis alone as a process."""
+    if len(sys.argv) > 1:
+        prepared(next(case for case in CASES if case.axis == sys.argv[1]), FINE)[0]()
+        return
+    for case in CASES:
+        beside_solve_ivp(case)
+    for case in CASES:
+        beside_mujoco(case)
+    sample_by_sample()
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import polars as pl
 
 from symid.axis import Axis, load_axis
 from symid.cli.options import assignments, json_option, number, parameter_file, seconds_of, shared, write_json
+from symid.cli.progress import tracked
 from symid.data import Log, read_log
 from symid.errors import SettingError
 from symid.identification import read_axis_log
@@ -113,7 +114,13 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     plant = plant_of(declared, parameters)
     controller, trajectory = _run_of(declared, plant, options)
     run = simulate(
-        declared, parameters, trajectory, controller, frequency_hz=options["log_rate"], seed=options["seed"]
+        declared,
+        parameters,
+        trajectory,
+        controller,
+        frequency_hz=options["log_rate"],
+        seed=options["seed"],
+        progress=partial(tracked, what="parts of the simulation"),
     )
     _write(run.log, Path(output))
     record = {

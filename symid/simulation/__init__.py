@@ -1,7 +1,7 @@
 """Simulation of declared axes: trajectories, controllers, dynamics and the engine that runs them."""
 
 from symid.simulation.closed_loop import Simulation, simulate
-from symid.simulation.controller import Cascade, Command, Controller, OpenLoop, tuned_cascade
+from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, tuned_cascade
 from symid.simulation.engine import Engine
 from symid.simulation.excitation import chirp, from_log, steps
 from symid.simulation.limits import Extremes, Limits
@@ -18,6 +18,7 @@ __all__ = [
     "Extremes",
     "ForwardDynamics",
     "Limits",
+    "LinearLaw",
     "MoveProfile",
     "Multisine",
     "OpenLoop",

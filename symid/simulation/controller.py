@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -33,6 +33,33 @@ class Command:
     position: float
     velocity: float
     acceleration: float
+
+
+@dataclass(frozen=True, eq=False)
+class LinearLaw:
+    """A controller as matrices: state' = A state + B w, force = C state + D w + given.
+
+    w holds the reference (position, velocity, acceleration) and then the readings, in the order of the
+    controller's `signals`.
+
+    Parameters
+    ----------
+    A : array of shape (n_state, n_state)
+    B : array of shape (n_state, 3 + n_signals)
+    C : array of shape (n_state,)
+    D : array of shape (3 + n_signals,)
+    limit : float
+        The matrices hold for samples at which the force that they give is no larger.
+    given : array of shape (n,)
+        Force by sample that depends on nothing; the last one is kept beyond the end. Empty: none.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    limit: float = math.inf
+    given: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 class Controller(ABC):
@@ -66,6 +93,13 @@ class Controller(ABC):
         """State before the first sample."""
         return np.zeros(0)
 
+    def linear(self, period: float) -> LinearLaw | None:
+        """The law as matrices, if it is linear from the second sample on; it is then simulated in blocks of samples.
+
+        A class that overrides `force` overrides this too, or it is not used.
+        """
+        return None
+
 
 @dataclass(frozen=True)
 class OpenLoop(Controller):
@@ -78,6 +112,13 @@ class OpenLoop(Controller):
     ) -> tuple[float, FloatArray]:
         """Drive force at this sample; the last one is kept beyond the end."""
         return float(self.forces[min(command.index, len(self.forces) - 1)]), state
+
+    def linear(self, period: float) -> LinearLaw:
+        """Nothing but the given force."""
+        none = np.zeros((0, 0))
+        return LinearLaw(
+            none, np.zeros((0, 3)), np.zeros(0), np.zeros(3), given=np.asarray(self.forces, float)
+        )
 
 
 @dataclass(frozen=True)
@@ -130,7 +171,7 @@ class Cascade(Controller):
     ) -> tuple[float, FloatArray]:
         """Drive force; the velocity is the difference of the last two readings, as drives compute it."""
         position = measured[self.signal]
-        integral, last, started = state
+        integral, last, started = state.tolist()
         velocity = (position - last) / period if started else 0.0
         error = command.velocity + self.position_gain * (command.position - position) - velocity
         grown = integral + self.integral_gain * period * error
@@ -140,6 +181,31 @@ class Cascade(Controller):
         force = min(max(wanted, -self.force_limit), self.force_limit)
         kept = grown if force == wanted or error * wanted < 0 else integral
         return force, np.array([kept, position, 1.0])
+
+    def linear(self, period: float) -> LinearLaw:
+        """The law while the force is below its limit; state: integral, last position, 1."""
+        error_state = np.array([0.0, 1.0 / period, 0.0])
+        error_input = np.array([self.position_gain, 1.0, 0.0, -self.position_gain - 1.0 / period])
+        growth = self.integral_gain * period
+        feedforward = np.array([0.0, self.velocity_feedforward, self.acceleration_feedforward, 0.0])
+        integral = np.array([1.0, 0.0, 0.0])
+        return LinearLaw(
+            A=np.array([integral + growth * error_state, np.zeros(3), [0.0, 0.0, 1.0]]),
+            B=np.array([growth * error_input, [0.0, 0.0, 0.0, 1.0], np.zeros(4)]),
+            C=self.velocity_gain * (integral + (1.0 + growth) * error_state),
+            D=self.velocity_gain * (1.0 + growth) * error_input + feedforward,
+            limit=self.force_limit,
+        )
+
+
+def linear_law(controller: Controller, period: float) -> LinearLaw | None:
+    """The matrices of a controller, unless a derived class has another `force` and not the matrices for it."""
+    for kind in type(controller).__mro__:
+        if "linear" in vars(kind):
+            return controller.linear(period)
+        if "force" in vars(kind):
+            return None
+    return None
 
 
 def tuned_cascade(

@@ -20,6 +20,7 @@ from symid.arrays import FloatArray
 from symid.axis import Axis, derivative_order
 from symid.codegen.lowering import code
 from symid.errors import SettingError
+from symid.simulation.scalar import Scalar
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
@@ -306,7 +307,7 @@ def law_function(expression: sp.Expr) -> LawFunction:
     >>> law_function(sp.sympify("v*q"))(2.0, 3.0)
     6.0
     """
-    function = eval(f"lambda q, v: float({code(expression)})", {"np": np})
+    function = eval(f"lambda q, v: float({code(expression)})", {"np": Scalar()})
     return function  # type: ignore[no-any-return]  # eval is untyped
 
 

@@ -10,9 +10,11 @@ from symid import (
     Body,
     CoulombFriction,
     Drive,
+    Law,
     PendulumWeight,
     Position,
     Spring,
+    Term,
     ViscousFriction,
     Weight,
     load_axis,
@@ -54,6 +56,48 @@ def test_coulomb_friction_stops_a_sliding_mass_where_it_must() -> None:
     assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
     late = states[int(stop / STEP) + 2 :]
     assert np.all(late == late[0])
+
+
+@pytest.mark.parametrize("start", [0.7, -0.4])
+def test_friction_that_differs_by_direction_stops_a_mass_where_it_must(start: float) -> None:
+    """As above, with the coefficients of the direction: the law is a straight line in each."""
+    values = {"M": 95.0, "Fvp": 166.0, "Fcp": 20.0, "Fvn": 240.0, "Fcn": 21.0}
+    Fv, Fc = (166.0, 20.0) if start > 0 else (240.0, 21.0)
+    engine = Engine(plant_of(load_axis("emps_asymmetric"), values), np.array([0.0, start]))
+    stop = 95.0 / Fv * np.log(1 + Fv * abs(start) / Fc)
+    way = np.sign(start) * (95.0 * abs(start) / Fv - Fc / Fv * stop)
+    states = history(engine, np.zeros(int(stop / STEP) + 10))
+    assert states[-1] == pytest.approx([way, 0.0], abs=1e-13)
+    assert states[int(stop / STEP), 1] != 0
+    assert states[int(stop / STEP) + 1, 1] == 0
+
+
+def test_a_level_that_varies_along_the_stroke_holds_with_its_value_there() -> None:
+    """Friction 4 + 3 cos(2 pi q / 0.1), pulled at a quarter of its period by a rising force: it breaks loose at 4 N."""
+
+    class Wavy(Law):
+        def terms(self) -> tuple[Term, ...]:
+            return (Term("Fs", "sign(v)"), Term("dF", "sign(v)*cos(62.83185307179586*q)"))
+
+    body = Body("slide", mass="M")
+    axis = Axis("wavy", (body, Wavy(body)), Drive("F", body), (Position("q", body),))
+    plant = plant_of(axis, {"M": 2.0, "Fs": 4.0, "dF": 3.0})
+    ramp = np.linspace(0, 8, 801)
+    for place, level in ((0.025, 4.0), (0.05, 1.0), (0.1, 7.0)):
+        states = history(Engine(plant, np.array([place, 0.0])), ramp)
+        assert ramp[np.argmax(states[1:, 1] > 0)] == pytest.approx(level, abs=0.011)
+
+
+def test_a_stiff_axis_stops_as_a_rigid_one() -> None:
+    """2 kg with friction and 3 kg behind 1e13 N/m: 300 times stiffer than a step can follow by one series."""
+    values = {"Mm": 2.0, "Fvm": 0.0, "Fsm": 4.0, "Kt": 1e13, "Ft": 4e6, "Ml": 3.0, "Fvl": 0.0}
+    engine = Engine(plant_of(load_axis("ballscrew_2m1s"), values), np.array([0.0, 0.0, 0.01, 0.01]))
+    states = history(engine, np.zeros(80))
+    stop, way = 5.0 * 0.01 / 4.0, 5.0 * 0.01**2 / (2 * 4.0)
+    assert states[-1] == pytest.approx([way, way, 0.0, 0.0], abs=1e-9)
+    sliding = np.arange(81) * STEP < stop
+    assert np.all(states[sliding, 2] > 0)
+    assert np.all(states[~sliding, 2] == pytest.approx(0.0, abs=1e-9))
 
 
 def test_a_body_held_on_an_incline_does_not_creep() -> None:

@@ -1,0 +1,195 @@
+"""Modes of an axis: which joints slide, which way, and which stick. Within a mode the motion is smooth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.simulation.flow import Flow
+from symid.simulation.plant import JUST_MOVING, JointLaw, Plant
+
+_SPEEDS = (JUST_MOVING, *(0.7 * 10.0**power for power in range(-12, 5)))
+"""Speeds (and displacements) at which a law is looked at, to know whether it is a straight line."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A force level + stiffness q + damping v.
+
+    Parameters
+    ----------
+    level, stiffness, damping : float
+        SI.
+    """
+
+    level: float
+    stiffness: float
+    damping: float
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """Motion over a duration: state after it = transition @ state + drive * drive force + offset - gain @ others.
+
+    Parameters
+    ----------
+    transition : array of shape (2 n, 2 n)
+        Matrix of the state.
+    gain : array of shape (2 n, n)
+        Matrix of constant forces on the bodies.
+    drive, offset : array of shape (2 n,)
+        Effects of a unit of drive force and of the mode's constant forces.
+    """
+
+    transition: FloatArray
+    gain: FloatArray
+    drive: FloatArray
+    offset: FloatArray
+
+
+class Mode:
+    """Motion of an axis while the joints in `signs` keep their direction, or stick where that is 0.
+
+    Parameters
+    ----------
+    plant : Plant
+        The axis.
+    flow : Flow
+        Its motion with the joints that stick.
+    signs : tuple of float
+        Direction of motion for each law; 0 if its joint sticks, or if it has no level at which it could.
+    lines : sequence of Line or None
+        Each law in this mode, if it is a straight line.
+    sliding : sequence of int
+        Laws that can hold their joints and do not now.
+
+    Attributes
+    ----------
+    constant : array of shape (n,)
+        Constant forces of the plant and of the laws that are straight lines; their slopes are the flow's.
+    varying : tuple of (JointLaw, float)
+        All other laws, and their sign.
+    speeds : array of shape (n_sliding, 2 n)
+        Rows whose products with the state are the speeds of the sliding joints, positive while they keep direction.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        flow: Flow,
+        signs: tuple[float, ...],
+        lines: Sequence[Line | None],
+        sliding: Sequence[int],
+    ) -> None:
+        self.plant, self.flow, self.signs = plant, flow, signs
+        n = len(plant.bodies)
+        moving = [j for j in range(len(signs)) if j not in flow.stuck]
+        self.varying = tuple((plant.laws[j], signs[j]) for j in moving if lines[j] is None)
+        levels = [plant.laws[j].direction * line.level for j in moving if (line := lines[j])]
+        self.constant = np.asarray(plant.constant - sum(levels, start=np.zeros(n)))
+        self.sliding = tuple(sliding)
+        rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
+        self.speeds = np.hstack([np.zeros_like(rows), rows])
+        places = [side * q for side in (-1.0, 1.0) for q in _SPEEDS]
+        is_fixed = all(len({plant.laws[j].limits(q) for q in places}) == 1 for j in flow.stuck)
+        self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
+        self.step = lru_cache(maxsize=32)(self._step)
+
+    def force(self, state: FloatArray) -> FloatArray:
+        """All forces but that of the drive, of shape (n,)."""
+        force, n = self.constant, len(self.plant.bodies)
+        for law, sign in self.varying:
+            force = force - law.direction * law_force(
+                law, sign, float(law.direction @ state[:n]), float(law.direction @ state[n:])
+            )
+        return force
+
+    def limits(self, state: FloatArray) -> FloatArray:
+        """Lowest and highest force that each stuck joint can hold, of shape (n_stuck, 2)."""
+        return self._limits(state) if self._fixed is None else self._fixed
+
+    def _limits(self, state: FloatArray) -> FloatArray:
+        laws = [self.plant.laws[j] for j in self.flow.stuck]
+        displacements = state[: len(self.plant.bodies)]
+        return np.array([law.limits(float(law.direction @ displacements)) for law in laws]).reshape(-1, 2)
+
+    def _step(self, duration: float) -> Step:
+        transition, gain = self.flow.transition(duration)
+        return Step(transition, gain, gain @ self.plant.drive, gain @ self.constant)
+
+
+def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
+    """Force of a joint that slides in direction `sign`, at speed 0 too; of any joint if `sign` is 0."""
+    return law.force(q, sign * max(sign * v, JUST_MOVING) if sign else v)
+
+
+class Modes:
+    """All modes of a plant, each made when first met.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.simulation.plant import plant_of
+    >>> modes = Modes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))
+    >>> modes.of((1.0,)).constant.tolist(), modes.of((0.0,)).limits(np.zeros(2)).tolist()
+    ([-4.0], [[-4.0, 4.0]])
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self.plant = plant
+        self.can_hold = tuple(law.can_hold for law in plant.laws)
+        self._line = lru_cache(maxsize=None)(lambda j, sign: _line(plant.laws[j], sign))
+        shapes = [np.linalg.solve(plant.mass, law.direction) for law in plant.laws]
+        self._impulses = [s / (law.direction @ s) for s, law in zip(shapes, plant.laws, strict=True)]
+        self.of = lru_cache(maxsize=256)(self._of)
+        self._flow = lru_cache(maxsize=64)(self._make_flow)
+
+    def start(self, state: FloatArray) -> tuple[float, ...]:
+        """Signs of a state: joints at rest stick until their laws cannot hold them."""
+        velocities = state[len(self.plant.bodies) :]
+        return tuple(
+            float(np.sign(law.direction @ velocities)) if held else 0.0
+            for law, held in zip(self.plant.laws, self.can_hold, strict=True)
+        )
+
+    def at_rest(self, state: FloatArray, joint: int) -> FloatArray:
+        """Take what rounding has left of a joint's velocity out, by an impulse along its direction."""
+        direction, n = self.plant.laws[joint].direction, len(self.plant.bodies)
+        velocities = state[n:] - self._impulses[joint] * (direction @ state[n:])
+        return np.concatenate([state[:n], velocities])
+
+    def _of(self, signs: tuple[float, ...]) -> Mode:
+        stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)
+        lines = [None if j in stuck else self._line(j, sign) for j, sign in enumerate(signs)]
+        slopes = tuple((line.stiffness, line.damping) if line else (0.0, 0.0) for line in lines)
+        sliding = [j for j, held in enumerate(self.can_hold) if held and j not in stuck]
+        return Mode(self.plant, self._flow(stuck, slopes), signs, lines, sliding)
+
+    def _make_flow(self, stuck: tuple[int, ...], slopes: tuple[tuple[float, float], ...]) -> Flow:
+        stiffness, damping = self.plant.stiffness, self.plant.damping
+        for law, (spring, damper) in zip(self.plant.laws, slopes, strict=True):
+            square = np.outer(law.direction, law.direction)
+            stiffness, damping = stiffness + spring * square, damping + damper * square
+        return Flow(replace(self.plant, stiffness=stiffness, damping=damping), stuck)
+
+
+def _line(law: JointLaw, sign: float) -> Line | None:
+    """The law for motion in a direction (both, if it is 0) as a straight line, if it is one."""
+    directions = (sign,) if sign else (-1.0, 1.0)
+    speeds = [side * speed for side in directions for speed in _SPEEDS]
+    level = law.force(0.0, speeds[0])
+    line = Line(level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1])
+    places = [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
+    places += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
+    if not all(map(math.isfinite, (line.level, line.stiffness, line.damping))):
+        return None
+    for q, v in places:
+        parts = (level, line.stiffness * q, line.damping * v)
+        if abs(law.force(q, v) - sum(parts)) > 1e-13 * sum(abs(part) for part in parts):
+            return None
+    return line

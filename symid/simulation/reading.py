@@ -1,0 +1,101 @@
+"""What sensors read: exact values of the motion, aged, noisy and in steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.axis import Sensor
+from symid.simulation.mode import Mode
+from symid.simulation.plant import Plant
+from symid.simulation.record import Record
+
+_WHOLE = 1e-9
+"""A delay this close to whole samples, relative to one, is whole."""
+
+
+class Reader:
+    """A sensor along a simulation.
+
+    In each interval between two samples of the controller it takes one value, `moment` after the interval's begin;
+    sample k reads the value of interval k - 1 - age. Without delay the moment is the interval's end.
+
+    Parameters
+    ----------
+    sensor : Sensor
+        With its noise, resolution and delay.
+    plant : Plant
+        The axis.
+    n_samples : int
+        Samples of the controller.
+    period : float
+        Time between them, s.
+    random : Generator
+        Source of the noise.
+    """
+
+    def __init__(
+        self, sensor: Sensor, plant: Plant, n_samples: int, period: float, random: np.random.Generator
+    ) -> None:
+        self.signal, self.step = sensor.signal, sensor.resolution
+        self.row, self.order = plant.sensors[sensor.signal]
+        self.noise = sensor.noise * random.standard_normal(n_samples)
+        samples = sensor.delay / period
+        self.age = math.floor(samples + _WHOLE)
+        late = samples - self.age
+        self.moment = period if late < _WHOLE else (1.0 - late) * period
+        self.is_between = self.moment < period
+
+    def of_state(self, mode: Mode) -> tuple[FloatArray, float, float]:
+        """Value as a row on the state, a factor of the drive force and a constant, in a mode without varying laws."""
+        n = self.row.size
+        if self.order == 2:
+            rows = self.row @ mode.flow.acceleration_rows
+            forces = rows[2 * n :]
+            return rows[: 2 * n], float(forces @ mode.plant.drive), float(forces @ mode.constant)
+        row = np.zeros(2 * n)
+        row[self.order * n : (self.order + 1) * n] = self.row
+        return row, 0.0, 0.0
+
+    def of_begin(self, mode: Mode) -> tuple[FloatArray, float, float]:
+        """The same value in terms of the state at the interval's begin."""
+        row, drive, constant = self.of_state(mode)
+        step = mode.step(self.moment)
+        return row @ step.transition, float(row @ step.drive) + drive, float(row @ step.offset) + constant
+
+    def exact(self, record: Record, samples: slice) -> FloatArray:
+        """Exact values at samples."""
+        n = self.row.size
+        if self.order == 2:
+            return np.asarray(record.accelerations[samples] @ self.row)
+        return np.asarray(record.states[samples, self.order * n : (self.order + 1) * n] @ self.row)
+
+    def past(self, record: Record, k: int) -> FloatArray:
+        """Values of intervals k - 1 - age to k - 1, that of the start before the first one; shape (age + 1,)."""
+        intervals = np.arange(k - 1 - self.age, k)
+        if self.is_between:
+            known = record.between[self.signal][np.maximum(intervals, 0)]
+            return np.where(intervals < 0, self.exact(record, slice(0, 1)), known)
+        first = max(k - self.age, 0)
+        values = self.exact(record, slice(first, k + 1))
+        return np.concatenate([np.full(self.age + 1 - values.size, values[0]), values])
+
+    def read(self, record: Record, k: int) -> float:
+        """Reading at sample k, for the controller."""
+        return float(in_steps(self.past(record, k)[:1] + self.noise[k], self.step)[0])
+
+    def read_all(self, record: Record) -> FloatArray:
+        """Readings at all samples."""
+        exact = self.exact(record, slice(None))
+        if self.is_between:
+            values = [np.full(self.age + 1, exact[0]), record.between[self.signal]]
+        else:
+            values = [np.full(self.age, exact[0]), exact]
+        return in_steps(np.concatenate(values)[: self.noise.size] + self.noise, self.step)
+
+
+def in_steps(values: FloatArray, step: float) -> FloatArray:
+    """Values rounded to a resolution, if there is one."""
+    return np.asarray(step * np.round(values / step)) if step else values

@@ -1,0 +1,164 @@
+"""The course of a simulation: blocks of samples while the loop is linear, single samples where it is not.
+
+A block is tried first. The sample at which it breaks off, because a joint sticks or slips or the force reaches its
+limit, is made by the engine, which locates events exactly. Where blocks break off soon, samples are made one by one.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.simulation.engine import Engine
+from symid.simulation.linear_loop import LinearLoop
+from symid.simulation.loop import Loop, runaway
+from symid.simulation.mode import Mode
+from symid.simulation.record import Record
+from symid.simulation.sample_code import compiled
+
+_SHORTEST, _LONGEST = 128, 4096
+"""Samples of a block: after an event, and at most."""
+_POOR = 16
+"""Samples that a block must make to be worth its while."""
+_MODES = 64
+"""Modes whose matrices and code are kept."""
+
+
+class Run:
+    """A simulation under way.
+
+    Parameters
+    ----------
+    loop : Loop
+        Axis and controller.
+    record : Record
+        Where the motion is written.
+    """
+
+    def __init__(self, loop: Loop, record: Record) -> None:
+        self.loop, self.record = loop, record
+        self._engine = Engine(loop.plant)
+        self._memory = loop.controller.start
+        self._made = 0
+        self._block, self._singly = _SHORTEST, 0
+        self._by_mode: OrderedDict[Mode, _Ways] = OrderedDict()
+        if loop.is_accelerated:
+            record.accelerations[0] = self._engine.acceleration(0.0)
+
+    def advance(self, end: int) -> None:
+        """Advance until `end` samples are made; SettingError if the axis runs away."""
+        try:
+            if self._made == 0:
+                self._one()
+            while self._made < end:
+                self._next(end)
+        except OverflowError as error:  # of a law's expression
+            raise runaway(self.loop.trajectory.time[self._made]) from error
+
+    def _next(self, end: int) -> None:
+        """A block or some single samples, at most until `end`."""
+        ways = self._ways()
+        if ways.linear is not None and self._singly == 0:
+            self._by_block(ways.linear, min(self._made + self._block, end))
+        else:
+            self._by_sample(ways.sampled, min(self._made + (self._singly or _LONGEST), end))
+
+    def _ways(self) -> _Ways:
+        """How samples of the present mode are made."""
+        mode = self._engine.mode
+        if mode not in self._by_mode:
+            self._by_mode[mode] = _Ways(self.loop, mode)
+            if len(self._by_mode) > _MODES:
+                self._by_mode.popitem(last=False)
+        self._by_mode.move_to_end(mode)
+        return self._by_mode[mode]
+
+    def _one(self) -> None:
+        """A single sample by the controller's own law and the engine: the first one, and one that ends a block."""
+        k = self._made
+        readings = [reader.read(self.record, k) for reader in self.loop.controlled]
+        self._event(*self.loop.force(k, self.loop.inputs[k, :3].tolist(), readings, self._memory))
+
+    def _by_block(self, linear: LinearLoop, end: int) -> None:
+        wanted = end - self._made
+        made, self._memory = linear.advance(self.record, self._made, end, self._memory)
+        self._made += made
+        self._engine.state = self.record.states[self._made].copy()
+        if made == wanted:
+            self._block = min(4 * self._block, _LONGEST)
+        else:
+            self._one()
+            self._block, self._singly = _SHORTEST, 0 if made >= _POOR else 2 * _POOR
+
+    def _by_sample(self, sampled: Callable[..., Any], end: int) -> None:
+        loop, record, k = self.loop, self.record, self._made
+        pasts = [reader.past(record, k).tolist() for reader in loop.controlled]
+        columns = [range(k, end), *loop.inputs[k:end].T.tolist()]
+        state = record.states[k]
+        limits = self._engine.mode.limits(state).ravel().tolist()
+        out, pending, memory = sampled(columns, pasts, state.tolist(), self._kept(), limits)
+        made = self._write(np.array(out))
+        self._memory = self._remembered(memory)
+        self._engine.state = record.states[self._made].copy()
+        self._singly = max(self._singly - made, 0)
+        if pending is not None:
+            force, memory = pending
+            self._event(force, self._remembered(memory))
+            self._singly = max(self._singly - 1, 0)
+
+    def _kept(self) -> Any:
+        return self._memory.tolist() if self.loop.law else self._memory
+
+    def _remembered(self, memory: Any) -> FloatArray:
+        return np.array(memory, dtype=float) if self.loop.law else memory
+
+    def _write(self, out: FloatArray) -> int:
+        """Write down what the code of a mode has found."""
+        loop, record, size = self.loop, self.record, self._engine.state.size
+        width = size + 1 + (size // 2 if loop.is_accelerated else 0) + len(loop.between)
+        out = out.reshape(-1, width)
+        begin, end = self._made, self._made + len(out)
+        record.states[begin + 1 : end + 1] = out[:, :size]
+        record.forces[begin:end] = out[:, size]
+        if loop.is_accelerated:
+            record.accelerations[begin + 1 : end + 1] = out[:, size + 1 : size + 1 + size // 2]
+        for i, reader in enumerate(reversed(loop.between), start=1):
+            record.between[reader.signal][begin:end] = out[:, -i]
+        self._made = end
+        return len(out)
+
+    def _event(self, force: float, memory: FloatArray) -> None:
+        """One sample by the engine, which locates events."""
+        record, k, engine, n = self.record, self._made, self._engine, len(self.loop.plant.bodies)
+        for duration, readers in self.loop.pieces:
+            engine.advance(force, duration)
+            for reader in readers:
+                value = (
+                    engine.acceleration(force) if reader.order == 2 else engine.state[reader.order * n :][:n]
+                )
+                record.between[reader.signal][k] = reader.row @ value
+        record.forces[k], record.states[k + 1] = force, engine.state
+        if self.loop.is_accelerated:
+            record.accelerations[k + 1] = engine.acceleration(force)
+        self._memory, self._made = memory, k + 1
+
+
+class _Ways:
+    """Matrices and code for one mode, made when first needed."""
+
+    def __init__(self, loop: Loop, mode: Mode) -> None:
+        self._loop, self._mode = loop, mode
+        self._sampled: Callable[..., Any] | None = None
+        law = loop.law
+        self.linear = LinearLoop(loop, mode, law) if law and LinearLoop.applies(loop, mode) else None
+
+    @property
+    def sampled(self) -> Callable[..., Any]:
+        """Function that makes samples one by one."""
+        if self._sampled is None:
+            self._sampled = compiled(self._loop, self._mode)
+        return self._sampled

@@ -1,0 +1,255 @@
+"""Python code that advances an axis and its controller sample by sample within one mode.
+
+A function is written for each mode of a loop, in plain numbers: matrices are written out, zeros left out. It stops
+before the sample in which an event happens, and hands over the force of that sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.simulation.controller import LinearLaw
+from symid.simulation.loop import Loop
+from symid.simulation.mode import Mode
+from symid.simulation.plant import JUST_MOVING
+from symid.simulation.reading import Reader
+
+_TEMPLATE = """
+def run(columns, pasts, state, memory, limits):
+    {state}, = state
+    {limits}
+    {unpack}
+    {remember}
+    out, pending = [], None
+    emit = out.extend
+    for {columns} in zip(*columns, *pasts):
+        {control}
+        {motion}
+        {update}
+        emit(({results},))
+        {append}
+    return out, pending, {memory}
+"""
+
+
+def compiled(loop: Loop, mode: Mode) -> Callable[..., Any]:
+    """Function that runs samples of a loop in a mode.
+
+    It takes columns of numbers by sample (number of the sample, position, velocity, acceleration, noise of each
+    controlled signal, given force), lists of the values on their way from each controlled sensor, state of the axis,
+    state of the controller and limits of the stuck joints. It returns numbers by sample (state at its end, force,
+    accelerations if a sensor reads one, values taken between samples), force and controller's state of the sample
+    with an event (None if there is none), and the controller's state.
+    """
+    writer = SampleCode(loop, mode)
+    space: dict[str, Any] = {"array": np.array, "force": loop.force, "readings": (), **writer.functions}
+    exec(compile(writer.text(), "<sample loop>", "exec"), space)
+    return space["run"]  # type: ignore[no-any-return]  # exec is untyped
+
+
+class SampleCode:
+    """Writer of the code for a loop in a mode."""
+
+    def __init__(self, loop: Loop, mode: Mode) -> None:
+        self.loop, self.mode = loop, mode
+        self.functions: dict[str, Callable[[float, float], float]] = {
+            f"law{j}_{i}": function
+            for j, (law, _) in enumerate(mode.varying)
+            for i, (_, function) in enumerate(law.terms)
+        }
+        self._n = len(mode.plant.bodies)
+        self._state = [f"x{i}" for i in range(2 * self._n)]
+        self._memory = [f"c{i}" for i in range(len(loop.law.C))] if loop.law else []
+        self._readings = [f"y{i}" for i in range(len(loop.controlled))]
+        self._values: dict[str, str] = {}
+
+    def text(self) -> str:
+        """The whole function."""
+        motion = self._motion()
+        end = self._names("z")
+        noise = [f"e{i}" for i in range(len(self._readings))]
+        columns = ["k", "r0", "r1", "r2", *noise, "given", *self._readings]
+        limits = [name for i in range(len(self.mode.flow.stuck)) for name in (f"low{i}", f"high{i}")]
+        parts: dict[str, Iterable[str]] = {
+            "limits": [f"{', '.join(limits)}, = limits"] if limits else [],
+            "unpack": [f"{', '.join(self._memory)}, = memory"] if self._memory else [],
+            "remember": [f"remember{i} = pasts[{i}].append" for i in range(len(self._readings))],
+            "control": self._control(),
+            "motion": motion,
+            "update": [*_assigned(self._state, end), *_assigned(*self._next_memory())],
+            "append": [
+                f"remember{i}({self._value(i, reader)})" for i, reader in enumerate(self.loop.controlled)
+            ],
+        }
+        text = _TEMPLATE
+        for name, lines in parts.items():
+            text = _filled(text, name, lines)
+        between = [self._values[reader.signal] for reader in self.loop.between]
+        return text.format(
+            state=", ".join(self._state),
+            columns=", ".join(columns),
+            results=", ".join([*end, "u", *self._accelerations, *between]),
+            memory=f"({''.join(name + ', ' for name in self._memory)})" if self.loop.law else "memory",
+        )
+
+    def _next_memory(self) -> tuple[list[str], list[str]]:
+        if self.loop.law is None:
+            return ["memory"], ["next_memory"]
+        return self._memory, [f"k{i}" for i in range(len(self._memory))]
+
+    def _control(self) -> list[str]:
+        """Readings and force."""
+        lines = [_reading(f"y{i}", f"e{i}", reader.step) for i, reader in enumerate(self.loop.controlled)]
+        readings = "".join(f"{name}, " for name in self._readings)
+        law = self.loop.law
+        called = f"force(k, (r0, r1, r2), ({readings}), {{}})"
+        if law is None:
+            return [*lines, f"u, next_memory = {called.format('memory')}"]
+        inputs = ["r0", "r1", "r2", *self._readings]
+        constant = ["given"] if law.given.size else []
+        lines.append(f"u = {_form(zip([*self._memory, *inputs], [*law.C, *law.D], strict=True), constant)}")
+        kept = self._next_memory()[1]
+        lines.append(f"if not {-self.loop.limit!r} <= u <= {self.loop.limit!r}:")
+        memory = f"array(({''.join(name + ', ' for name in self._memory)}))"
+        lines.append(f"    u, next_memory = {called.format(memory)}")
+        if kept:
+            lines.append(f"    {', '.join(kept)}, = next_memory.tolist()")
+            lines.append("else:")
+            lines += [f"    {line}" for line in self._linear_memory(law, kept, inputs)]
+        return lines
+
+    def _linear_memory(self, law: LinearLaw, kept: Sequence[str], inputs: Sequence[str]) -> list[str]:
+        rows = np.hstack([law.A, law.B])
+        return [
+            f"{name} = {_form(zip([*self._memory, *inputs], row, strict=True))}"
+            for name, row in zip(kept, rows, strict=True)
+        ]
+
+    def _motion(self) -> list[str]:
+        """All pieces of a sample, the conditions at their ends, and what sensors read there."""
+        lines, names = [], self._state
+        pieces = self.loop.pieces
+        for p, (duration, readers) in enumerate(pieces):
+            end = self._names("z" if p + 1 == len(pieces) else f"p{p}_")
+            lines += self._piece(duration, names, end)
+            for reader in readers:
+                lines += self._read(reader, end)
+            names = end
+        self._accelerations = []
+        if self.loop.is_accelerated:
+            self._accelerations = [f"a{i}" for i in range(self._n)]
+            lines += self._forces(names, "f")
+            rows = self.mode.flow.acceleration_rows
+            lines += [
+                f"{name} = {self._linear(row, names, 'f')}"
+                for name, row in zip(self._accelerations, rows, strict=True)
+            ]
+        return lines
+
+    def _piece(self, duration: float, begin: Sequence[str], end: Sequence[str]) -> list[str]:
+        """Motion over a duration; laws that vary act as at its middle."""
+        step, lines, checks = self.mode.step(duration), self._forces(begin, "f"), []
+        holding = self.mode.flow.holding_rows
+        checks += self._outside(holding, begin, "f")
+        force = "f"
+        if self.mode.varying:
+            half, middle = self.mode.step(duration / 2), self._names("m")
+            lines += self._moved(np.hstack([half.transition, half.gain]), begin, middle, "f")
+            lines += self._forces(middle, "g")
+            force = "g"
+        lines += self._moved(np.hstack([step.transition, step.gain]), begin, end, force)
+        checks += [f"{_form(zip(end, row, strict=True))} < 0.0" for row in self.mode.speeds]
+        checks += self._outside(holding, end, force)
+        if checks:
+            memory = ", ".join(self._next_memory()[1])
+            pending = f"({memory},)" if self.loop.law and memory else memory or "()"
+            lines += [f"if {' or '.join(checks)}:", f"    pending = u, {pending}", "    break"]
+        return lines
+
+    def _outside(self, rows: FloatArray, names: Sequence[str], force: str) -> list[str]:
+        held = [self._linear(row, names, force) for row in rows]
+        return [f"not low{i} <= {text} <= high{i}" for i, text in enumerate(held)]
+
+    def _moved(self, rows: FloatArray, begin: Sequence[str], end: Sequence[str], force: str) -> list[str]:
+        return [f"{name} = {self._linear(row, begin, force)}" for name, row in zip(end, rows, strict=True)]
+
+    def _linear(self, row: FloatArray, names: Sequence[str], force: str) -> str:
+        """A row on state and forces: that of the drive, the constant ones and those of the varying laws."""
+        state, forces, mode = row[: len(names)], row[len(names) :], self.mode
+        terms = [*zip(names, state, strict=True), ("u", forces @ mode.plant.drive)]
+        terms += [(f"{force}{j}", -forces @ law.direction) for j, (law, _) in enumerate(mode.varying)]
+        return _form(terms, [repr(float(forces @ mode.constant))])
+
+    def _forces(self, names: Sequence[str], force: str) -> list[str]:
+        """Forces of the varying laws at a state."""
+        lines = []
+        for j, (law, sign) in enumerate(self.mode.varying):
+            lines.append(f"q = {_form(zip(names[: self._n], law.direction, strict=True))}")
+            lines.append(f"v = {_form(zip(names[self._n :], law.direction, strict=True))}")
+            if sign:
+                least = sign * JUST_MOVING
+                lines.append(f"if v {'<' if sign > 0 else '>'} {least!r}: v = {least!r}")
+            parts = [f"{parameter!r} * law{j}_{i}(q, v)" for i, (parameter, _) in enumerate(law.terms)]
+            lines.append(f"{force}{j} = {' + '.join(parts)}")
+        return lines
+
+    def _read(self, reader: Reader, names: Sequence[str]) -> list[str]:
+        """Value that a sensor takes between two samples."""
+        value = f"value{len(self._values)}"
+        self._values[reader.signal] = value
+        row, n = np.zeros(3 * self._n), self._n
+        if reader.order == 2:
+            row = reader.row @ self.mode.flow.acceleration_rows
+        else:
+            row[reader.order * n : (reader.order + 1) * n] = reader.row
+        return [*self._forces(names, "f"), f"{value} = {self._linear(row, names, 'f')}"]
+
+    def _value(self, i: int, reader: Reader) -> str:
+        """Value of a controlled sensor in this sample."""
+        if reader.is_between:
+            return self._values[reader.signal]
+        if reader.order == 2:
+            return _form(zip(self._accelerations, reader.row, strict=True))
+        names = self._names("z")[reader.order * self._n : (reader.order + 1) * self._n]
+        return _form(zip(names, reader.row, strict=True))
+
+    def _names(self, letter: str) -> list[str]:
+        return [f"{letter}{i}" for i in range(2 * self._n)]
+
+
+def _form(terms: Iterable[tuple[str, float]], constants: Sequence[str] = ()) -> str:
+    """A sum of products, without what is zero.
+
+    Examples
+    --------
+    >>> _form([("x", 1.0), ("y", 0.0), ("z", -2.5)], ["3.0"])
+    'x + -2.5 * z + 3.0'
+    """
+    parts = [name if factor == 1.0 else f"{float(factor)!r} * {name}" for name, factor in terms if factor]
+    parts += [constant for constant in constants if constant not in ("0.0", "-0.0")]
+    return " + ".join(parts) or "0.0"
+
+
+def _reading(value: str, noise: str, step: float) -> str:
+    noisy = f"({value} + {noise})"
+    return f"{value} = {step!r} * round({noisy} / {step!r})" if step else f"{value} = {noisy}"
+
+
+def _assigned(names: Sequence[str], values: Sequence[str]) -> list[str]:
+    return [f"{', '.join(names)} = {', '.join(values)}"] if names else []
+
+
+def _filled(text: str, name: str, lines: Iterable[str]) -> str:
+    """The text with lines for a place, at its indentation; the place vanishes if there are none."""
+    found = []
+    for line in text.split("\n"):
+        if line.strip() == f"{{{name}}}":
+            indent = line[: len(line) - len(line.lstrip())]
+            found += [indent + new.replace("{", "{{").replace("}", "}}") for new in lines]
+        else:
+            found.append(line)
+    return "\n".join(found)
