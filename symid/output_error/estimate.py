@@ -26,7 +26,8 @@ from symid.output_error.run import Motion, Run, motion_between
 from symid.output_error.search import Search
 from symid.simulation import ForwardDynamics
 
-_TRIAL_ITERATIONS = 6
+_TRIAL_ITERATIONS = 12
+_TRIAL_SAMPLES = 6000
 _PASSES = 3
 """Times that unmeasured motion and timing are brought up to date."""
 
@@ -106,18 +107,18 @@ def fit_runs(
     numpy.linalg.LinAlgError
         If no start can be evaluated: the readings do not determine the state.
     """
-    errors = [PredictionError(dynamics, run, _known_motions(run), free_timing) for run in runs]
     nyquist = 0.5 / max(run.period for run in runs)
-    searches = [Search.at(dynamics, errors, _seen(model, start), start) for start in starts]
-    trials = [
-        search for search in searches if _highest_mode(search) < nyquist and np.isfinite(search.cost)
-    ] or [search for search in searches if np.isfinite(search.cost)]
+    excerpts = [run.excerpt(_TRIAL_SAMPLES) for run in runs]
+    beginnings = [
+        Search.at(dynamics, _errors(dynamics, excerpts, free_timing), _seen(model, s), s) for s in starts
+    ]
+    possible = [search for search in beginnings if np.isfinite(search.cost)]
+    trials = [search for search in possible if _highest_mode(search) < nyquist] or possible
     if not trials:
         raise np.linalg.LinAlgError("the readings do not determine the state")
-    if len(trials) > 1:
-        trials = [trial.improved(_TRIAL_ITERATIONS) for trial in trials]
-        trials.sort(key=lambda trial: (_highest_mode(trial) >= nyquist, trial.cost))
-    best = trials[0].weighted().improved()
+    trials = [trial.improved(_TRIAL_ITERATIONS) for trial in trials]
+    first = min(trials, key=lambda trial: (_highest_mode(trial) >= nyquist, trial.cost))
+    best = first.continued(_errors(dynamics, runs, free_timing)).weighted().improved()
     if free_timing or any(motion is None for run in runs for motion in run.motions):
         for _ in range(_PASSES):
             best = best.updated().improved()
@@ -126,6 +127,10 @@ def fit_runs(
     W, y = best.linearised()
     linear = estimate(triangular_factors(W[None], y[None]))
     return Fit(best, linear, corrected_covariance(W[None], y[None], linear))
+
+
+def _errors(dynamics: ForwardDynamics, runs: Sequence[Run], free_timing: bool) -> list[PredictionError]:
+    return [PredictionError(dynamics, run, _known_motions(run), free_timing) for run in runs]
 
 
 def _highest_mode(search: Search) -> float:

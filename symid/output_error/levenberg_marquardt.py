@@ -1,4 +1,5 @@
-"""Nonlinear least squares by damped Gauss-Newton steps, with derivatives by central differences.
+"""Nonlinear least squares by damped Gauss-Newton steps, with derivatives by differences: one-sided ones on the
+way, central ones at the end.
 
 Unlike `scipy.optimize.least_squares` it takes a step for each parameter's differences, and lets a residual be
 undefined: such a step is shortened.
@@ -51,7 +52,7 @@ def minimise(
     *,
     longest: FloatArray | None = None,
     iterations: int = 50,
-    tolerance: float = 1e-8,
+    tolerance: float = 1e-7,
 ) -> Minimum:
     """Least squares from a start.
 
@@ -80,7 +81,7 @@ def minimise(
     x, damping = np.array(start, dtype=float), 1e-3
     current = residual(x)
     for _ in range(iterations):
-        slope = _slope(residual, x, steps)
+        slope = _forward_slope(residual, x, current, steps)
         normal, gradient = slope.T @ slope, slope.T @ current
         size = np.sqrt(np.diag(normal))
         size[size == 0] = 1.0
@@ -100,6 +101,20 @@ def minimise(
         if damping >= _LARGEST_DAMPING or decrease <= tolerance * cost:
             return Minimum(x, current, _slope(residual, x, steps), True)
     return Minimum(x, current, _slope(residual, x, steps), False)
+
+
+def _forward_slope(
+    residual: Callable[[FloatArray], FloatArray], x: FloatArray, current: FloatArray, steps: FloatArray
+) -> FloatArray:
+    columns = []
+    for i, step in enumerate(steps):
+        ahead = _tried(residual, x + step * np.eye(x.size)[i])
+        columns.append(
+            (residual(x - step * np.eye(x.size)[i]) - current) / -step
+            if ahead is None
+            else (ahead - current) / step
+        )
+    return np.stack(columns, axis=1)
 
 
 def _slope(residual: Callable[[FloatArray], FloatArray], x: FloatArray, steps: FloatArray) -> FloatArray:

@@ -25,6 +25,7 @@ _LARGEST_RATIO = 14.0
 """Of noise levels, as a logarithm; beyond it the smaller noise plays no part."""
 _FORGOTTEN = 1e-10
 _FIRST_RATIO = 2.0
+_FIRST_DISTURBANCE = -2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +53,14 @@ class PredictionError:
     def first_nuisance(self) -> FloatArray:
         """Nuisance parameters to begin with.
 
-        Logarithms of the noise levels of the force (for its effect in one sample) and of the other readings, relative
-        to that of the first reading; then the further lateness of the force in samples, if it is free.
+        Logarithms of the noise levels of the force and of the disturbances (for their effect in one sample) and of the
+        other readings, relative to that of the first reading; then the further lateness of the force in samples, if it
+        is free.
         """
-        ratios = [_FIRST_RATIO] + [0.0] * (len(self.run.signals) - 1)
-        return np.array(ratios + [0.0] * self.free_timing)
+        others = len(self.run.signals) - 1
+        return np.array(
+            [_FIRST_RATIO, *[_FIRST_DISTURBANCE] * others, *[0.0] * others, *[0.0] * self.free_timing]
+        )
 
     def innovations(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Innovations of shape (n_samples, n_outputs), in the units of the readings."""
@@ -75,11 +79,11 @@ class PredictionError:
         """Standard deviations of the noise of the force and of the readings, SI: their ratios at the level observed."""
         errors = self.innovations(parameters, nuisance)
         sampled = self._sampled(self.dynamics.at(parameters))
-        force, readings = self._assumed_noise(sampled, nuisance)
-        assumed = predictor(sampled, force, readings).covariance
+        forces, readings = self._assumed_noise(sampled, nuisance)
+        assumed = predictor(sampled, forces, readings).covariance
         level = float(np.sqrt(np.mean(np.diag(errors.T @ errors) / len(errors) / np.diag(assumed))))
         names = (self.dynamics.axis.drive.signal, *self.run.signals)
-        return {name: level * float(std) for name, std in zip(names, (force, *readings), strict=True)}
+        return {name: level * float(std) for name, std in zip(names, (forces[0], *readings), strict=True)}
 
     def states(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Predicted displacements and velocities of the bodies, of shape (n_samples, 2 n)."""
@@ -120,12 +124,17 @@ class PredictionError:
     def _sampled(self, plant: Plant) -> SampledPlant:
         return sampled_plant(plant, self.run.signals, self.run.period, self.run.parts)
 
-    def _assumed_noise(self, sampled: SampledPlant, nuisance: FloatArray) -> tuple[float, FloatArray]:
-        """Noise of the force and of the readings, up to a common factor."""
-        effect = abs(sampled.output[0] @ (sampled.transition @ sampled.force_effect))
-        levels = np.exp(_LARGEST_RATIO * np.tanh(nuisance[: len(self.run.signals)] / _LARGEST_RATIO))
-        force = float(levels[0]) * self._units[0] / max(float(effect), np.finfo(float).tiny)
-        return float(force), self._units * np.append(1.0, levels[1:])
+    def _assumed_noise(self, sampled: SampledPlant, nuisance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Noise of the forces and of the readings, up to a common factor."""
+        p = len(self.run.signals)
+        levels = np.exp(_LARGEST_RATIO * np.tanh(nuisance[: 2 * p - 1] / _LARGEST_RATIO))
+        effects = sampled.transition @ np.column_stack([sampled.force_effect, sampled.disturbances])
+        direct = np.column_stack([sampled.feedthrough[:, 0], sampled.disturbance_feedthrough])
+        seen = np.abs(np.diag(sampled.output @ effects + direct))
+        seen = np.where(
+            seen > 0, seen, np.max(np.abs(sampled.output @ effects), initial=np.finfo(float).tiny)
+        )
+        return levels[:p] * self._units / seen, self._units * np.append(1.0, levels[p:])
 
     def _predictor(self, plant: Plant, nuisance: FloatArray) -> tuple[SampledPlant, Predictor]:
         sampled = self._sampled(plant)

@@ -1,8 +1,9 @@
 """One-step prediction of the readings: the innovations form of a sampled axis.
 
-The log's force is the true one plus white noise, and every reading has white noise of its own. The stationary Kalman
-gain of this model turns the recursion of the axis into that of its innovations e[k] = y[k] - y^[k | k-1], which are
-white if the model is right.
+The log's force is the true one plus white noise, and every reading has white noise of its own. For each further
+reading there is an unknown white force along its direction, so that what the model lacks is not put on the sensors.
+The stationary Kalman gain turns the recursion of the axis into that of its innovations e[k] = y[k] - y^[k | k-1],
+which are white if the model is right.
 """
 
 from __future__ import annotations
@@ -36,15 +37,16 @@ class Predictor:
     covariance: FloatArray
 
 
-def predictor(plant: SampledPlant, force_noise: float, reading_noise: FloatArray) -> Predictor:
+def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: FloatArray) -> Predictor:
     """Stationary Kalman predictor.
 
     Parameters
     ----------
     plant : SampledPlant
         The axis.
-    force_noise : float
-        Standard deviation of the noise of the logged force.
+    force_noise : array of shape (n_outputs,)
+        Standard deviations of the noise of the logged force, and of disturbing forces along the direction of each
+        sensor but the first.
     reading_noise : array of shape (n_outputs,)
         Standard deviations of the noise of the readings.
 
@@ -59,18 +61,19 @@ def predictor(plant: SampledPlant, force_noise: float, reading_noise: FloatArray
     >>> from symid.output_error.sampled_plant import sampled_plant
     >>> from symid.simulation import plant_of
     >>> plant = plant_of(load_axis("rigid_1m"), {"M": 1.0, "Fv": 0.0, "Fs": 0.0})
-    >>> found = predictor(sampled_plant(plant, ["q"], 1.0, parts=1), 1.0, np.ones(1))
+    >>> found = predictor(sampled_plant(plant, ["q"], 1.0, parts=1), np.ones(1), np.ones(1))
     >>> np.abs(np.linalg.eigvals(found.innovations.A)).round(3).tolist()
     [0.5, 0.5]
     """
     scale = _state_scale(plant)
     A = plant.transition * scale / scale[:, None]
     C = plant.output * scale / reading_noise[:, None]
-    noise = -force_noise * plant.force_effect / scale
-    direct = -force_noise * plant.feedthrough[:, 0] / reading_noise
-    measurement = np.eye(len(C)) + np.outer(direct, direct)
-    cross = np.outer(noise, direct)
-    process = np.outer(noise, noise)
+    noise = np.column_stack([-plant.force_effect, plant.disturbances]) * force_noise / scale[:, None]
+    through = np.column_stack([-plant.feedthrough[:, 0], plant.disturbance_feedthrough])
+    direct = through * force_noise / reading_noise[:, None]
+    measurement = np.eye(len(C)) + direct @ direct.T
+    cross = noise @ direct.T
+    process = noise @ noise.T
     process += 1e-12 * np.trace(process) * np.eye(len(process))
     P = _stationary_covariance(A, C, process, measurement, cross)
     covariance = C @ P @ C.T + measurement

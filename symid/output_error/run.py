@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import shift
 from scipy.signal import firwin, upfirdn
 
@@ -26,6 +28,7 @@ _INTERPOLATION_REACH = 24
 """Samples on either side that the band-limited interpolation of a force uses."""
 _STANDSTILL_SHARE = 0.01
 _SHORTEST_STANDSTILL = 3
+_EXCERPTS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,10 @@ class Motion:
     v: FloatArray
     q_at: FloatArray
     v_at: FloatArray
+
+    def at(self, samples: BoolArray | NDArray[np.intp]) -> Motion:
+        """The motion at some of the samples."""
+        return Motion(self.q[samples], self.v[samples], self.q_at[samples], self.v_at[samples])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +103,35 @@ class Run:
     def parts(self) -> int:
         """Parts of a sampling interval."""
         return int(self.drive.shape[1])
+
+    def excerpt(self, n_samples: int) -> Run:
+        """At most so many samples, from a few places spread over the run."""
+        total = len(self.readings)
+        if total <= n_samples:
+            return self
+        length = n_samples // _EXCERPTS
+        firsts = np.linspace(0, total - length, _EXCERPTS).astype(int)
+        chosen = (firsts[:, None] + np.arange(length)).ravel()
+        joints = [bisect_left(self.starts, int(first)) for first in firsts]
+        starts = {i * length for i in range(_EXCERPTS)} | {
+            i * length + start - int(first)
+            for i, (first, joint) in enumerate(zip(firsts, joints, strict=True))
+            for start in self.starts[joint:]
+            if start < first + length
+        }
+        kept = np.zeros_like(self.kept)
+        kept[np.flatnonzero(self.kept)[chosen]] = True
+        return replace(
+            self,
+            readings=self.readings[chosen],
+            drive=self.drive[chosen],
+            drive_at=self.drive_at[chosen],
+            drive_rate=self.drive_rate[chosen],
+            drive_rate_at=self.drive_rate_at[chosen],
+            kept=kept,
+            motions=tuple(m and m.at(chosen) for m in self.motions),
+            starts=tuple(sorted(starts)),
+        )
 
     def recorded_later(self, samples: float) -> Run:
         """The same run with the force taken to be recorded later by so many more samples."""
@@ -161,7 +197,7 @@ def run_of(
         late=samples,
         force=force,
         kept=kept,
-        motions=tuple(m and Motion(m.q[kept], m.v[kept], m.q_at[kept], m.v_at[kept]) for m in motions),
+        motions=tuple(m and m.at(kept) for m in motions),
         starts=starts,
     )
 

@@ -30,17 +30,23 @@ class SampledPlant:
     transition : array of shape (n_states, n_states)
         A.
     effects : array of shape (n_parts, n_states, n_forces)
-        A_i G.
+        A_i G; forces are that of the drive, those of the joints' laws, the constant ones.
+    disturbances : array of shape (n_states, n_outputs - 1)
+        Effect of a force along the direction of each sensor but the first, over a whole interval.
     output : array of shape (n_outputs, n_states)
         C.
     feedthrough : array of shape (n_outputs, n_forces)
         D.
+    disturbance_feedthrough : array of shape (n_outputs, n_outputs - 1)
+        The same for the disturbances.
     """
 
     transition: FloatArray
     effects: FloatArray
+    disturbances: FloatArray
     output: FloatArray
     feedthrough: FloatArray
+    disturbance_feedthrough: FloatArray
 
     @property
     def force_effect(self) -> FloatArray:
@@ -70,8 +76,9 @@ def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: in
     >>> sampled_plant(plant, ["q"], 0.1, parts=2).force_effect.round(6).tolist()
     [0.0025, 0.05]
     """
-    generator, forces = _continuous(plant)
+    generator, forces = _continuous(plant, [plant.sensors[signal][0] for signal in signals[1:]])
     n, m = forces.shape
+    known = m - len(signals) + 1
     whole = np.zeros((n + m, n + m))
     whole[:n] = np.hstack([generator, forces]) * (period / parts)
     exponential = expm(whole)
@@ -80,18 +87,27 @@ def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: in
     for _ in range(parts - 1):
         effects.append(step @ effects[-1])
     rows, feedthrough = _outputs(plant, signals, generator, forces)
-    return SampledPlant(np.linalg.matrix_power(step, parts), np.stack(effects[::-1]), rows, feedthrough)
+    stacked = np.stack(effects[::-1])
+    return SampledPlant(
+        transition=np.linalg.matrix_power(step, parts),
+        effects=stacked[:, :, :known],
+        disturbances=stacked[:, :, known:].sum(axis=0),
+        output=rows,
+        feedthrough=feedthrough[:, :known],
+        disturbance_feedthrough=feedthrough[:, known:],
+    )
 
 
-def _continuous(plant: Plant) -> tuple[FloatArray, FloatArray]:
-    """Generator of the state, and effects of the drive, of each joint's laws (opposing it) and of constant forces."""
+def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Generator of the state, and effects of the drive, of each joint's laws (opposing it), of constant forces and of
+    forces along the given directions."""
     n = len(plant.bodies)
     inverse = np.linalg.inv(plant.mass)
     generator = np.zeros((2 * n, 2 * n))
     generator[:n, n:] = np.eye(n)
     generator[n:, :n] = -inverse @ plant.stiffness
     generator[n:, n:] = -inverse @ plant.damping
-    columns = [plant.drive, *(-law.direction for law in plant.laws), plant.constant]
+    columns = [plant.drive, *(-law.direction for law in plant.laws), plant.constant, *disturbed]
     forces = np.zeros((2 * n, len(columns)))
     forces[n:] = inverse @ np.stack(columns, axis=1)
     return generator, forces

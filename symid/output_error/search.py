@@ -92,6 +92,10 @@ class Search:
         )
         return replace(self, x=found.x, minimum=found)
 
+    def continued(self, errors: Sequence[PredictionError]) -> Search:
+        """The same search with other runs, such as the whole logs after excerpts of them."""
+        return replace(self, errors=tuple(errors), minimum=None)
+
     def weighted(self) -> Search:
         """The search with weights that bring the innovations of all runs to the same level."""
         if len(self.errors) == 1:
