@@ -22,7 +22,7 @@ from symid.estimation import (
 )
 from symid.identification.physical import jacobian
 from symid.output_error.prediction_error import PredictionError
-from symid.output_error.run import Motion, Run, motion_between
+from symid.output_error.run import Run
 from symid.output_error.search import Search
 from symid.simulation import ForwardDynamics
 
@@ -130,17 +130,11 @@ def fit_runs(
 
 
 def _errors(dynamics: ForwardDynamics, runs: Sequence[Run], free_timing: bool) -> list[PredictionError]:
-    return [PredictionError(dynamics, run, _known_motions(run), free_timing) for run in runs]
+    return [PredictionError(dynamics, run, run.known_motions, free_timing) for run in runs]
 
 
 def _highest_mode(search: Search) -> float:
     return max(natural_frequencies(search.dynamics, search.parameters), default=0.0)
-
-
-def _known_motions(run: Run) -> tuple[Motion, ...]:
-    """Motions of all joints; one that no sensors tell is taken to rest until the first estimate."""
-    zero = np.zeros(len(run.readings))
-    return tuple(motion or motion_between(zero, zero, run.parts) for motion in run.motions)
 
 
 def _seen(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:

@@ -4,119 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
-from symid.identification.physical import jacobian
 from symid.output_error.estimate import Fit, fit_runs, natural_frequencies
-from symid.output_error.run import Course, run_of
+from symid.output_error.prediction import OutputErrorPrediction, prediction_of
+from symid.output_error.result import OutputErrorIdentification, Status
+from symid.output_error.run import Course, Run, run_of
 from symid.output_error.starts import rigid_start, spread
 from symid.simulation import ForwardDynamics, forward_dynamics
-
-Status = Literal["ok", "no_start", "not_converged", "not_physical"]
 
 _VELOCITY_BAND = 0.2
 """Of the sampling frequency: cutoff for the velocities whose signs friction follows."""
 _VAGUE = 50.0
 _CORRELATED = 1.5
-
-
-@dataclass(frozen=True, eq=False)
-class OutputErrorIdentification:
-    """Parameters of an axis by maximum likelihood on the exactly sampled axis.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Names, units and maps of the parameters.
-    logs : tuple of Log
-        What they were identified from.
-    fit : Fit or None
-        None if there was no start at which the axis could be evaluated.
-    course : {"held", "smooth"}
-        Course of the force between samples.
-    timing_estimated : bool
-        Whether the time by which the force is recorded late was estimated.
-    status : str
-        "ok", or what keeps the result from being complete.
-    message : str
-        What the status means here and what to do.
-    notes : tuple of str
-        What the user should know.
-    """
-
-    model: GeneratedModel
-    logs: tuple[Log, ...]
-    fit: Fit | None
-    course: Course
-    timing_estimated: bool
-    status: Status
-    message: str
-    notes: tuple[str, ...]
-
-    @property
-    def physical_parameters(self) -> dict[str, float]:
-        """Physical parameters by name, SI; nan for those that the sensors do not see."""
-        if self.fit is None:
-            return {}
-        values = self.fit.search.parameters
-        return {
-            name: values[name] if name in self.fit.search.seen else math.nan
-            for name in self.model.physical_units
-        }
-
-    @property
-    def minimal_parameters(self) -> dict[str, float]:
-        """Minimal parameters by name, SI."""
-        if self.fit is None:
-            return {}
-        values = self.model.minimal_parameters(*self._all_values)
-        return dict(zip(self.model.minimal_units, map(float, values), strict=True))
-
-    @property
-    def noise(self) -> dict[str, float]:
-        """Standard deviations of the noise of the force and of each reading in the first log, SI."""
-        return {} if self.fit is None else self.fit.noise
-
-    @property
-    def late(self) -> float:
-        """Seconds by which the force of the first log is taken to be recorded late."""
-        if self.fit is None:
-            return 0.0
-        run = self.fit.search.errors[0].run
-        return run.late * run.period
-
-    def physical_covariance(self, *, corrected: bool) -> FloatArray:
-        """Covariance of the physical parameters, classical or corrected for correlation, (n_physical, n_physical)."""
-        names = list(self.model.physical_units)
-        whole = np.full((len(names), len(names)), np.nan)
-        if self.fit is not None:
-            places = [names.index(name) for name in self.fit.search.seen]
-            covariance = self.fit.correlated.covariance if corrected else self.fit.linear.covariance
-            whole[np.ix_(places, places)] = covariance[: len(places), : len(places)]
-        return whole
-
-    def minimal_covariance(self, *, corrected: bool) -> FloatArray:
-        """Covariance of the minimal parameters, (n_minimal, n_minimal)."""
-        slopes = jacobian(self.model, np.array(self._all_values))
-        physical = self.physical_covariance(corrected=corrected)
-        unseen = np.isnan(np.diag(physical)) & ~slopes.any(axis=0)
-        physical[unseen], physical[:, unseen] = 0.0, 0.0
-        return np.asarray(slopes @ physical @ slopes.T)
-
-    @property
-    def _all_values(self) -> list[float]:
-        assert self.fit is not None
-        return [self.fit.search.parameters[name] for name in self.model.physical_units]
 
 
 def identify_output_error(
@@ -194,8 +102,10 @@ def identify_output_error(
     ranked = sorted(zip(fits, courses, strict=True), key=lambda pair: pair[0].cost if pair[0] else math.inf)
     fit, course = ranked[0]
     found = OutputErrorIdentification(
+        axis=axis,
         model=model,
         logs=runs,
+        preparation=prepared,
         fit=fit,
         course=course,
         timing_estimated=declared is None and course == "smooth",
@@ -242,23 +152,49 @@ def _fitted(
     *,
     free_timing: bool,
 ) -> Fit | None:
-    late = preparation.late.get(dynamics.axis.drive.signal, 0.0)
-    runs = [
-        run_of(
-            dynamics,
-            log,
-            model.measured,
-            course,
-            cutoff_hz=_VELOCITY_BAND * log.sampling_frequency,
-            late=late,
-            standstill=preparation.standstill,
-        )
-        for log in logs
-    ]
+    runs = [_run(model, dynamics, log, course, preparation) for log in logs]
     try:
         return fit_runs(model, dynamics, runs, starts, free_timing=free_timing)
     except np.linalg.LinAlgError:
         return None
+
+
+def _run(
+    model: GeneratedModel, dynamics: ForwardDynamics, log: Log, course: Course, preparation: Preparation
+) -> Run:
+    return run_of(
+        dynamics,
+        log,
+        model.measured,
+        course,
+        cutoff_hz=_VELOCITY_BAND * log.sampling_frequency,
+        late=preparation.late.get(dynamics.axis.drive.signal, 0.0),
+        standstill=preparation.standstill,
+    )
+
+
+def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputErrorPrediction:
+    """Predict the readings of another log with identified parameters, noise and timing.
+
+    Parameters
+    ----------
+    found : OutputErrorIdentification
+        What `identify_output_error` returned; it must hold an estimate.
+    log : Log
+        A log that took no part in it.
+
+    Raises
+    ------
+    LogError, SettingError
+        If the log lacks a signal, or there is no estimate.
+    """
+    if found.fit is None:
+        raise SettingError(f"there are no parameters to predict with: {found.message}")
+    search = found.fit.search
+    timing = {found.axis.drive.signal: found.late}
+    late = replace(found.preparation, late={**found.preparation.late, **timing})
+    run = _run(found.model, search.dynamics, log, found.course, late)
+    return prediction_of(log, search.applied_to(run), search, search.nuisance[0])
 
 
 def _verdict(found: OutputErrorIdentification) -> tuple[Status, str]:

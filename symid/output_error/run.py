@@ -104,6 +104,12 @@ class Run:
         """Parts of a sampling interval."""
         return int(self.drive.shape[1])
 
+    @property
+    def known_motions(self) -> tuple[Motion, ...]:
+        """Motions of all joints; one that no sensors tell is taken to rest."""
+        still = np.zeros(len(self.readings))
+        return tuple(motion or motion_between(still, still, self.parts) for motion in self.motions)
+
     def excerpt(self, n_samples: int) -> Run:
         """At most so many samples, from a few places spread over the run."""
         total = len(self.readings)

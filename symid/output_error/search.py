@@ -11,7 +11,7 @@ from symid.arrays import FloatArray
 from symid.errors import SymidError
 from symid.output_error.levenberg_marquardt import Minimum, minimise
 from symid.output_error.prediction_error import PredictionError
-from symid.output_error.run import motion_between
+from symid.output_error.run import Run, motion_between
 from symid.simulation import ForwardDynamics
 
 _LOGARITHMIC_STEP, _NUISANCE_STEP = 1e-5, 1e-2
@@ -132,6 +132,15 @@ class Search:
             )
         run = error.run.recorded_later(float(nuisance[-1])) if error.free_timing else error.run
         return replace(error, run=run, motions=motions)
+
+    def applied_to(self, run: Run) -> PredictionError:
+        """Prediction error of another run, with the motion that the parameters give it."""
+        first = self.errors[0]
+        error = PredictionError(self.dynamics, run, run.known_motions, first.free_timing)
+        nuisance = self.nuisance[0].copy()
+        if first.free_timing:
+            nuisance[-1] = 0.0
+        return self._follow(error, self.parameters, nuisance)
 
     def linearised(self) -> tuple[FloatArray, FloatArray]:
         """Observation matrix and output of the model linearised where the search stands, in the parameters' units."""

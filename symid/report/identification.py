@@ -42,7 +42,7 @@ def identification_record(found: Identification, validation: Prediction | None =
         "rows": list(found.fit.rows),
         "condition_number": found.fit.condition_number,
         "condition_number_scaled": found.fit.condition_number_scaled,
-        "minimal": _parameters(
+        "minimal": parameter_records(
             found.model.minimal_units,
             found.fit.parameters,
             found.fit.standard_deviations,
@@ -64,9 +64,10 @@ def identification_record(found: Identification, validation: Prediction | None =
     return record
 
 
-def _parameters(
+def parameter_records(
     units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray
 ) -> dict[str, dict[str, Any]]:
+    """Records of parameters by name: values, deviations, units."""
     relative = relative_standard_deviation(values, stds)
     relative_corrected = relative_standard_deviation(values, corrected)
     return {
@@ -88,7 +89,7 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
     estimate = found.physical[branch]
     classical = estimate.propagated_deviations(found.fit.covariance)
     corrected = estimate.propagated_deviations(found.correlated.covariance)
-    return _parameters(found.model.physical_units, estimate.parameters, classical, corrected)
+    return parameter_records(found.model.physical_units, estimate.parameters, classical, corrected)
 
 
 def _relations(found: Identification) -> dict[str, Any] | None:
@@ -130,12 +131,7 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",
         markup=True,
     )
-    settings = record["filter"]
-    console.print(
-        f"{sum(record['rows'])} rows, cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), "
-        f"decimation {settings['decimation']}, "
-        f"condition {record['condition_number']:.6g} ({record['condition_number_scaled']:.4g} scaled)\n"
-    )
+    console.print(_settings_line(record))
     if record["physical"]:
         console.print(_parameter_table("Physical parameters", record["physical"]))
     for i, branch in enumerate(record["physical_branches"]):
@@ -159,6 +155,18 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         console.print(f"note: {line}", markup=False)
     if record["status"] != "ok":
         console.print(f"[bold]{record['status']}[/bold]: {record['message']}")
+
+
+def _settings_line(record: dict[str, Any]) -> str:
+    settings = record["filter"]
+    if record["condition_number"] is None:
+        return ""
+    how = f"cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), decimation {settings['decimation']}"
+    if record["method"] == "oe":
+        noise = (f"{name} {n['std']:.3g} {n['unit']}" for name, n in record["noise"].items())
+        how = f"no filter, noise found: {', '.join(noise)}"
+    condition = f"condition {record['condition_number']:.6g} ({record['condition_number_scaled']:.4g} scaled)"
+    return f"{sum(record['rows'])} rows, {how}, {condition}\n"
 
 
 def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table:

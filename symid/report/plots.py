@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -13,7 +14,10 @@ from scipy import signal
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.identification import Identification, Observation, Prediction
+from symid.identification import Identification, Prediction
+
+if TYPE_CHECKING:
+    from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 
 MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
 """Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
@@ -28,24 +32,46 @@ _STYLE: Any = {
 _MOST_POINTS = 20_000
 
 
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """What is drawn of one output of one log.
+
+    Parameters
+    ----------
+    title : str
+        Above it.
+    output, unit : str
+        What is compared.
+    time, measured, predicted : array of shape (n,)
+        The curves; nan where nothing is compared.
+    """
+
+    title: str
+    output: str
+    unit: str
+    time: FloatArray
+    measured: FloatArray
+    predicted: FloatArray
+
+
 def plot_identification(
-    found: Identification,
+    found: Identification | OutputErrorIdentification,
     file: str | Path,
-    validation: Prediction | None = None,
+    validation: Prediction | OutputErrorPrediction | None = None,
 ) -> None:
     """Draw an identification into a file.
 
-    For each equation: measured and predicted output over time, the residual below it, and on the right the residual
+    For each output: measured and predicted output over time, the residual below it, and on the right the residual
     against the predicted output and its spectrum beside that of the output. A validation log gets rows of its own.
 
     Parameters
     ----------
-    found : Identification
-        What `identify` returned.
+    found : Identification or OutputErrorIdentification
+        What `identify` or `identify_output_error` returned.
     file : path-like
         png, svg or pdf, by its suffix.
-    validation : Prediction, optional
-        What `predict` returned for another log.
+    validation : Prediction or OutputErrorPrediction, optional
+        The parameters applied to another log.
 
     Raises
     ------
@@ -55,49 +81,72 @@ def plot_identification(
     path = Path(file)
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
-    runs = [(s, o, found.fit.solution) for s, o in zip(found.logs, found.observations, strict=True)]
-    if validation is not None:
-        runs.append((f"validation on {validation.log}", validation.observation, validation.parameters))
-    panels = [(*run, j) for run in runs for j in range(len(found.model.output_names))]
+    panels = (
+        _panels_of_equations(found, cast("Prediction | None", validation))
+        if isinstance(found, Identification)
+        else _panels_of_readings(found, cast("OutputErrorPrediction | None", validation))
+    )
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(11, 3.6 * len(panels)), layout="constrained")
         grids = figure.add_gridspec(len(panels), 1)
-        for place, (source, run, parameters, equation) in enumerate(panels):
-            _draw_equation(figure, grids[place], found, source, run, parameters, equation)
+        for place, panel in enumerate(panels):
+            _draw(figure, grids[place], panel)
         figure.savefig(path, dpi=150)
 
 
-def _draw_equation(
-    figure: Figure,
-    place: Any,
-    found: Identification,
-    source: str,
-    run: Observation,
-    parameters: FloatArray,
-    equation: int,
-) -> None:
+def _panels_of_equations(found: Identification, validation: Prediction | None) -> list[Panel]:
+    runs = [(s, o, found.fit.solution) for s, o in zip(found.logs, found.observations, strict=True)]
+    if validation is not None:
+        runs.append((f"validation on {validation.log}", validation.observation, validation.parameters))
+    several = len(found.model.output_names) > 1
+    panels = []
+    for source, run, parameters in runs:
+        for j, (output, unit) in enumerate(found.output_units.items()):
+            used, title = run.valid[j], _short(source) + (f", equation {j + 1}" if several else "")
+            measured = np.where(used, run.y[j], np.nan)
+            predicted = np.where(used, run.W[j] @ parameters, np.nan)
+            panels.append(Panel(title, output, unit, run.time, measured, predicted))
+    return panels
+
+
+def _panels_of_readings(
+    found: OutputErrorIdentification, validation: OutputErrorPrediction | None
+) -> list[Panel]:
+    if found.fit is None:
+        raise SettingError(f"there is nothing to draw: {found.message}")
+    runs = [(log.source, prediction) for log, prediction in zip(found.logs, found.predictions, strict=True)]
+    if validation is not None:
+        runs.append((f"validation on {validation.log}", validation))
+    return [
+        Panel(
+            _short(source),
+            signal,
+            unit,
+            run.time,
+            run.readings[:, j],
+            run.readings[:, j] - run.innovations[:, j],
+        )
+        for source, run in runs
+        for j, (signal, unit) in enumerate(found.reading_units.items())
+    ]
+
+
+def _draw(figure: Figure, place: Any, panel: Panel) -> None:
     grid = place.subgridspec(2, 2, width_ratios=(2.2, 1), height_ratios=(1.6, 1))
-    output, unit = found.model.output_names[equation], found.model.output_units[equation]
-    used = run.valid[equation]
-    y = np.where(used, run.y[equation], np.nan)
-    predicted = np.where(used, run.W[equation] @ parameters, np.nan)
-    error = y - predicted
+    error, used = panel.measured - panel.predicted, np.isfinite(panel.measured)
     top = figure.add_subplot(grid[0, 0])
     below = figure.add_subplot(grid[1, 0], sharex=top)
-    _draw_over_time(
-        top,
-        run.time,
-        {"measured": (y, MEASURED, 2.0), "predicted": (predicted, MODEL, 0.7)},
-        f"{output} [{unit}]",
-    )
-    which = f", equation {equation + 1}" if len(found.model.output_names) > 1 else ""
-    top.set_title(f"{_short(source)}{which}", loc="left")
+    curves = {"measured": (panel.measured, MEASURED, 2.0), "predicted": (panel.predicted, MODEL, 0.7)}
+    _draw_over_time(top, panel.time, curves, f"{panel.output} [{panel.unit}]")
+    top.set_title(panel.title, loc="left")
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
     top.tick_params(labelbottom=False)
-    _draw_over_time(below, run.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{unit}]")
+    _draw_over_time(below, panel.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{panel.unit}]")
     below.set_xlabel("time [s]")
-    _draw_scatter(figure.add_subplot(grid[0, 1]), predicted[used], error[used], output, unit)
-    _draw_spectrum(figure.add_subplot(grid[1, 1]), run, y, error, unit)
+    _draw_scatter(
+        figure.add_subplot(grid[0, 1]), panel.predicted[used], error[used], panel.output, panel.unit
+    )
+    _draw_spectrum(figure.add_subplot(grid[1, 1]), panel.time, panel.measured, error, panel.unit)
 
 
 def _short(source: str) -> str:
@@ -132,9 +181,9 @@ def _draw_scatter(axes: Axes, predicted: FloatArray, error: FloatArray, output: 
     axes.set_ylabel(f"residual [{unit}]")
 
 
-def _draw_spectrum(axes: Axes, run: Observation, y: FloatArray, error: FloatArray, unit: str) -> None:
+def _draw_spectrum(axes: Axes, time: FloatArray, y: FloatArray, error: FloatArray, unit: str) -> None:
     """Amplitude densities of output and residual; rows that were left out count as zero."""
-    rate = 1.0 / (run.time[1] - run.time[0])
+    rate = 1.0 / (time[1] - time[0])
     for values, colour, name in ((y, MEASURED, "output"), (error, RESIDUAL, "residual")):
         frequency, power = signal.welch(np.nan_to_num(values), fs=rate, nperseg=min(1024, values.size))
         axes.loglog(frequency[1:], np.sqrt(power[1:]), color=colour, linewidth=0.9, label=name)

@@ -1,0 +1,130 @@
+"""What an identification by maximum likelihood leaves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.identification import Preparation
+from symid.identification.physical import jacobian
+from symid.output_error.estimate import Fit
+from symid.output_error.prediction import OutputErrorPrediction, prediction_of
+from symid.output_error.run import Course
+
+Status = Literal["ok", "no_start", "not_converged", "not_physical"]
+
+
+@dataclass(frozen=True, eq=False)
+class OutputErrorIdentification:
+    """Parameters of an axis by maximum likelihood on the exactly sampled axis.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    model : GeneratedModel
+        Names, units and maps of the parameters.
+    logs : tuple of Log
+        What they were identified from.
+    preparation : Preparation
+        Of which `late` and `standstill` were respected.
+    fit : Fit or None
+        None if there was no start at which the axis could be evaluated.
+    course : {"held", "smooth"}
+        Course of the force between samples.
+    timing_estimated : bool
+        Whether the time by which the force is recorded late was estimated.
+    status : str
+        "ok", or what keeps the result from being complete.
+    message : str
+        What the status means here and what to do.
+    notes : tuple of str
+        What the user should know.
+    """
+
+    axis: Axis
+    model: GeneratedModel
+    logs: tuple[Log, ...]
+    preparation: Preparation
+    fit: Fit | None
+    course: Course
+    timing_estimated: bool
+    status: Status
+    message: str
+    notes: tuple[str, ...]
+
+    @property
+    def physical_parameters(self) -> dict[str, float]:
+        """Physical parameters by name, SI; nan for those that the sensors do not see."""
+        if self.fit is None:
+            return {}
+        values = self.fit.search.parameters
+        return {
+            name: values[name] if name in self.fit.search.seen else math.nan
+            for name in self.model.physical_units
+        }
+
+    @property
+    def minimal_parameters(self) -> dict[str, float]:
+        """Minimal parameters by name, SI."""
+        if self.fit is None:
+            return {}
+        values = self.model.minimal_parameters(*self._all_values)
+        return dict(zip(self.model.minimal_units, map(float, values), strict=True))
+
+    @property
+    def reading_units(self) -> dict[str, str]:
+        """Unit of each sensor used, by its signal."""
+        return {signal: str(self.axis.signal_units[signal]) for signal in self.model.measured}
+
+    @property
+    def predictions(self) -> tuple[OutputErrorPrediction, ...]:
+        """One-step predictions of each log."""
+        if self.fit is None:
+            return ()
+        search = self.fit.search
+        parts = zip(self.logs, search.errors, search.nuisance, strict=True)
+        return tuple(prediction_of(log, error, search, nuisance) for log, error, nuisance in parts)
+
+    @property
+    def noise(self) -> dict[str, float]:
+        """Standard deviations of the noise of the force and of each reading in the first log, SI."""
+        return {} if self.fit is None else self.fit.noise
+
+    @property
+    def late(self) -> float:
+        """Seconds by which the force of the first log is taken to be recorded late."""
+        if self.fit is None:
+            return 0.0
+        run = self.fit.search.errors[0].run
+        return run.late * run.period
+
+    def physical_covariance(self, *, corrected: bool) -> FloatArray:
+        """Covariance of the physical parameters, classical or corrected for correlation, (n_physical, n_physical)."""
+        names = list(self.model.physical_units)
+        whole = np.full((len(names), len(names)), np.nan)
+        if self.fit is not None:
+            places = [names.index(name) for name in self.fit.search.seen]
+            covariance = self.fit.correlated.covariance if corrected else self.fit.linear.covariance
+            whole[np.ix_(places, places)] = covariance[: len(places), : len(places)]
+        return whole
+
+    def minimal_covariance(self, *, corrected: bool) -> FloatArray:
+        """Covariance of the minimal parameters, (n_minimal, n_minimal)."""
+        slopes = jacobian(self.model, np.array(self._all_values))
+        physical = self.physical_covariance(corrected=corrected)
+        unseen = np.isnan(np.diag(physical)) & ~slopes.any(axis=0)
+        physical[unseen], physical[:, unseen] = 0.0, 0.0
+        return np.asarray(slopes @ physical @ slopes.T)
+
+    @property
+    def _all_values(self) -> list[float]:
+        assert self.fit is not None
+        return [self.fit.search.parameters[name] for name in self.model.physical_units]

@@ -1,0 +1,94 @@
+"""An identification by maximum likelihood as a JSON record, of the form of `identification_record`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
+from symid.report.identification import parameter_records
+
+
+def output_error_record(
+    found: OutputErrorIdentification, validation: OutputErrorPrediction | None = None
+) -> dict[str, Any]:
+    """What `symid identify --method oe --json` writes; the residual is that of the one-step predictions."""
+    fit = found.fit
+    record: dict[str, Any] = {
+        "axis": found.model.axis,
+        "measured": list(found.model.measured),
+        "method": "oe",
+        "log": [log.source for log in found.logs],
+        "status": found.status,
+        "message": found.message,
+        "notes": list(found.notes),
+        "filter": {"cutoff_hz": None, "order": None, "decimation": 1},
+        "force": {
+            "course": found.course,
+            "late_s": found.late,
+            "timing": "estimated" if found.timing_estimated else "declared",
+        },
+        "noise": {
+            name: {"std": std, "unit": str(found.axis.signal_units[name])}
+            for name, std in found.noise.items()
+        },
+        "samples": sum(log.n_samples for log in found.logs),
+        "rows": [] if fit is None else list(fit.linear.rows),
+        "condition_number": None if fit is None else fit.linear.condition_number,
+        "condition_number_scaled": None if fit is None else fit.linear.condition_number_scaled,
+        "minimal": _output_error_parameters(found, "minimal"),
+        "physical": _output_error_parameters(found, "physical"),
+        "physical_branches": [],
+        "relations": None,
+        "residual": _prediction_errors(found, found.predictions),
+        "assumptions": list(found.model.assumptions),
+    }
+    if validation is not None:
+        record["validation"] = {"log": validation.log, "residual": _prediction_errors(found, [validation])}
+    return record
+
+
+def _output_error_parameters(
+    found: OutputErrorIdentification, kind: Literal["minimal", "physical"]
+) -> dict[str, dict[str, Any]]:
+    if found.fit is None:
+        return {}
+    if kind == "minimal":
+        units, values, covariance = (
+            found.model.minimal_units,
+            found.minimal_parameters,
+            found.minimal_covariance,
+        )
+    else:
+        units, values, covariance = (
+            found.model.physical_units,
+            found.physical_parameters,
+            found.physical_covariance,
+        )
+    classical, corrected = (np.sqrt(np.diag(covariance(corrected=which))) for which in (False, True))
+    return parameter_records(units, np.array(list(values.values())), classical, corrected)
+
+
+def _prediction_errors(
+    found: OutputErrorIdentification, predictions: Sequence[OutputErrorPrediction]
+) -> dict[str, dict[str, Any]]:
+    """Innovations of each reading over all logs."""
+    units, errors = found.reading_units, {}
+    for j, (name, unit) in enumerate(units.items()):
+        parts = [prediction.residuals[j] for prediction in predictions]
+        if not parts:
+            continue
+        rows, norm = sum(part.rows for part in parts), math.hypot(*(part.norm for part in parts))
+        whole = math.hypot(*(part.norm / part.relative for part in parts))
+        errors[name] = {
+            "rms": norm / math.sqrt(rows),
+            "relative": norm / whole,
+            "unit": unit,
+            "norm": norm,
+            "std": norm / math.sqrt(rows),
+            "rows": rows,
+        }
+    return errors
