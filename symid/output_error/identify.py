@@ -83,24 +83,17 @@ def identify_output_error(
     force = axis.drive.signal
     declared = held if held is not None else axis.drive.held or (False if force in prepared.late else None)
     courses: tuple[Course, ...] = (
-        ("held", "smooth") if declared is None else ("held" if declared else "smooth",)
+        ("smooth", "held") if declared is None else ("held" if declared else "smooth",)
     )
     with threadpool_limits(1):
         starts = _starts(model, dynamics, runs, prepared, nominal)
-        fits = [
-            _fitted(
-                model,
-                dynamics,
-                runs,
-                course,
-                prepared,
-                starts,
-                free_timing=declared is None and course == "smooth",
-            )
-            for course in courses
-        ]
-    ranked = sorted(zip(fits, courses, strict=True), key=lambda pair: pair[0].cost if pair[0] else math.inf)
-    fit, course = ranked[0]
+        fits: list[tuple[Fit, Course]] = []
+        for course in courses:
+            free_timing = declared is None and course == "smooth"
+            known = [*starts, *(fit.search.parameters for fit, _ in fits)]
+            fit = _fitted(model, dynamics, runs, course, prepared, known, free_timing=free_timing)
+            fits += [(fit, course)] if fit else []
+    fit, course = min(fits, key=lambda pair: pair[0].cost, default=(None, courses[0]))
     found = OutputErrorIdentification(
         axis=axis,
         model=model,

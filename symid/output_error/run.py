@@ -28,6 +28,8 @@ _INTERPOLATION_REACH = 24
 """Samples on either side that the band-limited interpolation of a force uses."""
 _STANDSTILL_SHARE = 0.01
 _SHORTEST_STANDSTILL = 3
+_REVERSALS_APART = 12
+"""Margins between two reversals from which on they are cut out."""
 _EXCERPTS = 4
 
 
@@ -265,22 +267,33 @@ def motion_between(q: FloatArray, v: FloatArray, parts: int) -> Motion:
 
 
 def _resting(motion: Motion, standstill: float | None, margin: int) -> BoolArray:
-    """Samples in standstills that last; a reversal that passes quickly is none."""
+    """Samples in standstills that last, and around reversals that are far from each other.
+
+    At a reversal friction jumps, at a moment that filtered velocities tell to a few samples only. Where the axis
+    reverses all the time little would be left; the jumps are then taken at the sign changes of the filtered velocity.
+    """
     speed = np.abs(motion.v_at)
     slow = speed < (_STANDSTILL_SHARE * speed.max() if standstill is None else standstill)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], slow.astype(np.int8), [0]])))
     resting = np.zeros(speed.size, dtype=bool)
-    for begin, end in edges.reshape(-1, 2):
+    for begin, end in _intervals(slow):
         if end - begin >= _SHORTEST_STANDSTILL:
             resting[max(begin - margin, 0) : end + margin] = True
+    reversals = np.flatnonzero(np.diff(np.signbit(motion.v_at)))
+    apart = np.diff(np.concatenate([[-np.inf], reversals, [np.inf]])) > _REVERSALS_APART * margin
+    for reversal in reversals[apart[:-1] & apart[1:]]:
+        resting[max(reversal + 1 - margin, 0) : reversal + 1 + margin] = True
     return resting
+
+
+def _intervals(flags: BoolArray) -> NDArray[np.intp]:
+    """Begin and end of each run of flags, one a row."""
+    return np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))).reshape(-1, 2)
 
 
 def _stretches(moving: BoolArray, shortest: int) -> tuple[BoolArray, tuple[int, ...]]:
     """Samples of the stretches that are long enough, and where each begins among them."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], moving.astype(np.int8), [0]]))).reshape(-1, 2)
     kept, starts, count = np.zeros(moving.size, dtype=bool), [], 0
-    for begin, end in edges:
+    for begin, end in _intervals(moving):
         if end - begin >= shortest:
             kept[begin:end] = True
             starts.append(count)
