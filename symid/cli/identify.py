@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -19,10 +20,17 @@ from symid.cli.options import (
     write_json,
 )
 from symid.cli.progress import tracked
-from symid.codegen import load_generated
+from symid.codegen import GeneratedModel, load_generated
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Preparation, identify, measured_signals, predict, read_axis_log
+from symid.identification import (
+    Identification,
+    Preparation,
+    identify,
+    measured_signals,
+    predict,
+    read_axis_log,
+)
 from symid.report.identification import identification_record, print_identification
 
 log_options = shared(
@@ -111,14 +119,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     declared = load_axis(axis)
     runs = [_read(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
-    found = identify(
-        model,
-        runs,
-        method=options["method"],
-        preparation=_preparation(declared, runs[0], options),
-        ddof=options["ddof"],
-        nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
-    )
+    found = _identified(declared, model, runs, options)
     validation = None
     if options["validation"]:
         validation = predict(found, _read(declared, options["validation"], options))
@@ -131,6 +132,22 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_identification(record)
+
+
+def _identified(
+    declared: Axis, model: GeneratedModel, runs: Sequence[Log], options: dict[str, Any]
+) -> Identification:
+    """Identify by the method that was asked for."""
+    preparation = _preparation(declared, runs[0], options)
+    nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
+    return identify(
+        model,
+        runs,
+        method=options["method"],
+        preparation=preparation,
+        ddof=options["ddof"],
+        nominal=nominal,
+    )
 
 
 def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
