@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
     assignments,
+    cascade_gains,
+    gain_option,
     json_option,
     measured_option,
     number,
@@ -32,6 +36,9 @@ from symid.identification import (
     read_axis_log,
 )
 from symid.report.identification import identification_record, print_identification
+
+if TYPE_CHECKING:
+    from symid.instrumental import ClosedLoop
 
 log_options = shared(
     click.option(
@@ -85,20 +92,28 @@ preparation_options = shared(
     ),
 )
 
+_NO_GAINS = {"position_gain": 0.0, "integral_gain": 0.0}
+
+loop_options = shared(
+    gain_option,
+    click.option("--rate", type=float, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
+)
+
 
 @click.command("identify", epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm")
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
 @click.option(
     "--method",
-    type=click.Choice(["wls", "ols"]),
+    type=click.Choice(["wls", "ols", "iv"]),
     default="wls",
     show_default=True,
-    help="Weighted or ordinary least squares.",
+    help="Weighted or ordinary least squares, or instrumental variables.",
 )
 @measured_option
 @log_options
 @preparation_options
+@loop_options
 @click.option(
     "--ddof",
     type=int,
@@ -140,14 +155,34 @@ def _identified(
     """Identify by the method that was asked for."""
     preparation = _preparation(declared, runs[0], options)
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
+    if options["method"] == "iv":
+        from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
+
+        loop = _closed_loop(declared, options)
+        return identify_by_instruments(
+            model,
+            runs,
+            loop,
+            preparation=preparation,
+            nominal=nominal,
+            track=partial(tracked, description="simulating"),
+        )
     return identify(
-        model,
-        runs,
-        method=options["method"],
-        preparation=preparation,
-        ddof=options["ddof"],
-        nominal=nominal,
+        model, runs, method=options["method"], preparation=preparation, ddof=options["ddof"], nominal=nominal
     )
+
+
+def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
+    """The axis under the controller that the options describe, if they do."""
+    from symid.instrumental import ClosedLoop
+    from symid.simulation import Cascade
+
+    loop, gains = ClosedLoop(declared, rate_hz=options["rate"]), cascade_gains(options["gains"])
+    if not gains:
+        return loop
+    if "velocity_gain" not in gains:
+        raise SettingError("--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller")
+    return replace(loop, controller=Cascade(loop.position, **{**_NO_GAINS, **gains}))
 
 
 def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:

@@ -19,6 +19,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
+from symid.data import Log
 from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
 from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
@@ -90,7 +91,8 @@ def bias_of(
         rows, levels = part.observation.valid.sum(axis=1), noise_levels(model, part.log)
         in_rows = noise_of_rows(model, part.log, part.observation.preparation, levels)
         noise += np.einsum("j,jab->ab", weights * rows, in_rows)[:p]
-        slope += _slope_of_sharper_rows(model, part, fit.solution, weights, levels)
+        rest = _rest_of_sharper_rows(model, part.log, part.observation, fit.solution, levels)
+        slope += np.einsum("j,jt,jta->a", weights, rest, part.observation.W)
     # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
     shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
     gain = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
@@ -100,15 +102,40 @@ def bias_of(
     return Bias(by_noise, -root @ (root.T @ slope))
 
 
-def _slope_of_sharper_rows(
-    model: GeneratedModel, part: Excerpt, X: FloatArray, weights: FloatArray, levels: Mapping[str, float]
+def bias_of_instruments(
+    model: GeneratedModel,
+    logs: Sequence[Log],
+    observations: Sequence[Observation],
+    fit: LeastSquares,
+    instruments: Sequence[FloatArray],
+) -> Bias:
+    """Bias of an estimate (Z'S^2 W)^-1 Z'S^2 y: that of the preparation alone, noise does not bias it.
+
+    Parameters
+    ----------
+    model, logs, observations
+        What was estimated, and from what.
+    fit : LeastSquares
+        The estimate, whose rank is that of W.
+    instruments : sequence of array
+        For each observation, Z of the shape of its W.
+    """
+    p, root = fit.solution.size, fit.rank.inverse_root
+    cross, slope = np.zeros((p, p)), np.zeros(p)
+    per_log = fit.weights.reshape(len(observations), -1) ** 2
+    for log, seen, Z, weights in zip(logs, observations, instruments, per_log, strict=True):
+        used = np.where(seen.valid[..., None], Z, 0.0)
+        cross += np.einsum("j,jta,jtb->ab", weights, used, seen.W, optimize=True)
+        rest = _rest_of_sharper_rows(model, log, seen, fit.solution, noise_levels(model, log))
+        slope += np.einsum("j,jt,jta->a", weights, rest, used)
+    by_preparation = -root @ np.linalg.solve(root.T @ cross @ root, root.T @ slope)
+    return Bias(np.zeros(p), by_preparation)
+
+
+def _rest_of_sharper_rows(
+    model: GeneratedModel, log: Log, seen: Observation, X: FloatArray, levels: Mapping[str, float]
 ) -> FloatArray:
-    """W'S^2 r, r being what the estimate leaves of rows that are made with sharper differences."""
-    seen = part.observation
-    scheme = replace(
-        SHARP, widening=quiet_widening(model, part.log, seen.preparation, levels, SHARP.widening)
-    )
-    sharper = observe(model, part.log, replace(seen.preparation, filter_force=True), scheme)
-    rest = np.where(seen.valid, sharper.y - sharper.W @ X, 0.0)
-    slope: FloatArray = np.einsum("j,jt,jta->a", weights, rest, seen.W)
-    return slope
+    """What an estimate leaves of rows that are made with sharper differences; 0 in rows that are not used."""
+    scheme = replace(SHARP, widening=quiet_widening(model, log, seen.preparation, levels, SHARP.widening))
+    sharper = observe(model, log, replace(seen.preparation, filter_force=True), scheme)
+    return np.where(seen.valid, sharper.y - sharper.W @ X, 0.0)

@@ -25,7 +25,7 @@ from symid.estimation import (
     refine,
     triangular_factors,
 )
-from symid.identification.bias import bias_of
+from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.excerpts import blocks_of, excerpts
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -150,11 +150,16 @@ def found_from(
     )
 
 
-def distrusted(found: Identification, logs: Sequence[Log]) -> Identification:
-    """The identification with what was found about timing and bias."""
+def distrusted(
+    found: Identification, logs: Sequence[Log], instruments: tuple[FloatArray, ...] | None = None
+) -> Identification:
+    """The identification with what was found about timing and bias; parameters as in `found_from`."""
     parts = excerpts(found.model, logs, found.observations)
     timing = timing_of(found.model, parts, found.fit)
-    bias = bias_of(found.model, parts, found.observations, found.fit)
+    if instruments is None:
+        bias = bias_of(found.model, parts, found.observations, found.fit)
+    else:
+        bias = bias_of_instruments(found.model, logs, found.observations, found.fit, instruments)
     return distrust(replace(found, timing=timing, bias=bias))
 
 

@@ -45,6 +45,7 @@ def sharp_difference(x: FloatArray, sampling_period: float) -> FloatArray:
 
     Examples
     --------
+    >>> import numpy as np
     >>> sharp_difference(np.arange(9.0) ** 5, 1.0)[4].item() == 5 * 4**4
     True
     """

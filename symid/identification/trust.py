@@ -90,9 +90,7 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
         f"{name} ({_size(values[i], bias.total[i])}, {abs(bias.total[i]) / deviations[i]:.2g} standard deviations)"
         for name, i in zip(names, places, strict=True)
     )
-    return f"bias dominates, and intervals do not tell it, for {', '.join(parts)}: {cause}", bool(
-        np.any(large)
-    )
+    return f"intervals leave out the bias of {', '.join(parts)}: {cause}", bool(np.any(large))
 
 
 def _size(value: float, bias: float) -> str:
