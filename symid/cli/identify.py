@@ -165,7 +165,7 @@ def _identified(
             loop,
             preparation=preparation,
             nominal=nominal,
-            track=partial(tracked, description="simulating"),
+            track=partial(tracked, what="simulating"),
         )
     return identify(
         model, runs, method=options["method"], preparation=preparation, ddof=options["ddof"], nominal=nominal
