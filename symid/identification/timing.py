@@ -31,6 +31,8 @@ _SIGNIFICANT = 5.0
 """Standard deviations that a delay must have to be told."""
 _NOTICEABLE = 0.2
 """Samples that a delay must have to be told."""
+_ROUND = 3.0
+"""Standard deviations within which a delay is taken for a number of whole or half samples."""
 _HELD = 0.1
 """Samples by which the delay of a held force may differ from half a sample."""
 
@@ -83,11 +85,17 @@ class Timing:
         return self.declared == 0.0 and abs(self.samples + 0.5) < _HELD
 
     @property
+    def suggested(self) -> float:
+        """`late` as whole or half samples, which are what clocks and holds make, unless it differs by 3 deviations."""
+        round_number = round(2 * self.samples) * self.sampling_period / 2
+        return round_number if abs(self.late - round_number) < _ROUND * self.deviation else self.late
+
+    @property
     def remedy(self) -> str:
         """The option that takes the delay out."""
         if self.seems_held:
             return f"--held {self.signal}"
-        return f"--late {self.signal}={1e6 * (self.declared + self.late):.4g}us"
+        return f"--late {self.signal}={1e6 * (self.declared + self.suggested):.4g}us"
 
     @property
     def statement(self) -> str:
@@ -96,7 +104,7 @@ class Timing:
         return (
             f"{self.signal} acts as if {abs(self.samples):.2f} samples ({1e6 * abs(self.late):.4g} us, standard "
             f"deviation {1e6 * self.deviation:.2g} us) {when} recorded, which biases all parameters "
-            f"(the residual falls to {100 * self.remaining:.3g} % without it): if the clocks differ, give "
+            f"(the residual falls to {100 * self.remaining:.3g} % without it): if clocks or a hold are the cause, give "
             f"{self.remedy}; a lag of the drive or a missing flexibility can look alike"
         )
 

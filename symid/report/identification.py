@@ -108,6 +108,7 @@ def _timing(found: Identification) -> dict[str, Any] | None:
         "late_s": timing.late,
         "std_s": timing.deviation,
         "samples": timing.samples,
+        "suggested_s": timing.suggested,
         "significant": timing.is_significant,
         "remedy": timing.remedy if timing.is_significant else None,
     }
