@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -288,14 +288,17 @@ def span(values: FloatArray) -> str:
     return f"{100 * values.min():4.0f}-{100 * values.max():.0f}"
 
 
-def print_map(rows: list[Row]) -> None:
-    """Print the rows and what they come to."""
+def print_map(measured: Iterable[Row]) -> None:
+    """Print the rows as they come, and what they come to."""
+    rows = []
     print(f"{'case':62}{'classical':>10}{'corrected':>10}{'largest bias':>13}{'stated':>9}{'timing':>8}")
-    for row in rows:
+    for row in measured:
+        rows.append(row)
         worst = row.bias[np.argmax(np.abs(row.bias))]
         print(
             f"{row.case!s:62}{span(row.classical):>10}{span(row.corrected):>10}{worst:12.2f}s{span(row.stated):>9}"
-            f"{100 * row.false_alarms:7.1f}%"
+            f"{100 * row.false_alarms:7.1f}%",
+            flush=True,
         )
     biased = np.concatenate([row.is_biased for row in rows])
     stated = np.concatenate([row.stated for row in rows]) > 0.5
@@ -379,7 +382,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="Two rows of the map, one of timing.")
     options = parser.parse_args()
     print(f"nominal 95 % intervals, {options.runs} draws a row; coverage in %, bias in standard deviations\n")
-    print_map([measured_row(case, options.runs) for case in cases(options.quick)])
+    print_map(measured_row(case, options.runs) for case in cases(options.quick))
     print_timing(options.quick, options.runs)
 
 

@@ -200,7 +200,7 @@ def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: Le
                 weight * columns[j][rows] @ fit.rank.inverse_root for columns in (block.instruments, block.W)
             )
             product += Z.T @ W
-    return np.asarray(np.linalg.inv(product))
+    return np.asarray(np.linalg.pinv(product))
 
 
 def _residual_covariance(

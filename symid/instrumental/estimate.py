@@ -64,7 +64,7 @@ def estimate_by_instruments(
             z, w = (weight * columns[j][used] @ root for columns in (Z, seen.W))
             rest = weight * (seen.y[j][used] - seen.W[j][used] @ start.solution)
             cross, own, slope = cross + z.T @ w, own + z.T @ z, slope + z.T @ rest
-    gain = np.linalg.inv(cross)
+    gain = np.linalg.pinv(cross)  # instruments that hold nothing are told by their correlation
     solution = start.solution + root @ (gain @ slope)
     values, vectors = np.linalg.eigh(own)
     # W T is orthonormal; Z T is made so

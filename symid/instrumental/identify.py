@@ -25,6 +25,9 @@ _SETTLED = 0.05
 """Standard deviations by which parameters may still move after the last round."""
 _WEAK = 10.0
 """F below which instruments are weak."""
+_NONE = 1e-3
+"""Canonical correlation below which there are none."""
+_CURE = "give the reference of this log and the machine's --controller-gain and --rate, or take --method wls"
 
 
 def identify_by_instruments(
@@ -94,6 +97,9 @@ def identify_by_instruments(
             weak = f"the axis cannot be simulated with the parameters found, give --nominal P.json: {error}"
             break
         result = estimate_by_instruments(first.observations, Z, first.fit)
+        if result.correlation < _NONE:
+            weak = f"the simulated axis does not move as the log does: {_CURE}"
+            break
         latest = found_from(
             model, runs, first.observations, result.fit, instruments=Z, nominal=nominal or start
         )
@@ -165,5 +171,5 @@ def _weakness(found: Identification, result: InstrumentalFit) -> str:
         return ""
     return (
         f"the simulated axis hardly resembles the log (canonical correlation {result.correlation:.2g}, F "
-        f"{strength:.2g}, 10 is required): give the machine's --controller-gain and --rate, or take --method wls"
+        f"{strength:.2g}, {_WEAK:g} is required): {_CURE}"
     )
