@@ -17,7 +17,7 @@ from symid.identification.observation import Observation, observe
 
 Rows = TypeVar("Rows", FloatArray, BoolArray)
 
-_MOST_SAMPLES = 131_072
+_MOST_SAMPLES = 65_536
 """Samples, of all logs together, on which an estimate is examined: more would cost time and tell little more."""
 _PARTS = 4
 
