@@ -351,9 +351,9 @@ def timing_cases(quick: bool) -> Iterator[Case]:
         yield replace(flexible, moved=-1)
 
 
-def timing_row(case: Case, runs: int) -> tuple[float, float, FloatArray, FloatArray, FloatArray]:
-    """Share of logs whose status names the timing, largest error of it in samples, and coverage of the minimal
-    parameters as recorded, after the remedy, and of the same logs never moved."""
+def timing_row(case: Case, runs: int) -> tuple[float, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Share of logs whose status names the timing, its errors in samples, and coverage of all parameters as recorded,
+    after the remedy, and of the same logs never moved."""
     found: dict[str, list[Draw]] = {"as recorded": [], "remedied": [], "never moved": []}
     random = np.random.default_rng(20261121)
     force = symid.load_axis(case.axis).drive.signal
@@ -373,19 +373,19 @@ def timing_row(case: Case, runs: int) -> tuple[float, float, FloatArray, FloatAr
     ]
     first = found["as recorded"]
     seen = float(np.mean([draw.timing_seen and draw.status != "ok" for draw in first]))
-    error = max(abs(draw.timing_samples - case.moved) for draw in first)
-    return seen, error, *shares
+    return seen, np.array([draw.timing_samples - case.moved for draw in first]), *shares
 
 
 def print_timing(quick: bool, runs: int) -> None:
     """Print the rows of logs with a moved force."""
     print(
-        f"\n{'force moved by a sample':62}{'status':>8}{'error':>12}{'coverage':>11}{'remedied':>10}{'unmoved':>9}"
+        f"\n{'force moved by a sample':62}{'status':>8}{'rms, max':>14}{'coverage':>11}{'remedied':>10}{'unmoved':>9}"
     )
     for case in timing_cases(quick):
-        seen, error, before, after, unmoved = timing_row(case, runs)
+        seen, errors, before, after, unmoved = timing_row(case, runs)
+        sizes = f"{np.sqrt(np.mean(errors**2)):.3f}, {np.abs(errors).max():.3f}"
         print(
-            f"{f'{case}, {case.moved:+d}':62}{100 * seen:7.0f}%{error:8.3f} max{span(before):>11}{span(after):>10}"
+            f"{f'{case}, {case.moved:+d}':62}{100 * seen:7.0f}%{sizes:>14}{span(before):>11}{span(after):>10}"
             f"{span(unmoved):>9}",
             flush=True,
         )

@@ -101,11 +101,12 @@ class Timing:
     def statement(self) -> str:
         """What was found, in words."""
         when = "before it was" if self.late > 0 else "after it was"
+        instead = " in place of what was given" if self.declared else ""
         return (
             f"{self.signal} acts as if {abs(self.samples):.2f} samples ({1e6 * abs(self.late):.4g} us, standard "
             f"deviation {1e6 * self.deviation:.2g} us) {when} recorded, which biases all parameters "
             f"(the residual falls to {100 * self.remaining:.3g} % without it): if clocks or a hold are the cause, give "
-            f"{self.remedy}; a lag of the drive or a missing flexibility can look alike"
+            f"{self.remedy}{instead}; a lag of the drive or a missing flexibility can look alike"
         )
 
 

@@ -37,8 +37,8 @@ def test_intervals_cover_or_the_record_says_that_bias_dominates(
 
 def test_a_moved_force_is_seen_and_its_remedy_restores_the_coverage(coverage_map: ModuleType) -> None:
     (case,) = coverage_map.timing_cases(quick=True)
-    seen, error, before, after, _ = coverage_map.timing_row(case, 15)
+    seen, errors, before, after, _ = coverage_map.timing_row(case, 15)
     assert seen == 1.0
-    assert error < 0.5
+    assert np.abs(errors).max() < 0.5
     assert before.min() < 0.6
     assert after.min() >= 0.75
