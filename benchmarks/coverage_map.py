@@ -10,7 +10,8 @@ by more than a tenth of the standard deviation beyond its own uncertainty (3 sta
 minimal and physical count once.
 
 Then the force of the same logs is moved by one sample: how often that is seen, how well it is estimated, and the
-coverage before and after the remedy that the result names.
+coverage before and after the remedy that the result names. Last, least squares and instrumental variables on a flexible
+axis whose encoders are noisy.
 
 Usage: python benchmarks/coverage_map.py [--runs 200] [--quick]
 OPENBLAS_NUM_THREADS=1 halves the time: the matrices are far too small for threads.
@@ -36,12 +37,20 @@ from symid.simulation import multisine, plant_of, simulate, tuned_cascade
 
 FloatArray = NDArray[np.float64]
 ENGINE_RATE = 4000.0
-SECONDS = {"rigid_1m": 10.0, "direct_2m1s": 5.0}
+SECONDS = {"rigid_1m": 10.0, "ballscrew_2m1s": 5.0, "direct_2m1s": 5.0}
+CLOSED_LOOPS = {"rigid_1m": 0.03, "ballscrew_2m1s": 0.004}  # amplitude of the reference, m
 VALUES: dict[str, dict[str, float]] = {
     "rigid_1m": {"M": 95.0, "Fv": 200.0, "Fs": 20.0},
+    "ballscrew_2m1s": {
+        "Mm": 80.0, "Fvm": 120.0, "Fsm": 0.0, "Kt": 6e5, "Ft": 700.0, "Ml": 100.0, "Fvl": 150.0
+    },
     "direct_2m1s": {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 0.0},
+}  # fmt: skip
+LINES = {
+    "rigid_1m": (0.4, 1.1, 2.9),
+    "ballscrew_2m1s": (1.0, 2.0, 5.0, 9.0, 14.0),
+    "direct_2m1s": tuple(np.arange(2.0, 71.0, 2.0)),
 }
-LINES = {"rigid_1m": (0.4, 1.1, 2.9), "direct_2m1s": tuple(np.arange(2.0, 71.0, 2.0))}
 
 
 @dataclass(frozen=True)
@@ -111,10 +120,14 @@ def controller_of(axis: str) -> symid.simulation.Cascade:
 
 @cache
 def true_log(axis: str, rate: float) -> symid.Log:
-    """Log without noise: a closed loop for the rigid axis, exact periodic motion for the flexible one."""
-    if axis == "rigid_1m":
+    """Log without noise: a closed loop, or exact periodic motion for direct_2m1s."""
+    if axis in CLOSED_LOOPS:
         reference = multisine(
-            LINES[axis], 0.03, sampling_period=1 / ENGINE_RATE, quantity="position", seconds=SECONDS[axis]
+            LINES[axis],
+            CLOSED_LOOPS[axis],
+            sampling_period=1 / ENGINE_RATE,
+            quantity="position",
+            seconds=SECONDS[axis],
         )
         log = simulate(
             symid.load_axis(axis), VALUES[axis], reference, controller_of(axis), frequency_hz=rate
@@ -163,7 +176,7 @@ def noisy_log(case: Case, random: np.random.Generator) -> symid.Log:
 def preparation_of(case: Case) -> symid.Preparation:
     """Settings of a case; a force that the simulated controller holds acts half a sample late."""
     force = symid.load_axis(case.axis).drive.signal
-    late = {force: -0.5 / ENGINE_RATE} if case.axis == "rigid_1m" else {}
+    late = {force: -0.5 / ENGINE_RATE} if case.axis in CLOSED_LOOPS else {}
     return symid.Preparation(
         cutoff_hz=case.cutoff, decimation=case.decimation, filter_force=case.filter_force, late=late
     )
@@ -391,8 +404,19 @@ def print_timing(quick: bool, runs: int) -> None:
         )
 
 
+def print_methods(runs: int) -> None:
+    """Print what noisy encoders do to least squares and to instrumental variables on a flexible axis."""
+    noise = (("Fm", 2.0), ("qm", 1.2e-4), ("ql", 1.2e-4))
+    case = Case("ballscrew_2m1s", ("qm", "ql"), "wls", ENGINE_RATE, 60.0, None, noise)
+    print(f"\nbias in standard deviations and coverage in %: {case}")
+    for method in METHODS:
+        row = measured_row(replace(case, method=method), runs)
+        cells = sorted(zip(row.names, row.bias, row.corrected, strict=True))
+        print(f"{method:8}" + "  ".join(f"{n} {b:6.2f} {100 * c:3.0f}" for n, b, c in cells), flush=True)
+
+
 def main() -> None:
-    """Print the map and the rows about timing."""
+    """Print the map, the rows about timing, and the flexible axis with noisy encoders."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--quick", action="store_true", help="Two rows of the map, one of timing.")
@@ -400,6 +424,8 @@ def main() -> None:
     print(f"nominal 95 % intervals, {options.runs} draws a row; coverage in %, bias in standard deviations\n")
     print_map(measured_row(case, options.runs) for case in cases(options.quick))
     print_timing(options.quick, options.runs // 2)
+    if not options.quick:
+        print_methods(options.runs // 2)
 
 
 if __name__ == "__main__":
