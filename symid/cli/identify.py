@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
     assignments,
+    cascade_gains,
+    gain_option,
     json_option,
     measured_option,
     number,
@@ -18,12 +23,24 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.progress import tracked
-from symid.codegen import load_generated
+from symid.cli.progress import tracked, working
+from symid.codegen import GeneratedModel, load_generated
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Preparation, identify, measured_signals, predict, read_axis_log
+from symid.identification import (
+    Identification,
+    Prediction,
+    Preparation,
+    identify,
+    measured_signals,
+    predict,
+    read_axis_log,
+)
 from symid.report.identification import identification_record, print_identification
+
+if TYPE_CHECKING:
+    from symid.instrumental import ClosedLoop
+    from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 
 log_options = shared(
     click.option(
@@ -77,20 +94,28 @@ preparation_options = shared(
     ),
 )
 
+_NO_GAINS = {"position_gain": 0.0, "integral_gain": 0.0}
+
+loop_options = shared(
+    gain_option,
+    click.option("--rate", type=float, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
+)
+
 
 @click.command("identify", epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm")
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
 @click.option(
     "--method",
-    type=click.Choice(["wls", "ols"]),
+    type=click.Choice(["wls", "ols", "iv", "oe"]),
     default="wls",
     show_default=True,
-    help="Weighted or ordinary least squares.",
+    help="Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood).",
 )
 @measured_option
 @log_options
 @preparation_options
+@loop_options
 @click.option(
     "--ddof",
     type=int,
@@ -111,26 +136,93 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     declared = load_axis(axis)
     runs = [_read(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
-    found = identify(
-        model,
-        runs,
-        method=options["method"],
-        preparation=_preparation(declared, runs[0], options),
-        ddof=options["ddof"],
-        nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
-    )
-    validation = None
-    if options["validation"]:
-        validation = predict(found, _read(declared, options["validation"], options))
+    validating = _read(declared, options["validation"], options) if options["validation"] else None
+    by_method = _by_output_error if options["method"] == "oe" else _by_regression
+    found, validation, record = by_method(declared, model, runs, validating, options)
     if options["plot"]:
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
         plot_identification(found, options["plot"], validation)
-    record = identification_record(found, validation)
     if options["json_file"]:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_identification(record)
+
+
+def _by_regression(
+    declared: Axis,
+    model: GeneratedModel,
+    runs: Sequence[Log],
+    validating: Log | None,
+    options: dict[str, Any],
+) -> tuple[Identification, Prediction | None, dict[str, Any]]:
+    """Least squares or instrumental variables: the result, its validation, and both as a record."""
+    found = _identified(declared, model, runs, options)
+    validation = predict(found, validating) if validating else None
+    return found, validation, identification_record(found, validation)
+
+
+def _by_output_error(
+    declared: Axis,
+    model: GeneratedModel,
+    runs: Sequence[Log],
+    validating: Log | None,
+    options: dict[str, Any],
+) -> tuple[OutputErrorIdentification, OutputErrorPrediction | None, dict[str, Any]]:
+    """Maximum likelihood on the sampled axis: the result, its validation, and both as a record."""
+    from symid.output_error import (
+        identify_output_error,
+        predict_output_error,
+    )  # sympy takes half a second to load
+    from symid.report.output_error import output_error_record
+
+    with working("searching the parameters"):
+        found = identify_output_error(
+            declared,
+            model,
+            runs,
+            held=True if declared.drive.signal in options["held"] else None,
+            preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
+            nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
+        )
+    validation = predict_output_error(found, validating) if validating and found.fit else None
+    return found, validation, output_error_record(found, validation)
+
+
+def _identified(
+    declared: Axis, model: GeneratedModel, runs: Sequence[Log], options: dict[str, Any]
+) -> Identification:
+    """Identify by the method that was asked for."""
+    preparation = _preparation(declared, runs[0], options)
+    nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
+    if options["method"] == "iv":
+        from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
+
+        loop = _closed_loop(declared, options)
+        return identify_by_instruments(
+            model,
+            runs,
+            loop,
+            preparation=preparation,
+            nominal=nominal,
+            track=partial(tracked, what="simulating"),
+        )
+    return identify(
+        model, runs, method=options["method"], preparation=preparation, ddof=options["ddof"], nominal=nominal
+    )
+
+
+def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
+    """The axis under the controller that the options describe, if they do."""
+    from symid.instrumental import ClosedLoop
+    from symid.simulation import Cascade
+
+    loop, gains = ClosedLoop(declared, rate_hz=options["rate"]), cascade_gains(options["gains"])
+    if not gains:
+        return loop
+    if "velocity_gain" not in gains:
+        raise SettingError("--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller")
+    return replace(loop, controller=Cascade(loop.position, **{**_NO_GAINS, **gains}))
 
 
 def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
@@ -148,26 +240,36 @@ def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
 
 
 def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
-    late = {
-        name: seconds_of(text, f"--late {name}")
-        for name, text in assignments(options["late"], "--late").items()
-    }
+    late = _late(declared, options)
     for signal in options["held"] + ((declared.drive.signal,) if declared.drive.held else ()):
         late[signal] = late.get(signal, 0.0) - log.sampling_period / 2
-    unknown = [name for name in late if name not in declared.signal_units]
-    if unknown:
-        raise SettingError(
-            f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
-        )
     return Preparation(
         cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
         order=options["order"],
         filter_force=options["filtered"] == "all",
         decimation=options["decimation"],
         trim=_trim(options["trim"]),
-        standstill=None if options["standstill"] is None else number(options["standstill"], "--standstill"),
+        standstill=_standstill(options),
         late=late,
     )
+
+
+def _late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
+    """Seconds by which signals were recorded late, as given."""
+    late = {
+        name: seconds_of(text, f"--late {name}")
+        for name, text in assignments(options["late"], "--late").items()
+    }
+    unknown = [name for name in (*late, *options["held"]) if name not in declared.signal_units]
+    if unknown:
+        raise SettingError(
+            f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
+        )
+    return late
+
+
+def _standstill(options: dict[str, Any]) -> float | None:
+    return None if options["standstill"] is None else number(options["standstill"], "--standstill")
 
 
 def _trim(text: str | None) -> tuple[int, int] | None:

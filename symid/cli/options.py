@@ -19,6 +19,40 @@ json_option = click.option(
     "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
 )
 measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
+gain_option = click.option(
+    "--controller-gain",
+    "gains",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
+)
+
+_CASCADE = {
+    "Kpp": "position_gain",
+    "Kpv": "velocity_gain",
+    "Kiv": "integral_gain",
+    "Kfa": "acceleration_feedforward",
+    "Kfv": "velocity_feedforward",
+}
+
+
+def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
+    """Gains of ``--controller-gain`` by the fields of a cascade.
+
+    Raises
+    ------
+    SettingError
+        If a gain is not known, or no number.
+
+    Examples
+    --------
+    >>> cascade_gains(("Kpp=30",))
+    {'position_gain': 30.0}
+    """
+    given = assignments(values, "--controller-gain")
+    if unknown := [name for name in given if name not in _CASCADE]:
+        raise SettingError(f"--controller-gain {unknown[0]} is not known: choose from {', '.join(_CASCADE)}")
+    return {_CASCADE[name]: number(text, f"--controller-gain {name}") for name, text in given.items()}
 
 
 def signal_list(text: str | None) -> tuple[str, ...] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import TypeVar
 
 from rich.console import Console
@@ -15,6 +15,18 @@ Item = TypeVar("Item")
 
 _PATIENCE = 2.0
 """Seconds of work before progress is shown."""
+
+
+def working(what: str) -> AbstractContextManager[object]:
+    """Show that work of unknown length is going on, if standard error is a terminal.
+
+    Examples
+    --------
+    >>> with working("thinking"):
+    ...     1 + 1
+    2
+    """
+    return Console(stderr=True).status(what) if sys.stderr.isatty() else nullcontext()
 
 
 def tracked(items: Sequence[Item], what: str) -> Iterator[Item]:

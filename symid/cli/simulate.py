@@ -13,7 +13,17 @@ import numpy as np
 import polars as pl
 
 from symid.axis import Axis, load_axis
-from symid.cli.options import assignments, json_option, number, parameter_file, seconds_of, shared, write_json
+from symid.cli.options import (
+    assignments,
+    cascade_gains,
+    gain_option,
+    json_option,
+    number,
+    parameter_file,
+    seconds_of,
+    shared,
+    write_json,
+)
 from symid.cli.progress import tracked
 from symid.data import Log, read_log
 from symid.errors import SettingError
@@ -77,13 +87,7 @@ controller_options = shared(
         show_default=True,
         help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
     ),
-    click.option(
-        "--controller-gain",
-        "gains",
-        multiple=True,
-        metavar="NAME=VALUE",
-        help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
-    ),
+    gain_option,
     click.option("--force-limit", default=math.inf, show_default=True, help="Largest force."),
     click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
 )
@@ -169,19 +173,7 @@ def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controll
 def _cascade(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
     signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
     tuned = tuned_cascade(plant, signal, options["bandwidth"], options["force_limit"])
-    names = {
-        "Kpp": "position_gain",
-        "Kpv": "velocity_gain",
-        "Kiv": "integral_gain",
-        "Kfa": "acceleration_feedforward",
-        "Kfv": "velocity_feedforward",
-    }
-    given = assignments(options["gains"], "--controller-gain")
-    unknown = [name for name in given if name not in names]
-    if unknown:
-        raise SettingError(f"--controller-gain {unknown[0]} is not known: choose from {', '.join(names)}")
-    values = {names[name]: number(text, f"--controller-gain {name}") for name, text in given.items()}
-    return tuned.with_gains(**values)
+    return tuned.with_gains(**cascade_gains(options["gains"]))
 
 
 def _trajectory(axis: Axis, options: dict[str, Any]) -> Trajectory:

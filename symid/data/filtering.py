@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -96,8 +97,7 @@ class LowPass:
 
     def zero_phase(self, sampling_frequency: float) -> ZeroPhaseFilter:
         """Filter that `apply` runs over a signal sampled at `sampling_frequency` (Hz), above twice the cutoff."""
-        sections = signal.butter(self.order, self.cutoff_hz, fs=sampling_frequency, output="sos")
-        return ZeroPhaseFilter(np.asarray(sections), self.padding)
+        return _low_pass(self.order, self.cutoff_hz, sampling_frequency)
 
     def gain(self, frequency: npt.ArrayLike) -> FloatArray:
         """Amplitude left at `frequency` (Hz) by both passes: 1 / (1 + (f / cutoff)^(2 order)), as [34].
@@ -112,6 +112,12 @@ class LowPass:
         warped = np.tan(np.pi * np.asarray(frequency, dtype=np.float64) / sampling_frequency)
         ratio = warped / np.tan(np.pi * self.cutoff_hz / sampling_frequency)
         return _squared_butterworth(ratio, self.order)
+
+
+@lru_cache(maxsize=64)  # a design takes as long as filtering ten thousand samples
+def _low_pass(order: int, cutoff_hz: float, sampling_frequency: float) -> ZeroPhaseFilter:
+    sections = signal.butter(order, cutoff_hz, fs=sampling_frequency, output="sos")
+    return ZeroPhaseFilter(np.asarray(sections), 3 * order)
 
 
 def _squared_butterworth(ratio: FloatArray, order: int) -> FloatArray:
@@ -286,6 +292,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     return thinned
 
 
+@lru_cache(maxsize=64)
 def decimation_filter(factor: int) -> ZeroPhaseFilter:
     """Filter that `decimate` runs over a signal before samples are left out; `factor` is 2 or more."""
     sections = signal.cheby1(

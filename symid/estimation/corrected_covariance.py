@@ -38,12 +38,14 @@ class ObservationBlock:
     """Consecutive samples of an observation, shapes as in `corrected_covariance`.
 
     `continues` is False where another log begins, so that no correlation is taken across the joint.
+    `instruments`, of the shape of W, are those of an estimate (Z'S^2 W)^-1 Z'S^2 y; all blocks have them or none.
     """
 
     W: FloatArray
     y: FloatArray
     valid: BoolArray | None = None
     continues: bool = True
+    instruments: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -171,7 +173,7 @@ def corrected_covariance_of_blocks(
     enough = absorbed < 0.5
     # the residual lacks what the fit has absorbed: E ||rho||^2 = trace(Gamma) - trace(scores), for any Gamma
     scale = 1.0 / (1.0 - absorbed) if enough else float("nan")
-    root = fit.rank.inverse_root
+    root = fit.rank.inverse_root @ _gain_of_instruments(read, fit)
     covariance = scale * (root @ scores @ root.T)
     covariance[list(fit.undetermined)] = np.nan
     covariance[:, list(fit.undetermined)] = np.nan
@@ -184,6 +186,21 @@ def corrected_covariance_of_blocks(
         effective_parameters=absorbed * sum(fit.rows),
         degrees_of_freedom=max(worth - fit.rank.rank, 1.0),
     )
+
+
+def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares) -> FloatArray:
+    """(T' Z'S^2 W T)^-1, by which scores of instruments become parameters; 1 without them, as T' W'S^2 W T is."""
+    product = np.zeros((fit.rank.rank, fit.rank.rank))
+    for block in read():
+        if block.instruments is None:
+            return np.eye(fit.rank.rank)
+        for j, weight in enumerate(fit.weights):
+            rows = slice(None) if block.valid is None else block.valid[j]
+            Z, W = (
+                weight * columns[j][rows] @ fit.rank.inverse_root for columns in (block.instruments, block.W)
+            )
+            product += Z.T @ W
+    return np.asarray(np.linalg.pinv(product))
 
 
 def _residual_covariance(
@@ -257,7 +274,8 @@ def _orthonormal_windows(
     """Rows of W S T, shape (n_equations, rank, n_samples), 0 where masked; and if they continue the last."""
     transform = [weight * fit.rank.inverse_root.T for weight in fit.weights]
     for block in blocks:
-        W, _, valid = checked_observation(block.W, block.y, block.valid)
+        rows = block.W if block.instruments is None else block.instruments
+        W, _, valid = checked_observation(rows, block.y, block.valid)
         for start in range(0, W.shape[1], step):
             part = slice(start, start + step)
             columns = np.swapaxes(W[:, part], 1, 2)

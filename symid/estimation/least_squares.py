@@ -28,7 +28,7 @@ class LeastSquares:
         "ok"; "rank_deficient": some parameters are not determined; "too_few_rows": no row is left over to
         estimate the residual's deviation from, so that there are no standard deviations.
     method : str
-        "ols" [20] or "wls" [26].
+        "ols" [20] or "wls" [26]; "iv" for an estimate by instrumental variables that began as one of these.
     parameters : array, shape (n_parameters,)
         In the caller's units; nan where not determined.
     covariance : array, shape (n_parameters, n_parameters)
@@ -56,7 +56,7 @@ class LeastSquares:
     """
 
     status: Status
-    method: Method
+    method: Method | Literal["iv"]
     parameters: FloatArray
     covariance: FloatArray
     solution: FloatArray

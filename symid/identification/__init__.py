@@ -1,24 +1,36 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
-from symid.identification.identify import Identification, identify
+from symid.identification.bias import Bias, bias_of
+from symid.identification.excerpts import Excerpt, excerpts
+from symid.identification.identify import distrusted, found_from, identify
 from symid.identification.logs import measured_signals, read_axis_log
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.prediction import Prediction, predict
 from symid.identification.residuals import EquationResidual
+from symid.identification.result import Identification
 from symid.identification.settings import Preparation
+from symid.identification.timing import Timing, timing_of
 
 __all__ = [
+    "Bias",
     "EquationResidual",
+    "Excerpt",
     "Identification",
     "Observation",
     "PhysicalEstimate",
     "Prediction",
     "Preparation",
+    "Timing",
+    "bias_of",
+    "distrusted",
+    "excerpts",
+    "found_from",
     "identify",
     "measured_signals",
     "observe",
     "physical_estimates",
     "predict",
     "read_axis_log",
+    "timing_of",
 ]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -18,18 +18,21 @@ from symid.data import (
     LowPass,
     Piece,
     ZeroPhaseFilter,
-    central_difference,
     decimation_filter,
     in_pieces,
     kept_indices,
     kept_of,
 )
 from symid.errors import SettingError
+from symid.identification.scheme import PAPER, Scheme
 from symid.identification.settings import Preparation, completed
 from symid.signals import derivative_name
 
 _STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""
+
+_WIDEST = 0.4
+"""Of the sampling frequency: the highest cutoff to which a filter is widened."""
 
 _MOST_WORKERS = 4
 """Threads that prepare a log: filters are bound by the processor up to about so many, by memory beyond."""
@@ -60,7 +63,7 @@ class Observation:
     preparation: Preparation
 
 
-def observe(model: GeneratedModel, log: Log, preparation: Preparation) -> Observation:
+def observe(model: GeneratedModel, log: Log, preparation: Preparation, scheme: Scheme = PAPER) -> Observation:
     """Filter and differentiate a log, evaluate the regressor, decimate, and choose the rows.
 
     Parameters
@@ -71,6 +74,8 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation) -> Observ
         A run of the axis.
     preparation : Preparation
         What is left open is chosen from the log.
+    scheme : Scheme
+        Another one than the paper's, to compare with it.
 
     Raises
     ------
@@ -86,13 +91,53 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation) -> Observ
             f"trimming {before} and {after} of {log.n_samples} samples leaves nothing: trim less"
         )
     workers = min(_MOST_WORKERS, os.cpu_count() or 1)
-    signals = _filtered(model, log, chosen, workers)
-    sampling = _Sampling(model, chosen, log.sampling_period, signals, before, log.n_samples - before - after)
-    W, y, velocities = _sampled(sampling, workers)
+    sampling = _sampling(model, log, chosen, scheme, workers)
+    W, y, velocities = _sampled(sampling, workers, sampling.needs_velocities)
     usable = _usable_rows(sampling, velocities, workers)
     kept = kept_indices(sampling.n_samples, sampling.factor)
     places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
     return Observation(W.transpose(0, 2, 1), y, usable, log.start + log.sampling_period * places, chosen)
+
+
+def force_rows(
+    model: GeneratedModel, log: Log, chosen: Preparation
+) -> Callable[[float], tuple[FloatArray, FloatArray]]:
+    """W and y of the force alone, as a function of the seconds by which it is moved to an earlier time.
+
+    Rows are linear in the force: the difference of two such pairs is by how much a shift changes those of the log.
+
+    Parameters
+    ----------
+    model, log
+        As in `observe`.
+    chosen : Preparation
+        Complete, that of an observation.
+    """
+    workers = min(_MOST_WORKERS, os.cpu_count() or 1)
+    still = np.broadcast_to(0.0, log.n_samples)
+    alone = {name: log[name] if name == model.force else still for name in model.highest_derivatives}
+    run = Log(log.source, log.start, log.sampling_period, alone)
+    sampling = _sampling(model, run, chosen, PAPER, workers)
+    force = sampling.signals[model.force]
+
+    def rows(late: float) -> tuple[FloatArray, FloatArray]:
+        moved = _earlier(force, late / log.sampling_period) if late else force
+        W, y, _ = _sampled(
+            replace(sampling, signals={**sampling.signals, model.force: moved}), workers, False
+        )
+        return W.transpose(0, 2, 1), y
+
+    return rows
+
+
+def _sampling(
+    model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme, workers: int
+) -> _Sampling:
+    before, after = chosen.trim or (0, 0)
+    signals = _filtered(model, log, chosen, scheme.widening, workers)
+    return _Sampling(
+        model, chosen, scheme, log.sampling_period, signals, before, log.n_samples - before - after
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +150,8 @@ class _Sampling:
         Regressor and output.
     chosen : Preparation
         Complete.
+    scheme : Scheme
+        How derivatives and laws are made.
     period : float
         Sampling period, s.
     signals : mapping of str to array of shape (n,)
@@ -117,6 +164,7 @@ class _Sampling:
 
     model: GeneratedModel
     chosen: Preparation
+    scheme: Scheme
     period: float
     signals: Mapping[str, FloatArray]
     before: int
@@ -128,12 +176,17 @@ class _Sampling:
         return self.chosen.decimation or 1
 
     @cached_property
-    def law_filter(self) -> ZeroPhaseFilter | None:
-        """Filter of the values of nonlinear laws: that of the force, if this is filtered."""
+    def low_pass(self) -> ZeroPhaseFilter | None:
+        """Filter of what has not passed it as a signal: of nonlinear laws, if the force is filtered, or of all rows."""
         assert self.chosen.cutoff_hz is not None
-        if not (self.model.law_columns and self.chosen.filter_force):
+        if not (self.filters_all or (self.model.law_columns and self.chosen.filter_force)):
             return None
         return LowPass(self.chosen.cutoff_hz, self.chosen.order).zero_phase(1 / self.period)
+
+    @property
+    def filters_all(self) -> bool:
+        """Whether rows are filtered rather than signals."""
+        return self.scheme.widening > 1.0
 
     @cached_property
     def row_filter(self) -> ZeroPhaseFilter | None:
@@ -141,29 +194,37 @@ class _Sampling:
         return decimation_filter(self.factor) if self.factor > 1 else None
 
     @property
+    def needs_velocities(self) -> bool:
+        """Whether rows near standstill have to be found."""
+        return any(self.model.sliding) and self.chosen.standstill != 0
+
+    @property
     def reach(self) -> int:
         """Samples on either side that the filters need."""
-        return sum(f.reach for f in (self.law_filter, self.row_filter) if f is not None)
+        return sum(f.reach for f in (self.low_pass, self.row_filter) if f is not None)
 
     def window(self, first: int, last: int) -> dict[str, FloatArray]:
         """Flat names with the derivatives that the model needs, from sample `first` to before sample `last`.
 
-        The central differences are those of the whole log: they are taken of as many more samples as they need.
+        The differences are those of the whole log: they are taken of as many more samples as they need.
         """
         flat: dict[str, FloatArray] = {}
         first, last = first + self.before, last + self.before
         for name, highest in self.model.highest_derivatives.items():
             whole = self.signals[name]
-            lead = min(highest, first)
-            current = whole[first - lead : min(last + highest, whole.size)]
+            margin = highest * self.scheme.reach
+            lead = min(margin, first)
+            current = whole[first - lead : min(last + margin, whole.size)]
             for order in range(highest + 1):
                 flat[derivative_name(name, order)] = current[lead : lead + last - first]
                 if order < highest:
-                    current = central_difference(current, self.period)
+                    current = self.scheme.difference(current, self.period)
         return flat
 
 
-def _sampled(sampling: _Sampling, workers: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _sampled(
+    sampling: _Sampling, workers: int, with_velocities: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """W of shape (n_equations, n_parameters, n_rows), y, and the sliding velocities at all samples.
 
     The model is sampled, filtered and decimated piece by piece, each in the cache of one processor.
@@ -172,8 +233,7 @@ def _sampled(sampling: _Sampling, workers: int) -> tuple[FloatArray, FloatArray,
     equations, sliding = len(model.output_names), {row for rows in model.sliding for row in rows}
     W = np.empty((equations, len(model.minimal_units), n_rows))
     y = np.empty((equations, n_rows))
-    needs_velocities = bool(sliding) and sampling.chosen.standstill != 0
-    velocities = np.empty((len(sliding) if needs_velocities else 0, sampling.n_samples))
+    velocities = np.empty((len(sliding) if with_velocities else 0, sampling.n_samples))
     offset = kept_indices(sampling.n_samples, sampling.factor).start
 
     def sample(piece: Piece) -> None:
@@ -181,12 +241,15 @@ def _sampled(sampling: _Sampling, workers: int) -> tuple[FloatArray, FloatArray,
         signals = sampling.window(piece.first, piece.last)
         columns, output = model.sample(signals)
         columns = columns.transpose(0, 2, 1)
-        if sampling.law_filter is not None:
-            for place in model.law_columns:
-                columns[place] = sampling.law_filter.apply(columns[place])
+        if sampling.low_pass is not None:
+            every = sampling.filters_all
+            for place in np.ndindex(columns.shape[:2]) if every else model.law_columns:
+                columns[place] = sampling.low_pass.apply(columns[place])
+            for row in output if every else ():
+                row[:] = sampling.low_pass.apply(row)
         _thin(columns, sampling.row_filter, W[..., places], chosen)
         _thin(output, sampling.row_filter, y[..., places], chosen)
-        if needs_velocities:
+        if with_velocities:
             arguments = (signals[name][piece.inner] for name in model.signals)
             velocities[:, piece.start : piece.stop] = model.sliding_velocities(*arguments)
 
@@ -203,11 +266,14 @@ def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray,
         out[row] = row_filter.apply(rows[row])[chosen]
 
 
-def _filtered(model: GeneratedModel, log: Log, chosen: Preparation, workers: int) -> dict[str, FloatArray]:
+def _filtered(
+    model: GeneratedModel, log: Log, chosen: Preparation, widening: float, workers: int
+) -> dict[str, FloatArray]:
     """Low-passed signals; the force only if the preparation says so."""
     assert chosen.cutoff_hz is not None
     signals = {name: log[name] for name in model.highest_derivatives}
-    lowpass = LowPass(chosen.cutoff_hz, chosen.order)
+    cutoff = max(chosen.cutoff_hz, min(widening * chosen.cutoff_hz, _WIDEST * log.sampling_frequency))
+    lowpass = LowPass(cutoff, chosen.order)
     for name, values in signals.items():
         if chosen.filter_force or name != model.force:
             signals[name] = lowpass.apply(values, log.sampling_frequency, workers=workers)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.estimation import estimate, triangular_factors
-from symid.identification.identify import Identification
 from symid.identification.observation import Observation, observe
 from symid.identification.residuals import EquationResidual
+from symid.identification.result import Identification
 
 
 @dataclass(frozen=True, eq=False)

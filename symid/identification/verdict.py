@@ -11,7 +11,15 @@ from symid.estimation import LeastSquares
 from symid.identification.physical import PhysicalEstimate
 
 Status = Literal[
-    "ok", "rank_deficient", "too_few_rows", "poorly_excited", "no_physical_parameters", "not_physical"
+    "ok",
+    "rank_deficient",
+    "too_few_rows",
+    "poorly_excited",
+    "no_physical_parameters",
+    "not_physical",
+    "timing",
+    "biased",
+    "weak_instruments",
 ]
 
 _HIGHEST_CONDITION = 1e5

@@ -86,7 +86,7 @@ def identify_output_error(
         ("smooth", "held") if declared is None else ("held" if declared else "smooth",)
     )
     with threadpool_limits(1):
-        starts = _starts(model, dynamics, runs, prepared, nominal)
+        starts = _starts(model, dynamics, runs, _for_least_squares(prepared, force, runs, declared), nominal)
         fits: list[tuple[Fit, Course]] = []
         for course in courses:
             free_timing = declared is None and course == "smooth"
@@ -110,6 +110,16 @@ def identify_output_error(
     return replace(found, status=status, message=message, notes=(*found.notes, *_remarks(found)))
 
 
+def _for_least_squares(
+    preparation: Preparation, force: str, logs: Sequence[Log], held: bool | None
+) -> Preparation:
+    """Settings of least squares, to which a held force is one that acts half a sample later than it is recorded."""
+    if not held:
+        return preparation
+    late = preparation.late.get(force, 0.0) - logs[0].sampling_period / 2
+    return replace(preparation, late={**preparation.late, force: late})
+
+
 def _starts(
     model: GeneratedModel,
     dynamics: ForwardDynamics,
@@ -129,7 +139,7 @@ def _least_squares_start(
     model: GeneratedModel, logs: Sequence[Log], preparation: Preparation
 ) -> dict[str, float] | None:
     try:
-        found = identify(model, logs, preparation=preparation).physical_parameters
+        found = identify(model, logs, preparation=preparation, examine=False).physical_parameters
     except SettingError:
         return None
     return {name: value if math.isfinite(value) else 0.0 for name, value in found.items()} or None

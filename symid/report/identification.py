@@ -11,7 +11,7 @@ from rich.table import Table
 
 from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
-from symid.identification import EquationResidual, Identification, Prediction
+from symid.identification import Bias, EquationResidual, Identification, Prediction
 from symid.report.console import report_console
 
 
@@ -19,7 +19,8 @@ def identification_record(found: Identification, validation: Prediction | None =
     """What `symid identify --json` writes.
 
     Deviations come twice: ``std`` is the classical one of the paper [22]-[30], which takes the residual as white;
-    ``std_corrected`` allows for its correlation.
+    ``std_corrected`` allows for its correlation. ``bias`` is the expected error that neither tells; ``bias_dominates``
+    names the parameters of which it exceeds a tenth of the corrected deviation.
     """
     prepared = found.observations[0].preparation
     record: dict[str, Any] = {
@@ -47,6 +48,7 @@ def identification_record(found: Identification, validation: Prediction | None =
             found.fit.parameters,
             found.fit.standard_deviations,
             found.correlated.standard_deviations,
+            found.bias,
         ),
         "physical": _physical(found, 0),
         "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
@@ -57,6 +59,8 @@ def identification_record(found: Identification, validation: Prediction | None =
             "bandwidth": found.correlated.bandwidth,
             "effective_samples": found.correlated.effective_samples,
         },
+        "bias_dominates": list(found.dominated_by_bias),
+        "timing": _timing(found),
         "assumptions": list(found.model.assumptions),
     }
     if validation is not None:
@@ -65,7 +69,7 @@ def identification_record(found: Identification, validation: Prediction | None =
 
 
 def parameter_records(
-    units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray
+    units: Any, values: FloatArray, stds: FloatArray, corrected: FloatArray, bias: Bias | None = None
 ) -> dict[str, dict[str, Any]]:
     """Records of parameters by name: values, deviations, units."""
     relative = relative_standard_deviation(values, stds)
@@ -77,6 +81,8 @@ def parameter_records(
             "relative_std_percent": float(relative[i]),
             "std_corrected": float(corrected[i]),
             "relative_std_corrected_percent": float(relative_corrected[i]),
+            "bias": None if bias is None else float(bias.total[i]),
+            "bias_by_noise": None if bias is None else float(bias.noise[i]),
             "unit": unit,
         }
         for i, (name, unit) in enumerate(units.items())
@@ -89,7 +95,24 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
     estimate = found.physical[branch]
     classical = estimate.propagated_deviations(found.fit.covariance)
     corrected = estimate.propagated_deviations(found.correlated.covariance)
-    return parameter_records(found.model.physical_units, estimate.parameters, classical, corrected)
+    bias = None if found.bias is None else found.bias.mapped(estimate.sensitivity)
+    return parameter_records(found.model.physical_units, estimate.parameters, classical, corrected, bias)
+
+
+def _timing(found: Identification) -> dict[str, Any] | None:
+    """When the force seems to act; ``late_s`` has the sign of ``--late``."""
+    timing = found.timing
+    if timing is None:
+        return None
+    return {
+        "signal": timing.signal,
+        "late_s": timing.late,
+        "std_s": timing.deviation,
+        "samples": timing.samples,
+        "suggested_s": timing.suggested,
+        "significant": timing.is_significant,
+        "remedy": timing.remedy if timing.is_significant else None,
+    }
 
 
 def _relations(found: Identification) -> dict[str, Any] | None:
@@ -172,7 +195,7 @@ def _settings_line(record: dict[str, Any]) -> str:
 def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table:
     table = Table(title=title, title_justify="left", box=None, pad_edge=False)
     table.add_column("")
-    for heading in ("value", "std", "std corrected", "% of value"):
+    for heading in ("value", "std", "std corrected", "% of value", "bias"):
         table.add_column(heading, justify="right")
     table.add_column("unit")
     for name, p in parameters.items():
@@ -183,6 +206,7 @@ def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table
             _significant(std),
             _significant(corrected),
             _percent(p["relative_std_corrected_percent"]),
+            "-" if p["bias"] is None else f"{p['bias']:.2g}",
             p["unit"],
         )
     return table

@@ -1,0 +1,432 @@
+"""How often do 95 % intervals hold the true parameters, and does the record say so where bias keeps them from it?
+
+A true run of an axis is simulated once for each row; noise is drawn and identified many times. Rows: sensors, method,
+sampling rate, cutoff (as chosen from the log, or given), decimation, whether the force is filtered too, noise of the
+force and of the encoder (white, or the steps of an encoder). For minimal and physical parameters together the map
+prints the lowest and highest coverage of the intervals, classical and corrected (Student's t with the degrees of
+freedom of the result), the true bias in standard deviations, the share of draws whose record says that bias dominates,
+and how often a wrong timing was seen where there is none. A parameter counts as biased if the mean of all draws is off
+by more than a tenth of the standard deviation beyond its own uncertainty (3 standard errors). Parameters that are
+minimal and physical count once.
+
+Then the force of the same logs is moved by one sample: how often that is seen, how well it is estimated, and the
+coverage before and after the remedy that the result names. Last, least squares and instrumental variables on a flexible
+axis whose encoders are noisy.
+
+Usage: python benchmarks/coverage_map.py [--runs 200] [--quick]
+OPENBLAS_NUM_THREADS=1 halves the time: the matrices are far too small for threads.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, stats
+
+import symid
+from symid.codegen import GeneratedModel
+from symid.identification import Identification
+from symid.instrumental import ClosedLoop, identify_by_instruments
+from symid.simulation import multisine, plant_of, simulate, tuned_cascade
+
+FloatArray = NDArray[np.float64]
+ENGINE_RATE = 4000.0
+SECONDS = {"rigid_1m": 10.0, "ballscrew_2m1s": 5.0, "direct_2m1s": 5.0}
+CLOSED_LOOPS = {"rigid_1m": 0.03, "ballscrew_2m1s": 0.004}  # amplitude of the reference, m
+VALUES: dict[str, dict[str, float]] = {
+    "rigid_1m": {"M": 95.0, "Fv": 200.0, "Fs": 20.0},
+    "ballscrew_2m1s": {
+        "Mm": 80.0, "Fvm": 120.0, "Fsm": 0.0, "Kt": 6e5, "Ft": 700.0, "Ml": 100.0, "Fvl": 150.0
+    },
+    "direct_2m1s": {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 0.0},
+}  # fmt: skip
+LINES = {
+    "rigid_1m": (0.4, 1.1, 2.9),
+    "ballscrew_2m1s": (1.0, 2.0, 5.0, 9.0, 14.0),
+    "direct_2m1s": tuple(np.arange(2.0, 71.0, 2.0)),
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A row of the map; noise by signal, as a standard deviation, or as a step of an encoder if `in_steps`."""
+
+    axis: str
+    measured: tuple[str, ...]
+    method: str
+    rate: float
+    cutoff: float | None
+    decimation: int | None
+    noise: tuple[tuple[str, float], ...]
+    in_steps: bool = False
+    filter_force: bool = True
+    moved: int = 0
+
+    def __str__(self) -> str:
+        noise = " ".join(f"{name} {size:g}" for name, size in self.noise)
+        kind = " step" if self.in_steps else ""
+        sides = "" if self.filter_force else ", motion only"
+        cutoff = "chosen" if self.cutoff is None else f"{self.cutoff:g}"
+        return (
+            f"{','.join(self.measured)} {self.method} {self.rate:g} Hz, {cutoff}/{self.decimation or '-'}{sides}, "
+            f"{noise}{kind}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """What one identification says of all parameters, minimal and then physical."""
+
+    values: FloatArray
+    classical: FloatArray
+    deviations: FloatArray
+    degrees_of_freedom: float
+    bias_dominates: FloatArray
+    timing_samples: float
+    timing_suggested: float
+    timing_seen: bool
+    status: str
+
+
+def wls(model: GeneratedModel, log: symid.Log, preparation: symid.Preparation, axis: str) -> Identification:
+    """Weighted least squares."""
+    return symid.identify(model, log, preparation=preparation, nominal=VALUES[axis])
+
+
+def iv(model: GeneratedModel, log: symid.Log, preparation: symid.Preparation, axis: str) -> Identification:
+    """Instrumental variables, under the controller with which the log was made."""
+    loop = ClosedLoop(symid.load_axis(axis), controller=controller_of(axis))
+    return identify_by_instruments(model, log, loop, preparation=preparation, nominal=VALUES[axis])
+
+
+METHODS: Mapping[str, Callable[[GeneratedModel, symid.Log, symid.Preparation, str], Identification]] = {
+    "wls": wls,
+    "iv": iv,
+}
+
+
+@cache
+def controller_of(axis: str) -> symid.simulation.Cascade:
+    """Cascade tuned to the true axis."""
+    declared = symid.load_axis(axis)
+    return tuned_cascade(plant_of(declared, VALUES[axis]), declared.sensors[0].signal)
+
+
+@cache
+def true_log(axis: str, rate: float) -> symid.Log:
+    """Log without noise: a closed loop, or exact periodic motion for direct_2m1s."""
+    if axis in CLOSED_LOOPS:
+        reference = multisine(
+            LINES[axis],
+            CLOSED_LOOPS[axis],
+            sampling_period=1 / ENGINE_RATE,
+            quantity="position",
+            seconds=SECONDS[axis],
+        )
+        log = simulate(
+            symid.load_axis(axis), VALUES[axis], reference, controller_of(axis), frequency_hz=rate
+        ).log
+        return log.window(0, int(SECONDS[axis] * rate))
+    return periodic_log(rate)
+
+
+def periodic_log(rate: float) -> symid.Log:
+    """Exact steady state of the linear direct_2m1s under a sum of sines of force."""
+    p = VALUES["direct_2m1s"]
+    t = np.arange(int(SECONDS["direct_2m1s"] * rate)) / rate
+    M, K = np.diag([p["Ms"], p["Mm"]]), np.diag([p["Ks"], 0.0])
+    C = np.array([[p["Fvs"] + p["Fvm"], -p["Fvm"]], [-p["Fvm"], p["Fvm"]]])
+    phases = np.random.default_rng(1).uniform(0, 2 * np.pi, len(LINES["direct_2m1s"]))
+    signals = {name: np.zeros(t.size) for name in ("q2", "ddq1", "Fm")}
+    for frequency, phase in zip(LINES["direct_2m1s"], phases, strict=True):
+        s, force = 2j * np.pi * frequency, 200.0 * np.exp(1j * phase)
+        x = linalg.solve(M * s**2 + C * s + K, np.array([-1.0, 1.0]) * force)
+        for name, amplitude in (("q2", x[1] - x[0]), ("ddq1", s**2 * x[0]), ("Fm", force)):
+            signals[name] += (amplitude * np.exp(s * t)).real
+    return symid.Log.from_arrays(signals, sampling_period=1 / rate)
+
+
+def noisy_log(case: Case, random: np.random.Generator) -> symid.Log:
+    """The true log with noise, and with the force recorded `moved` samples late."""
+    true = true_log(case.axis, case.rate)
+    signals = dict(true.signals)
+    force = symid.load_axis(case.axis).drive.signal
+    for name, size in case.noise:
+        if case.in_steps and name != force:
+            # an encoder's zero lies anywhere between two of its steps
+            signals[name] = size * np.round(signals[name] / size + random.uniform(-0.5, 0.5))
+        else:
+            signals[name] = signals[name] + size * random.standard_normal(true.n_samples)
+    if case.moved:
+        ahead, behind = max(case.moved, 0), max(-case.moved, 0)
+        n = true.n_samples - ahead - behind
+        signals = {
+            name: x[behind : behind + n] if name == force else x[ahead : ahead + n]
+            for name, x in signals.items()
+        }
+    return symid.Log.from_arrays(signals, sampling_period=true.sampling_period)
+
+
+def preparation_of(case: Case) -> symid.Preparation:
+    """Settings of a case; a force that the simulated controller holds acts half a sample late."""
+    force = symid.load_axis(case.axis).drive.signal
+    late = {force: -0.5 / ENGINE_RATE} if case.axis in CLOSED_LOOPS else {}
+    return symid.Preparation(
+        cutoff_hz=case.cutoff, decimation=case.decimation, filter_force=case.filter_force, late=late
+    )
+
+
+def identified(case: Case, log: symid.Log, preparation: symid.Preparation) -> Draw:
+    """Identify one log by the method of a case."""
+    model = symid.load_generated(case.axis, case.measured)
+    found = METHODS[case.method](model, log, preparation, case.axis)
+    return draw_of(found)
+
+
+def draw_of(found: Identification) -> Draw:
+    """Values, deviations and statements of a result, about the minimal and then the physical parameters."""
+    physical, bias = found.physical[0], found.bias
+    deviations = physical.propagated_deviations(found.covariance)
+    dominated = np.zeros(found.fit.solution.size + physical.parameters.size)
+    if bias is not None:
+        shares = (
+            bias.dominates(found.standard_deviations),
+            bias.mapped(physical.sensitivity).dominates(deviations),
+        )
+        dominated[list(shares[0])] = 1.0
+        dominated[[found.fit.solution.size + i for i in shares[1]]] = 1.0
+    timing = found.timing
+    return Draw(
+        np.concatenate([found.fit.parameters, physical.parameters]),
+        np.concatenate([found.fit.standard_deviations, physical.propagated_deviations(found.fit.covariance)]),
+        np.concatenate([found.standard_deviations, deviations]),
+        found.correlated.degrees_of_freedom,
+        dominated,
+        timing.samples if timing is not None else math.nan,
+        timing.suggested if timing is not None else math.nan,
+        timing is not None and timing.is_significant,
+        found.status,
+    )
+
+
+def true_values(case: Case) -> FloatArray:
+    """Minimal and physical parameters of the true axis."""
+    model, values = symid.load_generated(case.axis, case.measured), VALUES[case.axis]
+    physical = np.array([values[name] for name in model.physical_units])
+    return np.concatenate([model.minimal_parameters(*physical), physical])
+
+
+def names_of(case: Case) -> tuple[str, ...]:
+    """Names of the minimal and physical parameters."""
+    model = symid.load_generated(case.axis, case.measured)
+    return (*model.minimal_units, *model.physical_units)
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Statistics of all draws of a case, for each parameter."""
+
+    case: Case
+    names: tuple[str, ...]
+    classical: FloatArray
+    corrected: FloatArray
+    bias: FloatArray
+    stated: FloatArray
+    false_alarms: float
+    draws: int
+
+    @property
+    def is_biased(self) -> NDArray[np.bool_]:
+        """Whether the bias exceeds a tenth of the deviation by more than the uncertainty of its estimate."""
+        return np.abs(self.bias) > 0.1 + 3 / math.sqrt(self.draws)
+
+
+def measured_row(case: Case, runs: int) -> Row:
+    """Draw noise and identify, many times."""
+    random, truth = np.random.default_rng(20261121), true_values(case)
+    once = np.unique(truth, return_index=True)[1]
+    draws = [identified(case, noisy_log(case, random), preparation_of(case)) for _ in range(runs)]
+    errors = np.array([draw.values for draw in draws]) - truth
+    return Row(
+        case,
+        names=tuple(names_of(case)[i] for i in once),
+        classical=coverage(errors, np.array([1.96 * draw.classical for draw in draws]))[once],
+        corrected=coverage(errors, half_widths(draws))[once],
+        bias=(errors.mean(axis=0) / errors.std(axis=0, ddof=1))[once],
+        stated=np.mean([draw.bias_dominates for draw in draws], axis=0)[once],
+        false_alarms=float(np.mean([draw.timing_seen for draw in draws])),
+        draws=runs,
+    )
+
+
+def half_widths(draws: list[Draw]) -> FloatArray:
+    """Of the corrected 95 % intervals."""
+    return np.array([stats.t.ppf(0.975, draw.degrees_of_freedom) * draw.deviations for draw in draws])
+
+
+def coverage(errors: FloatArray, half: FloatArray) -> FloatArray:
+    """Share of draws whose interval holds the true value, for each parameter."""
+    return np.asarray(np.mean(np.abs(errors) <= half, axis=0))
+
+
+def cases(quick: bool) -> Iterator[Case]:
+    """Rows of the map."""
+    force, white, steps = (("F", 20.0),), (("F", 1.0), ("q", 5e-6)), (("F", 1.0), ("q", 2e-5))
+    rigid = Case("rigid_1m", ("q",), "wls", 1000.0, 20.0, None, force)
+    yield rigid
+    yield replace(rigid, cutoff=60.0, noise=white)
+    if quick:
+        return
+    settings = [(1000.0, cutoff, None) for cutoff in (None, 20.0, 60.0)]
+    settings += [(1000.0, 20.0, 1), (1000.0, 60.0, 1), (250.0, 20.0, None), (250.0, 10.0, 1)]
+    for rate, cutoff, decimation in settings:
+        for noise, in_steps in ((force, False), (white, False), (steps, True)):
+            case = replace(rigid, rate=rate, cutoff=cutoff, decimation=decimation)
+            case = replace(case, noise=noise, in_steps=in_steps)
+            if case not in (rigid, replace(rigid, cutoff=60.0, noise=white)):
+                yield case
+    for cutoff, noise in ((20.0, force), (60.0, force), (20.0, white)):
+        yield replace(rigid, cutoff=cutoff, noise=noise, filter_force=False)
+    for cutoff in (20.0, 60.0):
+        for noise, in_steps in ((force, False), (white, False), (steps, True)):
+            yield replace(rigid, method="iv", cutoff=cutoff, noise=noise, in_steps=in_steps)
+    flexible = Case("direct_2m1s", ("q2",), "wls", 4000.0, 100.0, None, (("Fm", 5.0),))
+    for measured in (("q2",), ("q2", "ddq1")):
+        for rate, cutoff in ((4000.0, 100.0), (4000.0, 200.0), (1000.0, 100.0)):
+            for noise in ((("Fm", 20.0),), (("Fm", 5.0), ("q2", 1e-8), ("ddq1", 0.01))):
+                chosen = tuple(pair for pair in noise if pair[0] in ("Fm", *measured))
+                yield replace(flexible, measured=measured, rate=rate, cutoff=cutoff, noise=chosen)
+
+
+def span(values: FloatArray) -> str:
+    """Lowest and highest, in percent."""
+    return f"{100 * values.min():4.0f}-{100 * values.max():.0f}"
+
+
+def print_map(measured: Iterable[Row]) -> None:
+    """Print the rows as they come, and what they come to."""
+    rows = []
+    print(f"{'case':62}{'classical':>10}{'corrected':>10}{'largest bias':>13}{'stated':>9}{'timing':>8}")
+    for row in measured:
+        rows.append(row)
+        worst = row.bias[np.argmax(np.abs(row.bias))]
+        print(
+            f"{row.case!s:62}{span(row.classical):>10}{span(row.corrected):>10}{worst:12.2f}s{span(row.stated):>9}"
+            f"{100 * row.false_alarms:7.1f}%",
+            flush=True,
+        )
+    biased = np.concatenate([row.is_biased for row in rows])
+    stated = np.concatenate([row.stated for row in rows]) > 0.5
+    covered = np.concatenate([row.corrected for row in rows])
+    print("\nparameters of all rows          record says that bias dominates   says nothing")
+    for name, chosen in (("biased by more than a tenth", biased), ("not so", ~biased)):
+        print(f"{name:32}{np.count_nonzero(chosen & stated):31d}{np.count_nonzero(chosen & ~stated):15d}")
+    quiet = covered[~stated]
+    inside = np.count_nonzero((quiet >= 0.93) & (quiet <= 0.97))
+    draws = rows[0].draws
+    low, high = (bound / draws for bound in stats.binom.interval(0.99, draws, 0.95))
+    expected = np.count_nonzero((quiet >= low) & (quiet <= high))
+    print(
+        f"where it says nothing, corrected intervals cover {span(quiet)} %, median {100 * np.median(quiet):.1f} %; "
+        f"{inside} of {quiet.size} lie in 93 to 97 %, {expected} where 99 of 100 exact intervals would "
+        f"({100 * low:.1f} to {100 * high:.1f} %); the others, and all that are biased:"
+    )
+    for row in rows:
+        for i, name in enumerate(row.names):
+            off = row.is_biased[i] or not low <= row.corrected[i] <= high
+            if off and row.stated[i] <= 0.5:
+                print(
+                    f"    {row.case}: {name} covered {100 * row.corrected[i]:.0f} %, bias {row.bias[i]:.2f}"
+                )
+    alarms = np.array([row.false_alarms for row in rows])
+    print(f"a wrong timing was seen in {100 * alarms.mean():.2f} % of the logs, none of which has one")
+
+
+def timing_cases(quick: bool) -> Iterator[Case]:
+    """Rows whose force is moved by a sample to either side."""
+    rigid = Case("rigid_1m", ("q",), "wls", 1000.0, 20.0, None, (("F", 20.0),), moved=1)
+    yield rigid
+    if quick:
+        return
+    yield replace(rigid, moved=-1)
+    yield replace(rigid, cutoff=None, noise=(("F", 1.0), ("q", 2e-5)), in_steps=True)
+    yield replace(rigid, cutoff=60.0, noise=(("F", 1.0), ("q", 1e-6)), moved=-1)
+    yield replace(rigid, rate=250.0, noise=(("F", 1.0), ("q", 1e-6)))
+    for measured in (("q2",), ("q2", "ddq1")):
+        flexible = Case("direct_2m1s", measured, "wls", 4000.0, 100.0, None, (("Fm", 20.0),), moved=1)
+        yield flexible
+        yield replace(flexible, moved=-1)
+
+
+def timing_row(case: Case, runs: int) -> tuple[float, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Share of logs whose status names the timing, its errors in samples, and coverage of all parameters as recorded,
+    after the remedy, and of the same logs never moved."""
+    found: dict[str, list[Draw]] = {"as recorded": [], "remedied": [], "never moved": []}
+    random = np.random.default_rng(20261121)
+    force = symid.load_axis(case.axis).drive.signal
+    for _ in range(runs):
+        state = random.bit_generator.state
+        log, given = noisy_log(case, random), preparation_of(case)
+        random.bit_generator.state = state
+        draw = identified(case, log, given)
+        late = given.late.get(force, 0.0) + draw.timing_suggested
+        found["as recorded"].append(draw)
+        found["remedied"].append(identified(case, log, replace(given, late={force: late})))
+        found["never moved"].append(identified(case, noisy_log(replace(case, moved=0), random), given))
+    truth = true_values(case)
+    shares = [
+        coverage(np.array([draw.values for draw in draws]) - truth, half_widths(draws))
+        for draws in found.values()
+    ]
+    first = found["as recorded"]
+    seen = float(np.mean([draw.timing_seen and draw.status != "ok" for draw in first]))
+    return seen, np.array([draw.timing_samples - case.moved for draw in first]), *shares
+
+
+def print_timing(quick: bool, runs: int) -> None:
+    """Print the rows of logs with a moved force."""
+    print(
+        f"\n{'force moved by a sample':62}{'status':>8}{'rms, max':>14}{'coverage':>11}{'remedied':>10}{'unmoved':>9}"
+    )
+    for case in timing_cases(quick):
+        seen, errors, before, after, unmoved = timing_row(case, runs)
+        sizes = f"{np.sqrt(np.mean(errors**2)):.3f}, {np.abs(errors).max():.3f}"
+        print(
+            f"{f'{case}, {case.moved:+d}':62}{100 * seen:7.0f}%{sizes:>14}{span(before):>11}{span(after):>10}"
+            f"{span(unmoved):>9}",
+            flush=True,
+        )
+
+
+def print_methods(runs: int) -> None:
+    """Print what noisy encoders do to least squares and to instrumental variables on a flexible axis."""
+    noise = (("Fm", 2.0), ("qm", 1.2e-4), ("ql", 1.2e-4))
+    case = Case("ballscrew_2m1s", ("qm", "ql"), "wls", ENGINE_RATE, 60.0, None, noise)
+    print(f"\nbias in standard deviations and coverage in %: {case}")
+    for method in METHODS:
+        row = measured_row(replace(case, method=method), runs)
+        cells = sorted(zip(row.names, row.bias, row.corrected, strict=True))
+        print(f"{method:8}" + "  ".join(f"{n} {b:6.2f} {100 * c:3.0f}" for n, b, c in cells), flush=True)
+
+
+def main() -> None:
+    """Print the map, the rows about timing, and the flexible axis with noisy encoders."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--quick", action="store_true", help="Two rows of the map, one of timing.")
+    options = parser.parse_args()
+    print(f"nominal 95 % intervals, {options.runs} draws a row; coverage in %, bias in standard deviations\n")
+    print_map(measured_row(case, options.runs) for case in cases(options.quick))
+    print_timing(options.quick, options.runs // 2)
+    if not options.quick:
+        print_methods(options.runs // 2)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""How far an estimate is off for reasons that no deviation tells: noise in W, and differences for derivatives.
+
+Noise dW of the columns and dy of the output leave, on the average, W'S^2 (y - W X) = c - C X at the true parameters X,
+with C and c the sums over the rows of S^2 E[dW' dW] and S^2 E[dW' dy] (errors in variables; S. Van Huffel and
+J. Vandewalle, The Total Least Squares Problem, SIAM 1991, chapter 8). The estimate is off by
+
+    (W'S^2 W - C)^-1 (c - C X^)
+
+Rows made with sharper differences, laws of motion that is filtered less, and a force filtered as the motion is, have a
+residual r at the estimate. Where they are right, the estimate is off by -(W'S^2 W)^-1 W'S^2 r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.estimation import LeastSquares
+from symid.identification.excerpts import Excerpt, share_of_rows
+from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
+from symid.identification.observation import Observation, observe
+from symid.identification.scheme import SHARP
+
+_COUNTS = 0.1
+"""Share of the standard deviation beyond which a bias changes the coverage of an interval."""
+_MOST_NOISE = 0.9
+"""Share of a column's power up to which its noise is taken off again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bias:
+    """Expected error of parameters, by its cause; positive where the estimate is too high.
+
+    Parameters
+    ----------
+    noise : array of shape (n_parameters,)
+        By noise of the sensors in the columns of W.
+    preparation : array of shape (n_parameters,)
+        By central differences, by reversals that the filter moves, by a force that is not filtered as the motion is.
+    """
+
+    noise: FloatArray
+    preparation: FloatArray
+
+    @property
+    def total(self) -> FloatArray:
+        """All of it."""
+        return self.noise + self.preparation
+
+    def mapped(self, sensitivity: FloatArray) -> Bias:
+        """Bias of other parameters that are a function of these, to first order."""
+        return Bias(sensitivity @ self.noise, sensitivity @ self.preparation)
+
+    def dominates(self, deviations: FloatArray) -> tuple[int, ...]:
+        """Parameters of which the bias exceeds a tenth of the standard deviation.
+
+        Examples
+        --------
+        >>> Bias(np.array([0.0, 0.3]), np.array([0.01, -0.1])).dominates(np.array([1.0, 1.0]))
+        (1,)
+        """
+        return tuple(int(i) for i in np.flatnonzero(np.abs(self.total) > _COUNTS * deviations))
+
+
+def bias_of(
+    model: GeneratedModel, parts: Sequence[Excerpt], whole: Sequence[Observation], fit: LeastSquares
+) -> Bias:
+    """Estimate the bias of parameters from the logs that they were identified from.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    parts : sequence of Excerpt
+        Logs, or parts of them, on which the estimate is examined.
+    whole : sequence of Observation
+        The observations that were fitted.
+    fit : LeastSquares
+        The parameters, all determined.
+    """
+    p, root = fit.solution.size, fit.rank.inverse_root
+    noise, slope = np.zeros((p, p + 1)), np.zeros(p)
+    for part, share in zip(parts, share_of_rows(parts, whole), strict=True):
+        equations = len(model.output_names)
+        weights = fit.weights[part.of * equations : (part.of + 1) * equations] ** 2 * share
+        rows, levels = part.observation.valid.sum(axis=1), noise_levels(model, part.log)
+        in_rows = noise_of_rows(model, part.log, part.observation.preparation, levels)
+        noise += np.einsum("j,jab->ab", weights * rows, in_rows)[:p]
+        rest = _rest_of_sharper_rows(model, part.log, part.observation, fit.solution, levels)
+        slope += np.einsum("j,jt,jta->a", weights, rest, part.observation.W)
+    # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
+    shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
+    gain = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
+    by_noise = (
+        root @ (directions * gain) @ directions.T @ root.T @ (noise[:, p] - noise[:, :p] @ fit.solution)
+    )
+    return Bias(by_noise, -root @ (root.T @ slope))
+
+
+def bias_of_instruments(
+    model: GeneratedModel,
+    logs: Sequence[Log],
+    observations: Sequence[Observation],
+    fit: LeastSquares,
+    instruments: Sequence[FloatArray],
+) -> Bias:
+    """Bias of an estimate (Z'S^2 W)^-1 Z'S^2 y: that of the preparation alone, noise does not bias it.
+
+    Parameters
+    ----------
+    model, logs, observations
+        What was estimated, and from what.
+    fit : LeastSquares
+        The estimate, whose rank is that of W.
+    instruments : sequence of array
+        For each observation, Z of the shape of its W.
+    """
+    p, root = fit.solution.size, fit.rank.inverse_root
+    cross, slope = np.zeros((p, p)), np.zeros(p)
+    per_log = fit.weights.reshape(len(observations), -1) ** 2
+    for log, seen, Z, weights in zip(logs, observations, instruments, per_log, strict=True):
+        used = np.where(seen.valid[..., None], Z, 0.0)
+        cross += np.einsum("j,jta,jtb->ab", weights, used, seen.W, optimize=True)
+        rest = _rest_of_sharper_rows(model, log, seen, fit.solution, noise_levels(model, log))
+        slope += np.einsum("j,jt,jta->a", weights, rest, used)
+    by_preparation = -root @ np.linalg.solve(root.T @ cross @ root, root.T @ slope)
+    return Bias(np.zeros(p), by_preparation)
+
+
+def _rest_of_sharper_rows(
+    model: GeneratedModel, log: Log, seen: Observation, X: FloatArray, levels: Mapping[str, float]
+) -> FloatArray:
+    """What an estimate leaves of rows that are made with sharper differences; 0 in rows that are not used."""
+    scheme = replace(SHARP, widening=quiet_widening(model, log, seen.preparation, levels, SHARP.widening))
+    sharper = observe(model, log, replace(seen.preparation, filter_force=True), scheme)
+    return np.where(seen.valid, sharper.y - sharper.W @ X, 0.0)

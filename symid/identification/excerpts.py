@@ -1,0 +1,115 @@
+"""Logs as blocks of one observation, and excerpts of long logs on which an estimate is examined."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.estimation import ObservationBlock
+from symid.identification.observation import Observation, observe
+
+Rows = TypeVar("Rows", FloatArray, BoolArray)
+
+_MOST_SAMPLES = 65_536
+"""Samples, of all logs together, on which an estimate is examined: more would cost time and tell little more."""
+_PARTS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Excerpt:
+    """A part of a log with its observation; the whole log if it is short.
+
+    Parameters
+    ----------
+    log : Log
+        The part.
+    observation : Observation
+        Its rows, prepared as those of the whole log.
+    of : int
+        Number of the log.
+    """
+
+    log: Log
+    observation: Observation
+    of: int
+
+
+def excerpts(
+    model: GeneratedModel, logs: Sequence[Log], observations: Sequence[Observation]
+) -> tuple[Excerpt, ...]:
+    """Evenly spread parts of each long log, and short logs as they are.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model observed.
+    logs, observations : sequence of Log and of Observation
+        The logs, and what was made of them.
+    """
+    most = max(_MOST_SAMPLES // len(logs), _MOST_SAMPLES // 16)
+    return tuple(
+        part
+        for k, (log, whole) in enumerate(zip(logs, observations, strict=True))
+        for part in (
+            (Excerpt(log, whole, k),) if log.n_samples <= most else _parts(model, log, whole, k, most)
+        )
+    )
+
+
+def _parts(
+    model: GeneratedModel, log: Log, whole: Observation, number: int, most: int
+) -> tuple[Excerpt, ...]:
+    chosen = replace(whole.preparation, trim=None)  # each part has ends of its own
+    size = most // _PARTS
+    starts = np.linspace(0, log.n_samples - size, _PARTS).astype(int)
+    windows = [log.window(int(start), int(start) + size) for start in starts]
+    return tuple(Excerpt(window, observe(model, window, chosen), number) for window in windows)
+
+
+def share_of_rows(parts: Sequence[Excerpt], observations: Sequence[Observation]) -> tuple[float, ...]:
+    """For each part, the rows of its log for each of those of all parts of that log.
+
+    Sums over the rows of the parts, times this, are estimates of the sums over all rows.
+    """
+    seen = [sum(int(p.observation.valid.sum()) for p in parts if p.of == k) for k in range(len(observations))]
+    whole = [int(o.valid.sum()) for o in observations]
+    return tuple(whole[p.of] / seen[p.of] if seen[p.of] else math.nan for p in parts)
+
+
+def blocks_of(
+    observations: Sequence[Observation], instruments: Sequence[FloatArray] | None = None
+) -> list[ObservationBlock]:
+    """Observations as blocks in which every equation of every log is an equation of its own.
+
+    Parameters
+    ----------
+    observations : sequence of Observation
+        One for each log.
+    instruments : sequence of array, optional
+        For each observation, an array of the shape of its W.
+    """
+    total = len(observations) * observations[0].W.shape[0]
+    blocks = []
+    for k, seen in enumerate(observations):
+        first = k * seen.W.shape[0]
+        W, y = _among(seen.W, first, total), _among(seen.y, first, total)
+        Z = None if instruments is None else _among(instruments[k], first, total)
+        valid = _among(seen.valid, first, total)
+        blocks.append(ObservationBlock(W, y, valid, continues=False, instruments=Z))
+    return blocks
+
+
+def _among(own: Rows, first: int, total: int) -> Rows:
+    """Rows of the equations of one log among those of all, the others 0."""
+    if len(own) == total:
+        return own
+    rows = np.zeros((total, *own.shape[1:]), dtype=own.dtype)
+    rows[first : first + len(own)] = own
+    return rows

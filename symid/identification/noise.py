@@ -1,0 +1,171 @@
+"""How much noise of the sensors there is in the columns of W and in y, read from the log itself.
+
+The noise of a signal is taken as white, with the level of the log near its Nyquist frequency, where an axis moves too
+little to be seen. Every column that is linear in the signals is a chain of known gains, of which differences,
+low-pass and decimation are parts; the covariance of the noise of two columns at the same time is the integral over
+frequency of the product of their gains with the level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+from scipy.signal import sosfreqz
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import Log, LowPass, decimation_filter
+from symid.identification.settings import Preparation
+from symid.signals import split_derivative
+
+ComplexArray = npt.NDArray[np.complex128]
+
+_FROM = 0.35
+"""Of the sampling frequency: from here on, up to half of it, a log is taken to hold noise only."""
+_QUIET_SHARE = 3e-4
+_LEAST_WIDENING = 1.5
+_SEGMENT = 512
+_LINES = 2048
+"""Frequencies at which gains are taken."""
+
+
+def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
+    """One-sided power spectral density of the white noise of each signal, in the square of its unit by Hz.
+
+    Levels are medians above 0.7 of the Nyquist frequency, of second differences, which keep the motion from leaking
+    there. What the force has in common with the motion is not noise of its measurement, but what the controller made
+    of the encoder's: it is left out.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Says which signals are used.
+    log : Log
+        The log.
+
+    Examples
+    --------
+    >>> from symid.codegen import load_generated
+    >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
+    >>> log = Log.from_arrays({"q": 1e-6 * noise[0], "F": 3.0 * noise[1]}, sampling_period=1e-3)
+    >>> levels = noise_levels(load_generated("rigid_1m"), log)
+    >>> round(levels["q"] * 500 * 1e12, 1), round(levels["F"] * 500, 1)
+    (1.0, 9.0)
+    """
+    length = max(16, min(_SEGMENT, log.n_samples // 8))
+    window = np.hanning(length)
+    frequency = np.fft.rfftfreq(length)
+    upper = (frequency > _FROM) & (frequency < 0.5)
+    spectra = {}
+    for name in model.highest_derivatives:
+        segments = np.lib.stride_tricks.sliding_window_view(np.diff(log[name], 2), length)[:: length // 2]
+        spectra[name] = np.fft.rfft(segments * window, axis=1)[:, upper]
+    gain = (2 * np.sin(np.pi * frequency[upper])) ** 4 * np.sum(window**2) * log.sampling_frequency / 2
+    levels = {}
+    for name, spectrum in spectra.items():
+        power = np.mean(np.abs(spectrum) ** 2, axis=0)
+        if name == model.force:
+            motion = spectra[model.most_differentiated]
+            common = np.abs(np.mean(spectrum * motion.conj(), axis=0)) ** 2
+            power = power - common / np.maximum(np.mean(np.abs(motion) ** 2, axis=0), np.finfo(float).tiny)
+        levels[name] = max(float(np.median(power / gain)), 0.0)
+    return levels
+
+
+def noise_of_rows(
+    model: GeneratedModel, log: Log, chosen: Preparation, levels: Mapping[str, float]
+) -> FloatArray:
+    """Covariance of the noise of all columns and of y at one row, of shape (n_equations, n_columns + 1, n_columns + 1).
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Its columns; those of nonlinear laws count as free of noise.
+    log : Log
+        The log.
+    chosen : Preparation
+        Complete, as that of an observation.
+    levels : mapping of str to float
+        Noise of each signal, from `noise_levels`.
+    """
+    frequency = (np.arange(_LINES) + 0.5) * log.sampling_frequency / (2 * _LINES)
+    gains = _signal_gains(model, frequency, log.sampling_period, chosen)
+    coefficients = _coefficients(model)
+    n_equations, n_columns, _ = coefficients.shape
+    covariance = np.zeros((n_equations, n_columns, n_columns))
+    for name, level in levels.items():
+        own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
+        response = coefficients[:, :, own] @ gains[own]
+        product = np.einsum("jaf,jbf->jab", response, response.conj()).real
+        covariance += product * level * (log.sampling_frequency / (2 * _LINES))
+    return covariance
+
+
+def quiet_widening(
+    model: GeneratedModel, log: Log, chosen: Preparation, levels: Mapping[str, float], widest: float
+) -> float:
+    """How many times wider motion may be filtered, up to `widest`, before noise hides the reversals of laws that jump.
+
+    The noise of a sliding velocity stays below 0.03 % of the highest speed.
+
+    Parameters
+    ----------
+    model, log, chosen, levels
+        As in `noise_of_rows`.
+    widest : float
+        At most, 1 or more; 1 is returned if nothing jumps.
+    """
+    if not any(model.sliding):
+        return 1.0
+    assert chosen.cutoff_hz is not None
+    lag = max(1, min(int(log.sampling_frequency / (4 * chosen.cutoff_hz)), log.n_samples // 4))
+    still = np.zeros(log.n_samples - 2 * lag)
+    noise, coarse = [], []
+    for flat in model.signals:
+        name, order = split_derivative(flat)
+        noise.append(levels[name] * (2 * np.pi) ** 2 / 3 if order == 1 else 0.0)
+        moved = (log[name][2 * lag :] - log[name][: -2 * lag]) / (2 * lag * log.sampling_period)
+        coarse.append(moved if order == 1 else log[name][lag:-lag] if order == 0 else still)
+    factors = np.concatenate(
+        [model.sliding_velocities(*unit[:, None]) for unit in np.eye(len(noise))], axis=1
+    )
+    allowed = (_QUIET_SHARE * np.max(np.abs(model.sliding_velocities(*coarse)), axis=1)) ** 2
+    cube = np.min(allowed / np.maximum(factors**2 @ np.array(noise), np.finfo(float).tiny))
+    widening = min(float(np.cbrt(cube)) / chosen.cutoff_hz, widest)
+    return widening if widening > _LEAST_WIDENING else 1.0
+
+
+def _signal_gains(
+    model: GeneratedModel, frequency: FloatArray, period: float, chosen: Preparation
+) -> ComplexArray:
+    """Gain from each recorded signal to its flat name as it enters the rows, of shape (n_signals, n_frequencies)."""
+    assert chosen.cutoff_hz is not None
+    angle = 2 * np.pi * frequency * period
+    difference = 1j * np.sin(angle) / period
+    low_pass = LowPass(chosen.cutoff_hz, chosen.order).sampled_gain(frequency, 1 / period)
+    thinned = np.ones_like(frequency)
+    if chosen.decimation is not None and chosen.decimation > 1:
+        sections = decimation_filter(chosen.decimation).sections
+        thinned = np.abs(sosfreqz(sections, angle)[1]) ** 2
+    gains = np.empty((len(model.signals), frequency.size), dtype=np.complex128)
+    for i, flat in enumerate(model.signals):
+        name, order = split_derivative(flat)
+        filtered = chosen.filter_force or name != model.force
+        gains[i] = difference**order * thinned * (low_pass if filtered else 1.0)
+    return gains
+
+
+def _coefficients(model: GeneratedModel) -> FloatArray:
+    """Factor of each signal in each column of W and in y, of shape (n_equations, n_columns + 1, n_signals)."""
+    still = _at(model, np.zeros(len(model.signals)))
+    return np.stack([_at(model, unit) - still for unit in np.eye(len(model.signals))], axis=2)
+
+
+def _at(model: GeneratedModel, values: FloatArray) -> FloatArray:
+    W, y = model.sample({name: np.array([value]) for name, value in zip(model.signals, values, strict=True)})
+    rows = np.concatenate([W[:, 0], y], axis=1)
+    for equation, parameter in model.law_columns:
+        rows[equation, parameter] = 0.0
+    return rows

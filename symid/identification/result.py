@@ -1,0 +1,134 @@
+"""What an identification found, and what from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import CorrelatedCovariance, LeastSquares
+from symid.identification.bias import Bias
+from symid.identification.observation import Observation
+from symid.identification.physical import PhysicalEstimate
+from symid.identification.residuals import EquationResidual
+from symid.identification.timing import Timing
+from symid.identification.verdict import Status
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Identified parameters of an axis and what they were identified from.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    logs : tuple of str
+        Sources of the logs.
+    sampling_period : float
+        Of the first log, s.
+    observations : tuple of Observation
+        One for each log.
+    fit : LeastSquares
+        Minimal parameters and their classical covariance.
+    correlated : CorrelatedCovariance
+        Covariance corrected for the correlation of the residual.
+    physical : tuple of PhysicalEstimate
+        One for each branch of the inverse map, the physically possible ones first; empty where there are none.
+    status : str
+        "ok", or what keeps the result from being complete.
+    message : str
+        What the status means here and what to do; empty if all is well.
+    notes : tuple of str
+        What looked odd in the logs.
+    timing : Timing, optional
+        At which other time the force seems to act; None if that was not examined or cannot be told.
+    bias : Bias, optional
+        Expected error of the minimal parameters; None if that was not examined.
+    """
+
+    model: GeneratedModel
+    logs: tuple[str, ...]
+    sampling_period: float
+    observations: tuple[Observation, ...]
+    fit: LeastSquares
+    correlated: CorrelatedCovariance
+    physical: tuple[PhysicalEstimate, ...]
+    status: Status
+    message: str
+    notes: tuple[str, ...]
+    timing: Timing | None = None
+    bias: Bias | None = None
+
+    @property
+    def minimal_parameters(self) -> dict[str, float]:
+        """Minimal parameters by name, SI."""
+        return dict(zip(self.model.minimal_units, map(float, self.fit.parameters), strict=True))
+
+    @property
+    def physical_parameters(self) -> dict[str, float]:
+        """Physical parameters of the first branch by name, SI; empty if there are none."""
+        if not self.physical:
+            return {}
+        return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the minimal parameters, corrected for the residual's correlation where that can be told."""
+        return trusted_covariance(self.fit, self.correlated)
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Of the minimal parameters, corrected as `covariance` is."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def physical_bias(self) -> Bias | None:
+        """Expected error of the physical parameters of the first branch; None if it is not known."""
+        return self.bias.mapped(self.physical[0].sensitivity) if self.bias and self.physical else None
+
+    @property
+    def dominated_by_bias(self) -> tuple[str, ...]:
+        """Parameters whose bias exceeds a tenth of their deviation: physical ones, or minimal ones if there are none.
+
+        Their intervals do not hold the true value as often as they say.
+        """
+        if self.bias is None:
+            return ()
+        if self.physical_bias is None:
+            names, places = list(self.model.minimal_units), self.bias.dominates(self.standard_deviations)
+        else:
+            deviations = self.physical[0].propagated_deviations(self.covariance)
+            names, places = list(self.model.physical_units), self.physical_bias.dominates(deviations)
+        return tuple(names[i] for i in places)
+
+    @property
+    def output_units(self) -> dict[str, str]:
+        """Unit of each output, by its name."""
+        return dict(zip(self.model.output_names, self.model.output_units, strict=True))
+
+    @property
+    def residuals(self) -> tuple[EquationResidual, ...]:
+        """How well each equation is met, over all logs."""
+        equations = range(len(self.model.output_names))
+        return tuple(
+            _residual(self, j, [k * len(equations) + j for k in range(len(self.logs))]) for j in equations
+        )
+
+
+def trusted_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:
+    """The corrected covariance, or the classical one where too few samples are left to tell the correlation."""
+    return correlated.covariance if correlated.status != "too_few_samples" else fit.covariance
+
+
+def _residual(found: Identification, equation: int, places: list[int]) -> EquationResidual:
+    fit = found.fit
+    return EquationResidual.of(
+        found.model.output_names[equation],
+        rows=sum(fit.rows[place] for place in places),
+        norm=float(np.linalg.norm(fit.residual_norm[places])),
+        y_norm=float(np.linalg.norm(fit.y_norm[places])),
+        deviation=float(np.sqrt(np.mean(np.square(fit.sigma_rho_equation[places])))),
+    )

@@ -1,0 +1,186 @@
+"""Is the force recorded at the time at which it acts? The delay that leaves the least residual.
+
+The rows W and y of a log depend on the force F linearly, so that those of F(t + tau) follow from those of F alone.
+The delay tau and the parameters X minimise the weighted residual of y(tau) - W(tau) X together, by Gauss and Newton:
+the derivative by tau is one more column, and the rows are made anew for every tau, since a first-order term is not a
+shift. The last step's regression gives the deviation of tau as that of any parameter, corrected for the correlation of
+the residual.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
+from symid.identification.excerpts import Excerpt, blocks_of
+from symid.identification.observation import Observation, force_rows
+
+_STEP = 0.25
+"""Half the shift between the rows whose difference is the derivative, in samples."""
+_SETTLED = 0.01
+"""Samples by which the delay still moves when it is found."""
+_MOST_ROUNDS = 8
+_FARTHEST = 0.25
+"""Periods of the cutoff frequency, beyond which a delay of filtered signals is not unique."""
+_SIGNIFICANT = 5.0
+"""Standard deviations that a delay must have to be told."""
+_NOTICEABLE = 0.2
+"""Samples that a delay must have to be told."""
+_ROUND = 3.0
+"""Standard deviations within which a delay is taken for a number of whole or half samples."""
+_HELD = 0.1
+"""Samples by which the delay of a held force may differ from half a sample."""
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """By how much the force of the logs seems to be recorded at another time than that at which it acts.
+
+    Parameters
+    ----------
+    signal : str
+        Name of the force.
+    late : float
+        Seconds by which it seems recorded later than the motion, beyond what the preparation takes out; negative
+        for a force that acts after it is recorded.
+    deviation : float
+        Standard deviation of `late`, s, corrected for the correlation of the residual; nan if there is none.
+    sampling_period : float
+        Time between two samples, s.
+    declared : float
+        Seconds of the same sign that the preparation has taken out already.
+    remaining : float
+        Residual with the delay taken out, as part of that without.
+    parameters : array of shape (n_parameters,)
+        Minimal parameters with the delay taken out.
+    """
+
+    signal: str
+    late: float
+    deviation: float
+    sampling_period: float
+    declared: float
+    remaining: float
+    parameters: FloatArray
+
+    @property
+    def samples(self) -> float:
+        """`late` in samples."""
+        return self.late / self.sampling_period
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether there is a delay that noise does not explain, and of a size that matters."""
+        certain = abs(self.late) > _SIGNIFICANT * self.deviation
+        return bool(certain and abs(self.samples) > _NOTICEABLE and self.remaining < 1.0)
+
+    @property
+    def seems_held(self) -> bool:
+        """Whether the delay is the half sample of a force that is held from sample to sample."""
+        return self.declared == 0.0 and abs(self.samples + 0.5) < _HELD
+
+    @property
+    def suggested(self) -> float:
+        """`late` as whole or half samples, which are what clocks and holds make, unless it differs by 3 deviations."""
+        round_number = round(2 * self.samples) * self.sampling_period / 2
+        return round_number if abs(self.late - round_number) < _ROUND * self.deviation else self.late
+
+    @property
+    def remedy(self) -> str:
+        """The option that takes the delay out."""
+        if self.seems_held:
+            return f"--held {self.signal}"
+        return f"--late {self.signal}={1e6 * (self.declared + self.suggested):.4g}us"
+
+    @property
+    def statement(self) -> str:
+        """What was found, in words."""
+        when = "before it was" if self.late > 0 else "after it was"
+        instead = " in place of what was given" if self.declared else ""
+        return (
+            f"{self.signal} acts as if {abs(self.samples):.2f} samples ({1e6 * abs(self.late):.4g} us, standard "
+            f"deviation {1e6 * self.deviation:.2g} us) {when} recorded, which biases all parameters "
+            f"(the residual falls to {100 * self.remaining:.3g} % without it): if clocks or a hold are the cause, give "
+            f"{self.remedy}{instead}; a lag of the drive or a missing flexibility can look alike"
+        )
+
+
+def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Timing | None:
+    """Estimate the delay of the force from the logs that parameters were identified from.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    parts : sequence of Excerpt
+        Logs or parts of them, with their observations.
+    fit : LeastSquares
+        The parameters, all determined.
+
+    Returns
+    -------
+    Timing or None
+        None if the rows do not determine a delay.
+    """
+    period = parts[0].log.sampling_period
+    cutoff = parts[0].observation.preparation.cutoff_hz
+    assert cutoff is not None
+    shifting = [_Shifting(model, part) for part in parts]
+    late, X = 0.0, fit.solution
+    for _ in range(_MOST_ROUNDS):
+        extended = [shifted.with_tangent(late, X) for shifted in shifting]
+        blocks = blocks_of(extended)
+        found = estimate([f for o in extended for f in triangular_factors(o.W, o.y, o.valid)], "wls")
+        if found.status != "ok":
+            return None
+        X, step = found.solution[:-1], float(found.solution[-1])
+        late += step
+        if abs(late) > max(_FARTHEST / cutoff, 5 * period):
+            return None
+        if abs(step) < _SETTLED * period:
+            break
+    else:
+        return None
+    correlated = corrected_covariance_of_blocks(lambda: blocks, found)
+    before = [np.linalg.norm(_residual(part.observation, fit.solution)) for part in parts]
+    after = float(np.linalg.norm(found.residual_norm))
+    return Timing(
+        signal=model.force,
+        late=late,
+        deviation=float(correlated.standard_deviations[-1]),
+        sampling_period=period,
+        declared=parts[0].observation.preparation.late.get(model.force, 0.0),
+        remaining=after / float(np.linalg.norm(before)),
+        parameters=X,
+    )
+
+
+class _Shifting:
+    """Rows of a log whose force is moved in time."""
+
+    def __init__(self, model: GeneratedModel, part: Excerpt) -> None:
+        self.observation = part.observation
+        self._of_force = force_rows(model, part.log, part.observation.preparation)
+        self._still = self._of_force(0.0)
+        step = _STEP * part.log.sampling_period
+        above, below = self._of_force(step), self._of_force(-step)
+        self._slope = (above[0] - below[0]) / (2 * step), (above[1] - below[1]) / (2 * step)
+
+    def with_tangent(self, late: float, X: FloatArray) -> Observation:
+        """Rows of a delay, with the derivative of W X - y by the delay as one more column."""
+        W, y = self.observation.W, self.observation.y
+        if late:
+            moved = self._of_force(late)
+            W, y = W + (moved[0] - self._still[0]), y + (moved[1] - self._still[1])
+        tangent = self._slope[0] @ X - self._slope[1]
+        return replace(self.observation, W=np.concatenate([W, tangent[..., None]], axis=2), y=y)
+
+
+def _residual(observation: Observation, X: FloatArray) -> FloatArray:
+    rest: FloatArray = (observation.y - observation.W @ X)[observation.valid]
+    return rest

@@ -1,0 +1,77 @@
+"""Gains of the cascade that a log was made with, read from the log."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data import REFERENCE, Log, LowPass, derivatives
+from symid.simulation import Cascade
+
+
+def cascade_of_log(log: Log, force: str, position: str, cutoff_hz: float) -> Cascade | None:
+    """Cascade whose force is nearest to that of a log, by least squares.
+
+    With the errors e = r - q of position and de of velocity the force of `Cascade` is linear,
+
+        F = Kpv (Kpp + Kiv) e + Kpv de + Kpv Kpp Kiv (integral of e) + Kfv dr + Kfa ddr + constant
+
+    and its first three factors give the gains. They need not be exact: instruments have to resemble the motion, and
+    must not hold its noise.
+
+    Parameters
+    ----------
+    log : Log
+        With the reference.
+    force, position : str
+        Signals of the drive and of the controlled position.
+    cutoff_hz : float
+        Up to which frequency the two sides are compared, Hz.
+
+    Returns
+    -------
+    Cascade or None
+        None if the factors are not those of a cascade.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.simulation import chirp, plant_of, simulate
+    >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 0.0}
+    >>> gains = Cascade("q", position_gain=30.0, velocity_gain=400.0, integral_gain=10.0)
+    >>> log = simulate(axis, values, chirp(0.5, 9.0, 2.0, 0.01, sampling_period=1e-3), gains).log
+    >>> found = cascade_of_log(log, "F", "q", 100.0)
+    >>> round(found.position_gain), round(found.velocity_gain), round(found.integral_gain)
+    (30, 400, 10)
+    """
+    low_pass = LowPass(cutoff_hz)
+    reference, q, F = (
+        low_pass.apply(log[name], log.sampling_frequency) for name in (REFERENCE, position, force)
+    )
+    period = log.sampling_period
+    speed, acceleration = derivatives(reference, period, 2)
+    error = reference - q
+    # a drive takes the difference of the last two readings; the derivatives of the reference it knows
+    error_of_speed = speed - np.diff(q, prepend=q[0]) / period
+    columns = [error, error_of_speed, period * np.cumsum(error), speed, acceleration, np.ones_like(error)]
+    factors = _least_squares(np.stack(columns, axis=1), F)
+    return _cascade(position, *map(float, factors[:5]))
+
+
+def _least_squares(columns: FloatArray, output: FloatArray) -> FloatArray:
+    norms = np.linalg.norm(columns, axis=0)
+    scale = np.where(norms > 0, norms, 1.0)
+    return np.asarray(np.linalg.lstsq(columns / scale, output, rcond=1e-9)[0] / scale)
+
+
+def _cascade(
+    position: str, by_error: float, by_speed: float, by_integral: float, feed_speed: float, feed: float
+) -> Cascade | None:
+    """Kpp and Kiv are the roots of z^2 - (Kpp + Kiv) z + Kpp Kiv; the larger one is taken as Kpp."""
+    if not by_speed > 0:
+        return None
+    roots = np.roots([1.0, -by_error / by_speed, max(by_integral, 0.0) / by_speed])
+    integral, proportional = sorted(float(root.real) for root in roots)
+    if not proportional > 0:
+        return None
+    return Cascade(position, proportional, by_speed, max(integral, 0.0), feed, feed_speed)

@@ -1,0 +1,104 @@
+"""The estimate by instrumental variables, X = (Z'S^2 W)^-1 Z'S^2 y.
+
+Z has the columns of W without their noise. Where it is independent of the noise, so is the estimate's mean: what noise
+in W does to least squares does not occur (A. Janot, P.-O. Vandanjon, M. Gautier, IEEE Trans. Control Systems
+Technology 22(1), 2014).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.estimation import LeastSquares
+from symid.identification import Observation
+
+
+@dataclass(frozen=True, eq=False)
+class InstrumentalFit:
+    """An estimate and how well its instruments did.
+
+    Parameters
+    ----------
+    fit : LeastSquares
+        The parameters with their classical covariance; rank and conditions are those of least squares.
+    correlation : float
+        Lowest canonical correlation between the columns of Z and of W: 1 if both span the same.
+    """
+
+    fit: LeastSquares
+    correlation: float
+
+    def strength(self, effective_samples: float) -> float:
+        """F of the weakest direction in the regression of W on Z, for so many independent samples.
+
+        Below about 10 instruments are weak (D. Staiger and J. Stock, Econometrica 65, 1997).
+        """
+        explained = min(self.correlation, 1.0) ** 2
+        n = self.fit.solution.size
+        return explained / max(1.0 - explained, 1e-12) * max(effective_samples - n, 0.0) / n
+
+
+def estimate_by_instruments(
+    observations: Sequence[Observation], instruments: Sequence[FloatArray], start: LeastSquares
+) -> InstrumentalFit:
+    """Estimate with given instruments.
+
+    Parameters
+    ----------
+    observations : sequence of Observation
+        One for each log.
+    instruments : sequence of array
+        For each observation, an array of the shape of its W.
+    start : LeastSquares
+        The estimate by least squares from these rows, with all parameters determined: it gives the weights.
+    """
+    root, p = start.rank.inverse_root, start.solution.size
+    cross, own, slope = np.zeros((p, p)), np.zeros((p, p)), np.zeros(p)
+    for seen, Z, weights in _by_log(observations, instruments, start.weights):
+        for j, weight in enumerate(weights):
+            used = seen.valid[j]
+            z, w = (weight * columns[j][used] @ root for columns in (Z, seen.W))
+            rest = weight * (seen.y[j][used] - seen.W[j][used] @ start.solution)
+            cross, own, slope = cross + z.T @ w, own + z.T @ z, slope + z.T @ rest
+    gain = np.linalg.pinv(cross)  # instruments that hold nothing are told by their correlation
+    solution = start.solution + root @ (gain @ slope)
+    values, vectors = np.linalg.eigh(own)
+    # W T is orthonormal; Z T is made so
+    orthonormal = vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny))
+    correlation = float(np.linalg.svd(orthonormal.T @ cross, compute_uv=False)[-1])
+    norms = _residual_norms(observations, solution)
+    sigma = float(np.linalg.norm(start.weights * norms)) / np.sqrt(max(sum(start.rows) - p, 1))
+    spread = root @ gain
+    fit = replace(
+        start,
+        method="iv",
+        parameters=solution,
+        solution=solution,
+        covariance=sigma**2 * spread @ own @ spread.T,
+        sigma_rho=sigma,
+        sigma_rho_equation=norms / np.sqrt(np.maximum(np.array(start.rows) - p, 1)),
+        residual_norm=norms,
+    )
+    return InstrumentalFit(fit, correlation)
+
+
+def _by_log(
+    observations: Sequence[Observation], instruments: Sequence[FloatArray], weights: FloatArray
+) -> list[tuple[Observation, FloatArray, FloatArray]]:
+    per_log = weights.reshape(len(observations), -1)
+    return list(zip(observations, instruments, per_log, strict=True))
+
+
+def _residual_norms(observations: Sequence[Observation], X: FloatArray) -> FloatArray:
+    """Norms of the residual of each equation of each log."""
+    return np.array(
+        [
+            float(np.linalg.norm(y[used] - W[used] @ X))
+            for seen in observations
+            for W, y, used in zip(seen.W, seen.y, seen.valid, strict=True)
+        ]
+    )

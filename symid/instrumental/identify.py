@@ -1,0 +1,175 @@
+"""`identify_by_instruments`: least squares, then a simulation without noise as instruments, then again.
+
+Each round simulates the axis with the parameters of the round before along the reference of every log, prepares the
+simulated logs as the real ones were, and solves with their rows as instruments (`estimate_by_instruments`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel, as_generated
+from symid.data import Log
+from symid.errors import SettingError
+from symid.identification import Identification, Preparation, distrusted, found_from, identify, observe
+from symid.instrumental.controller import cascade_of_log
+from symid.instrumental.estimate import InstrumentalFit, estimate_by_instruments
+from symid.instrumental.loop import ClosedLoop
+
+_MOST_ROUNDS = 4
+_SETTLED = 0.05
+"""Standard deviations by which parameters may still move after the last round."""
+_WEAK = 10.0
+"""F below which instruments are weak."""
+_NONE = 1e-3
+"""Canonical correlation below which there are none."""
+_CURE = "give the reference of this log and the machine's --controller-gain and --rate, or take --method wls"
+
+
+def identify_by_instruments(
+    model: GeneratedModel,
+    logs: Log | Sequence[Log],
+    loop: ClosedLoop,
+    *,
+    preparation: Preparation | None = None,
+    nominal: Mapping[str, float] | None = None,
+    examine: bool = True,
+    track: Callable[[Sequence[int]], Iterable[int]] = iter,
+) -> Identification:
+    """Identify the parameters of an axis by instrumental variables.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Regressor and maps.
+    logs : Log or sequence of Log
+        Runs of one axis, with the signal ``reference``.
+    loop : ClosedLoop
+        The axis and its controller.
+    preparation, nominal, examine
+        As in `identify`; nominal physical parameters also start the simulation where least squares gives none.
+    track : callable
+        Goes through the rounds, and may show how far they are.
+
+    Returns
+    -------
+    Identification
+        Of method "iv". Where the axis cannot be simulated, or the simulation does not resemble the log, the status is
+        "weak_instruments".
+
+    Raises
+    ------
+    LogError, SettingError
+        If a log lacks the reference or a signal, or a setting is not possible.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.codegen import load_generated
+    >>> from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+    >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
+    >>> reference = chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3)
+    >>> noisy = axis.with_signal("q", noise=1e-5)
+    >>> log = simulate(noisy, values, reference, tuned_cascade(plant_of(axis, values), "q")).log
+    >>> settings = Preparation(cutoff_hz=40.0, late={"F": -5e-4})
+    >>> found = identify_by_instruments(load_generated("rigid_1m"), log, ClosedLoop(axis), preparation=settings)
+    >>> round(found.physical_parameters["M"], 2)
+    5.0
+    """
+    model, runs = as_generated(model), (logs,) if isinstance(logs, Log) else tuple(logs)
+    for log in runs:
+        loop.check(log)
+    first = identify(model, runs, preparation=preparation, nominal=nominal, examine=False)
+    if first.fit.status != "ok":
+        return replace(first, fit=replace(first.fit, method="iv"))
+    start = _possible(first, nominal)
+    loop, controlled = _with_controller(loop, runs, first, start)
+    found, weak = first, ""
+    parameters = start
+    for _ in track(range(_MOST_ROUNDS)):
+        try:
+            Z = _instruments(model, runs, loop, first, parameters)
+        except SettingError as error:
+            weak = f"the axis cannot be simulated with the parameters found, give --nominal P.json: {error}"
+            break
+        result = estimate_by_instruments(first.observations, Z, first.fit)
+        if result.correlation < _NONE:
+            weak = f"the simulated axis does not move as the log does: {_CURE}"
+            break
+        latest = found_from(
+            model, runs, first.observations, result.fit, instruments=Z, nominal=nominal or start
+        )
+        moved = np.abs(latest.fit.solution - found.fit.solution) / latest.standard_deviations
+        found, weak = latest, _weakness(latest, result)
+        if np.all(moved < _SETTLED):
+            break
+        parameters = _possible(found, nominal)
+    if weak:
+        return replace(found, fit=replace(found.fit, method="iv"), status="weak_instruments", message=weak)
+    found = replace(found, notes=(*found.notes, controlled))
+    return distrusted(found, runs, Z) if examine else found
+
+
+def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:
+    """Parameters to simulate with: those found, friction and damping not below 0; nominal ones where there are none."""
+    given = dict(nominal or {})
+    values = {name: value for name, value in found.physical_parameters.items() if np.isfinite(value)}
+    signed = set(found.model.signed)
+    return given | {name: value if name in signed else max(value, 0.0) for name, value in values.items()}
+
+
+def _with_controller(
+    loop: ClosedLoop, logs: Sequence[Log], first: Identification, start: Mapping[str, float]
+) -> tuple[ClosedLoop, str]:
+    """The loop with the controller that was given, or that of the two at hand whose force is nearer to the log's."""
+    if loop.controller is not None:
+        return loop, "instruments: the axis simulated under the given controller"
+    log, force = logs[0], first.model.force
+    if loop.position not in log.signals:
+        return loop, "instruments: the axis simulated under a cascade tuned to it"
+    cutoff = first.observations[0].preparation.cutoff_hz
+    assert cutoff is not None
+    read = cascade_of_log(log, force, loop.position, cutoff)
+    if read is None:
+        return loop, "instruments: the axis simulated under a cascade tuned to it"
+    misfits = []
+    for candidate in (replace(loop, controller=read), loop):
+        try:
+            misfits.append(float(np.linalg.norm(candidate.run(start, log)[force] - log[force])))
+        except SettingError:
+            misfits.append(np.inf)
+    if misfits[0] < misfits[1]:
+        gains = f"Kpp {read.position_gain:.3g}, Kpv {read.velocity_gain:.3g}, Kiv {read.integral_gain:.3g}"
+        text = f"instruments: the axis simulated under a cascade read from the log ({gains})"
+        return replace(loop, controller=read), text
+    return loop, "instruments: the axis simulated under a cascade tuned to it"
+
+
+def _instruments(
+    model: GeneratedModel,
+    logs: Sequence[Log],
+    loop: ClosedLoop,
+    first: Identification,
+    parameters: Mapping[str, float],
+) -> tuple[FloatArray, ...]:
+    """Rows of the simulated logs, prepared as those of the real ones."""
+    rows = []
+    for log, seen in zip(logs, first.observations, strict=True):
+        late = {model.force: -loop.held_for(log) / 2}
+        rows.append(observe(model, loop.run(parameters, log), replace(seen.preparation, late=late)).W)
+    return tuple(rows)
+
+
+def _weakness(found: Identification, result: InstrumentalFit) -> str:
+    """What is wrong with the instruments; empty if nothing is."""
+    strength = result.strength(found.correlated.effective_samples)
+    if strength >= _WEAK:
+        return ""
+    return (
+        f"the simulated axis hardly resembles the log (canonical correlation {result.correlation:.2g}, F "
+        f"{strength:.2g}, {_WEAK:g} is required): {_CURE}"
+    )

@@ -1,0 +1,124 @@
+"""The axis under its controller along the reference of a log, without any noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from symid.axis import Axis, Position
+from symid.data import REFERENCE, Log
+from symid.errors import SettingError
+from symid.simulation import Controller, Trajectory, from_log, plant_of, simulate, tuned_cascade
+
+_SLOWEST_HZ = 1000.0
+"""Rate below which a controller whose rate is not given runs at a multiple of that of the log."""
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """What makes the axis follow a reference.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis; noise, steps and delays of its signals do not count.
+    controller : Controller, optional
+        That of the machine; a cascade tuned to the parameters, or read from the log, if it is not given.
+    rate_hz : float, optional
+        Rate of the controller, a multiple of that of the log; the least one above 1 kHz if it is not given.
+
+    Raises
+    ------
+    SettingError
+        If the axis has no position sensor to control, or the rate is not positive.
+    """
+
+    axis: Axis
+    controller: Controller | None = None
+    rate_hz: float | None = None
+
+    def __post_init__(self) -> None:
+        if not any(isinstance(sensor, Position) for sensor in self.axis.sensors):
+            raise SettingError(f"axis {self.axis.name!r} has no position sensor: a controller needs one")
+        if self.rate_hz is not None and not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
+            raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")
+        perfect = replace(
+            self.axis,
+            drive=replace(self.axis.drive, noise=0.0, resolution=0.0),
+            sensors=tuple(replace(s, noise=0.0, resolution=0.0, delay=0.0) for s in self.axis.sensors),
+        )
+        object.__setattr__(self, "axis", perfect)
+
+    @property
+    def position(self) -> str:
+        """Signal of the controlled position: the first position sensor."""
+        return next(sensor.signal for sensor in self.axis.sensors if isinstance(sensor, Position))
+
+    def tuned(self, parameters: Mapping[str, float]) -> ClosedLoop:
+        """The loop with a cascade tuned to parameters."""
+        return replace(self, controller=tuned_cascade(plant_of(self.axis, parameters), self.position))
+
+    def run(self, parameters: Mapping[str, float], log: Log) -> Log:
+        """Log of the simulated axis, with the samples of the given log.
+
+        Its force is held over the controller's period: it acts half of that after its samples, which
+        `held_for` tells.
+
+        Raises
+        ------
+        SettingError
+            If the log has no reference, the parameters are not possible, the rates do not divide, or the axis runs
+            away.
+        """
+        self.check(log)
+        controller = self.controller or self.tuned(parameters).controller
+        assert controller is not None
+        every = self._samples_for_one(log)
+        # where the run begins does not matter to an axis that the log did not leave at rest there either
+        reference = _finer(from_log(log), every).shifted(-float(log[REFERENCE][0]))
+        return simulate(self.axis, parameters, reference, controller, frequency_hz=log.sampling_frequency).log
+
+    def check(self, log: Log) -> None:
+        """SettingError if the log has no reference, or its rate does not divide that of the controller."""
+        if REFERENCE not in log.signals:
+            raise SettingError(
+                f"{log.source} has no column reference (the commanded position), which instrumental variables need: "
+                "map one with --column reference=NAME, or take --method wls or --method oe"
+            )
+        self._samples_for_one(log)
+
+    def held_for(self, log: Log) -> float:
+        """Period of the controller, s."""
+        return log.sampling_period / self._samples_for_one(log)
+
+    def _samples_for_one(self, log: Log) -> int:
+        if self.rate_hz is None:
+            return max(1, math.ceil(_SLOWEST_HZ * log.sampling_period - 1e-9))
+        ratio = self.rate_hz * log.sampling_period
+        if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-6):
+            raise SettingError(
+                f"the controller's rate of {self.rate_hz:g} Hz is no multiple of the {log.sampling_frequency:g} Hz of "
+                f"{log.source}: give one that is with --rate"
+            )
+        return round(ratio)
+
+
+def _finer(coarse: Trajectory, factor: int) -> Trajectory:
+    """The trajectory at `factor` times the rate, by cubic splines."""
+    if factor == 1:
+        return coarse
+    spline = CubicSpline(np.arange(coarse.n_samples), coarse.position)
+    places = np.arange((coarse.n_samples - 1) * factor + 1) / factor
+    rate = 1.0 / coarse.sampling_period
+    return Trajectory(
+        position=spline(places),
+        velocity=rate * spline(places, 1),
+        acceleration=rate**2 * spline(places, 2),
+        sampling_period=coarse.sampling_period / factor,
+        name=coarse.name,
+        start=coarse.start,
+    )

@@ -1,0 +1,116 @@
+"""Bias by noise and by differences: against closed forms, Monte Carlo, and the noise of rows themselves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from symid import Log, Preparation, identify, load_generated
+from symid.identification import observe
+from symid.identification.noise import noise_levels, noise_of_rows
+
+RATE = 1000.0
+
+
+def sine_log(frequency: float, mass: float, viscous: float) -> Log:
+    t = np.arange(6000) / RATE
+    w = 2 * np.pi * frequency
+    v, a = 0.01 * w * np.cos(w * t), -0.01 * w**2 * np.sin(w * t)
+    # friction of 1 N keeps the column of the sign in the model
+    force = mass * a + viscous * v + np.sign(v)
+    return Log.from_arrays({"q": 0.01 * np.sin(w * t), "F": force}, sampling_period=1 / RATE)
+
+
+@pytest.mark.parametrize("frequency", [5.0, 20.0])
+def test_the_loss_of_central_differences_is_that_of_a_sine(frequency: float) -> None:
+    """At w the first difference gives sin(wT)/(wT) of the derivative: M comes out as M / that^2."""
+    found = identify(
+        load_generated("rigid_1m"),
+        sine_log(frequency, 95.0, 200.0),
+        preparation=Preparation(cutoff_hz=100.0, standstill=0.0),
+    )
+    assert found.bias is not None
+    x = 2 * np.pi * frequency / RATE
+    expected = 95.0 * ((x / np.sin(x)) ** 2 - 1)
+    assert found.bias.preparation[0] == pytest.approx(expected, rel=0.05)
+    assert found.physical_parameters["M"] - 95.0 == pytest.approx(expected, rel=0.05)
+    assert "M" in found.dominated_by_bias
+
+
+@pytest.mark.parametrize(
+    ("axis", "measured", "signals"),
+    [
+        ("rigid_1m", ("q",), {"q": 2e-6, "F": 3.0}),
+        ("direct_2m1s", ("q2", "ddq1"), {"q2": 1e-6, "ddq1": 0.1, "Fm": 5.0}),
+        ("direct_2m1s", ("q2",), {"q2": 1e-6, "Fm": 5.0}),
+    ],
+)
+@pytest.mark.parametrize("settings", [{}, {"decimation": 4}, {"filter_force": False, "decimation": 3}])
+def test_the_noise_of_rows_is_that_of_rows_of_noise(
+    axis: str, measured: tuple[str, ...], signals: dict[str, float], settings: dict[str, int]
+) -> None:
+    model, random = load_generated(axis, measured), np.random.default_rng(5)
+    log = Log.from_arrays(
+        {name: size * random.standard_normal(60_000) for name, size in signals.items()},
+        sampling_period=1 / RATE,
+    )
+    seen = observe(model, log, Preparation(cutoff_hz=80.0, standstill=0.0, **settings))  # type: ignore[arg-type]
+    expected = noise_of_rows(model, log, seen.preparation, noise_levels(model, log))
+    for j, (W, y) in enumerate(zip(seen.W, seen.y, strict=True)):
+        rows = np.column_stack([W, y])
+        linear = [
+            k for k in range(rows.shape[1]) if (j, k) not in model.law_columns and np.ptp(rows[:, k]) > 0
+        ]
+        sample = np.cov(rows[:, linear].T)
+        scale = np.sqrt(np.diag(sample))
+        ours = expected[j][np.ix_(linear, linear)]
+        assert np.abs(ours / np.outer(scale, scale) - sample / np.outer(scale, scale)).max() < 0.1
+
+
+def rich_log(seed: int, encoder: float) -> Log:
+    t, random = np.arange(5000) / RATE, np.random.default_rng(seed)
+    q, v, a = np.zeros((3, t.size))
+    for amplitude, frequency in ((0.08, 0.37), (0.03, 1.1), (0.006, 2.9)):
+        w = 2 * np.pi * frequency
+        q += amplitude * np.sin(w * t)
+        v += amplitude * w * np.cos(w * t)
+        a -= amplitude * w**2 * np.sin(w * t)
+    noise = random.standard_normal((2, t.size))
+    force = 95.0 * a + 200.0 * v + 20.0 * np.sign(v) + noise[0]
+    return Log.from_arrays({"q": q + encoder * noise[1], "F": force}, sampling_period=1 / RATE)
+
+
+def test_noise_of_an_encoder_biases_as_much_as_the_record_says() -> None:
+    model, settings = load_generated("rigid_1m"), Preparation(cutoff_hz=60.0)
+    found = [identify(model, rich_log(seed, 1e-5), preparation=settings) for seed in range(20)]
+    errors = np.array([result.physical_parameters["M"] - 95.0 for result in found])
+    stated = np.array([result.bias.total[0] for result in found if result.bias is not None])
+    assert errors.mean() < -0.5
+    assert stated.mean() == pytest.approx(errors.mean(), rel=0.1)
+    assert all("M" in result.dominated_by_bias for result in found)
+
+
+def test_a_large_bias_is_a_status_with_cause_and_cure() -> None:
+    found = identify(load_generated("rigid_1m"), rich_log(0, 3e-5), preparation=Preparation(cutoff_hz=60.0))
+    assert found.status == "biased"
+    for words in ("M (", "noise of the sensors", "--method iv"):
+        assert words in found.message
+
+
+def test_a_force_that_is_not_filtered_is_named_as_the_cause() -> None:
+    log = rich_log(0, 0.0)
+    settings = Preparation(cutoff_hz=6.0, decimation=1, filter_force=False)
+    model = load_generated("rigid_1m")
+    with_bias = identify(model, log, preparation=settings)
+    without = identify(model, log, preparation=replace(settings, filter_force=True))
+    assert with_bias.bias is not None
+    shift = with_bias.physical_parameters["M"] - without.physical_parameters["M"]
+    assert with_bias.bias.preparation[0] == pytest.approx(shift, rel=0.2)
+    assert any("--filter all" in text for text in (with_bias.message, *with_bias.notes))
+
+
+def test_examination_can_be_left_out() -> None:
+    found = identify(load_generated("rigid_1m"), rich_log(0, 0.0), examine=False)
+    assert found.bias is None
+    assert found.timing is None
+    assert found.dominated_by_bias == ()

@@ -1,0 +1,114 @@
+"""Delays of the force: known ones are found and taken out, clean logs raise nothing, real logs show what is known."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from symid import Log, Preparation, identify, load_axis, load_generated, read_axis_log
+from symid.identification import Identification
+
+RATE = 1000.0
+TRUTH = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}
+DATA = Path(__file__).parents[2] / "data"
+
+
+def rigid_log(
+    *,
+    late: float = 0.0,
+    force: float = 2.0,
+    encoder: float = 0.0,
+    seed: int = 0,
+    seconds: int = 8,
+    ripple: float = 0.001,
+) -> Log:
+    """Exact motion; its force is that of `late` samples before, so that it is recorded so much too late."""
+    t = np.arange(int(seconds * RATE)) / RATE
+
+    def motion(time: np.ndarray) -> np.ndarray:
+        rows = np.zeros((3, time.size))
+        for amplitude, frequency in ((0.05, 0.6), (0.01, 1.9), (ripple, 7.0)):
+            w = 2 * np.pi * frequency
+            rows += amplitude * np.array([np.sin(w * time), w * np.cos(w * time), -(w**2) * np.sin(w * time)])
+        return rows
+
+    random = np.random.default_rng(seed)
+    _, v, a = motion(t - late / RATE)
+    F = TRUTH["M"] * a + TRUTH["Fv"] * v + TRUTH["Fs"] * np.sign(v) + force * random.standard_normal(t.size)
+    q = motion(t)[0]
+    if encoder:
+        q = encoder * np.round(q / encoder + random.uniform(-0.5, 0.5))
+    return Log.from_arrays({"q": q, "F": F}, sampling_period=1 / RATE)
+
+
+def identified(log: Log, **settings: object) -> Identification:
+    return identify(load_generated("rigid_1m"), log, preparation=Preparation(**settings))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("late", [1.0, -1.0, 0.4, -1.7, 3.0])
+@pytest.mark.parametrize("cutoff", [None, 40.0])
+def test_a_delay_is_named_and_measured(late: float, cutoff: float | None) -> None:
+    found = identified(rigid_log(late=late), cutoff_hz=cutoff)
+    assert found.status == "timing"
+    assert found.timing is not None
+    assert found.timing.samples == pytest.approx(late, abs=0.1)
+    assert abs(found.timing.samples - late) < 4 * found.timing.deviation * RATE
+    assert f"F acts as if {abs(found.timing.samples):.2f} samples" in found.message
+    assert ("before" if late > 0 else "after") in found.message
+
+
+@pytest.mark.parametrize("late", [1.0, -2.5])
+def test_the_remedy_in_the_message_takes_whole_and_half_samples_out(late: float) -> None:
+    found = identified(rigid_log(late=late), cutoff_hz=40.0)
+    assert f"--late F={1000 * late:.0f}us" in found.message
+    again = identified(rigid_log(late=late), cutoff_hz=40.0, late={"F": late / RATE})
+    assert again.status == "ok"
+    wrong, right = (
+        abs(result.physical_parameters["Fv"] - TRUTH["Fv"]) / result.standard_deviations[1]
+        for result in (found, again)
+    )
+    assert wrong > 2.5 > right
+
+
+def test_a_held_force_is_a_note_with_its_option() -> None:
+    found = identified(rigid_log(late=-0.5, force=0.5, ripple=0.0), cutoff_hz=40.0)
+    assert found.status == "ok"
+    assert any("--held F" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("force", [0.0, 0.5, 10.0])
+@pytest.mark.parametrize("encoder", [0.0, 1e-6, 2e-5])
+@pytest.mark.parametrize("cutoff", [None, 10.0, 60.0])
+def test_clean_logs_raise_nothing(force: float, encoder: float, cutoff: float | None) -> None:
+    for seed in range(3):
+        found = identified(rigid_log(force=force, encoder=encoder, seed=seed), cutoff_hz=cutoff)
+        assert found.timing is None or not found.timing.is_significant
+        assert found.status != "timing"
+
+
+def test_the_delay_of_long_logs_is_found_on_excerpts() -> None:
+    log = rigid_log(late=1.0, seconds=200)
+    found = identified(log, cutoff_hz=40.0)
+    assert found.timing is not None
+    assert found.timing.samples == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_bench_and_emps_show_their_known_lags() -> None:
+    """The current of the bench acts 0.11 ms after it is recorded; the lag of EMPS is less than a sample, a note."""
+    bench = read_axis_log(
+        load_axis("motor_bench"),
+        DATA / "flex_motor_bench" / "MultisineTypeA.mat",
+        columns={"iq": "iq_adx", "qm": "theta_mx", "ql": "theta_my", "t": "time"},
+        units={"t": "us"},
+        gains={"ql": -1.0},
+    )
+    found = identify(load_generated("motor_bench", ("qm", "ql")), bench)
+    assert found.timing is not None
+    assert found.timing.late == pytest.approx(-1.1e-4, abs=1.5e-5)
+    assert "iq acts as if" in found.message
+    emps = read_axis_log(load_axis("emps"), DATA / "emps" / "DATA_EMPS.mat", columns={"q": "qm"})
+    lagging = identify(load_generated("emps"), emps)
+    assert lagging.status == "ok"
+    assert any("F acts as if 0.75 samples" in note for note in lagging.notes)
+    moved = Log.from_arrays({"q": emps["q"][1:], "F": emps["F"][:-1]}, sampling_period=1e-3)
+    assert identify(load_generated("emps"), moved).status == "timing"
