@@ -18,7 +18,7 @@ from symid.identification import Identification, Observation, Prediction
 MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
 """Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
 
-_STYLE: Any = {
+PLOT_STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -59,7 +59,7 @@ def plot_identification(
     if validation is not None:
         runs.append((f"validation on {validation.log}", validation.observation, validation.parameters))
     panels = [(*run, j) for run in runs for j in range(len(found.model.output_names))]
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         figure = Figure(figsize=(11, 3.6 * len(panels)), layout="constrained")
         grids = figure.add_gridspec(len(panels), 1)
         for place, (source, run, parameters, equation) in enumerate(panels):
