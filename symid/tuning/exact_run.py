@@ -80,11 +80,10 @@ class ExactRun:
             Sensors to record; all of the axis by default.
         """
         names = signals or [sensor.signal for sensor in self.axis.sensors]
-        begin, end = 0.5 * self.period, float(self.simulation.time[-2]) + 0.5 * self.period
-        count = int((end - begin) * frequency_hz)
+        count = int(self.simulation.time.size * self.period * frequency_hz * (1 + 1e-12))
         if count < 2:
             raise SettingError(f"{frequency_hz:g} Hz leaves {count} samples of the run: choose a higher rate")
-        time = self.simulation.time[0] + begin + np.arange(count) / frequency_hz
+        time = self.simulation.time[0] + np.arange(count) / frequency_hz
         sampled = {name: self._interpolants[name](time) for name in names}
         sampled[self.axis.drive.signal] = self._interpolants[self.axis.drive.signal](time)
         return Log.from_arrays(
