@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -96,8 +97,7 @@ class LowPass:
 
     def zero_phase(self, sampling_frequency: float) -> ZeroPhaseFilter:
         """Filter that `apply` runs over a signal sampled at `sampling_frequency` (Hz), above twice the cutoff."""
-        sections = signal.butter(self.order, self.cutoff_hz, fs=sampling_frequency, output="sos")
-        return ZeroPhaseFilter(np.asarray(sections), self.padding)
+        return _butterworth(self.order, self.cutoff_hz / sampling_frequency, self.padding)
 
     def gain(self, frequency: npt.ArrayLike) -> FloatArray:
         """Amplitude left at `frequency` (Hz) by both passes: 1 / (1 + (f / cutoff)^(2 order)), as [34].
@@ -112,6 +112,12 @@ class LowPass:
         warped = np.tan(np.pi * np.asarray(frequency, dtype=np.float64) / sampling_frequency)
         ratio = warped / np.tan(np.pi * self.cutoff_hz / sampling_frequency)
         return _squared_butterworth(ratio, self.order)
+
+
+@lru_cache
+def _butterworth(order: int, share: float, padding: int) -> ZeroPhaseFilter:
+    """Filter whose cutoff is a share of the sampling frequency."""
+    return ZeroPhaseFilter(np.asarray(signal.butter(order, share, fs=1.0, output="sos")), padding)
 
 
 def _squared_butterworth(ratio: FloatArray, order: int) -> FloatArray:
@@ -286,6 +292,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     return thinned
 
 
+@lru_cache
 def decimation_filter(factor: int) -> ZeroPhaseFilter:
     """Filter that `decimate` runs over a signal before samples are left out; `factor` is 2 or more."""
     sections = signal.cheby1(

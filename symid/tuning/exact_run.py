@@ -80,7 +80,7 @@ class ExactRun:
             Sensors to record; all of the axis by default.
         """
         names = signals or [sensor.signal for sensor in self.axis.sensors]
-        count = int(self.simulation.time.size * self.period * frequency_hz * (1 + 1e-12))
+        count = int((self.simulation.time.size - 1) * self.period * frequency_hz * (1 + 1e-12)) + 1
         if count < 2:
             raise SettingError(f"{frequency_hz:g} Hz leaves {count} samples of the run: choose a higher rate")
         time = self.simulation.time[0] + np.arange(count) / frequency_hz

@@ -1,66 +1,119 @@
-"""Tuning on the total error from a log alone: its noise, its reference, and parameters identified from it."""
+"""Tuning on the total error from a log alone: its noise, its motion, and parameters identified from it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from symid.arrays import FloatArray
 from symid.axis import Axis, Spring
 from symid.codegen import GeneratedModel
-from symid.data import REFERENCE, Log, LowPass
+from symid.data import Log, LowPass
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
-from symid.identification.settings import completed
-from symid.simulation import Trajectory, plant_of, tuned_cascade
+from symid.identification.settings import coherent_band, completed
+from symid.simulation import Cascade, Command, Controller, Trajectory, plant_of, tuned_cascade
 from symid.tuning.exact_run import ExactRun, exact_run
 from symid.tuning.noise import noise_levels
 from symid.tuning.total import TotalTuning, tune_total
 
 _LEAST_RATE = 8000.0
 """Rate of the simulated controller at least, Hz."""
-_REFERENCE_SHARE = 0.05
-"""Cutoff of the low-pass of a measured position that serves as reference, as a share of the sampling frequency."""
+_BEYOND_COHERENCE = 1.5
+_HIGHEST_SHARE = 0.4
 _LEAST_FRICTION = 1e-9
 
 
-def run_of_log(axis: Axis, parameters: Mapping[str, float], log: Log, bandwidth_hz: float = 20.0) -> ExactRun:
-    """Simulate an axis without noise along the reference of a log, or along its low-passed position if it has none.
+@dataclass(frozen=True)
+class Replay(Controller):
+    """A recorded force, and a cascade that keeps the axis to the recorded position against small differences.
+
+    Parameters
+    ----------
+    forces : array of shape (n_samples,)
+        Recorded force at each sample of the controller.
+    cascade : Cascade
+        Adds its own.
+    """
+
+    forces: FloatArray
+    cascade: Cascade
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """The controlled position."""
+        return self.cascade.signals
+
+    @property
+    def start(self) -> FloatArray:
+        """State of the cascade."""
+        return self.cascade.start
+
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        """Recorded force and that of the cascade."""
+        added, state = self.cascade.force(command, measured, state, period)
+        return float(self.forces[command.index]) + added, state
+
+
+def run_of_log(
+    axis: Axis,
+    model: GeneratedModel,
+    parameters: Mapping[str, float],
+    log: Log,
+    late: Mapping[str, float] | None = None,
+    bandwidth_hz: float = 5.0,
+) -> ExactRun:
+    """Simulate an axis without noise so that it moves as in a log.
+
+    The recorded force drives it, and a slow cascade keeps it to the recorded position. Nothing need be known of the
+    controller of the log, and the motion is excited at the frequencies at which it was. Both signals are low-passed
+    at 1.5 times the band in which they are coherent, so that their noise does not move the axis.
 
     Parameters
     ----------
     axis : Axis
         The declared axis.
+    model : GeneratedModel
+        Its model for the sensors of the log.
     parameters : mapping of str to float
         Values of its physical parameters, SI.
     log : Log
-        Holds ``reference``, or the first position sensor of the axis.
+        Holds the force and the first position sensor.
+    late : mapping of str to float, optional
+        Seconds by which signals were recorded late, as in `Preparation`.
     bandwidth_hz : float
-        Bandwidth of the velocity loop that stands for the controller of the log, which is not known.
+        Bandwidth of the cascade's velocity loop.
 
     Raises
     ------
     SettingError, LogError
-        If the axis runs away, or the log holds neither signal.
+        If the axis runs away, or the log lacks a signal.
     """
     plant = plant_of(axis, parameters)
     signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
-    if REFERENCE in log.signals:
-        position = log[REFERENCE]
-    else:
-        low_pass = LowPass(_REFERENCE_SHARE * log.sampling_frequency)
-        position = low_pass.apply(log[signal], log.sampling_frequency)
-    finer = math.ceil(_LEAST_RATE / log.sampling_frequency)
-    period = log.sampling_period / finer
-    spline = CubicSpline(log.sampling_period * np.arange(log.n_samples), position - position[0])
+    rate = log.sampling_frequency
+    low_pass = LowPass(min(_BEYOND_COHERENCE * coherent_band(log, model), _HIGHEST_SHARE * rate))
+    finer = math.ceil(_LEAST_RATE / rate)
+    period, samples = log.sampling_period / finer, log.sampling_period * np.arange(log.n_samples)
     time = period * np.arange((log.n_samples - 1) * finer + 1)
-    trajectory = Trajectory(
-        spline(time), spline(time, 1), spline(time, 2), period, f"reference of {log.source}", log.start
+    delays = late or {}
+
+    def moved(name: str, by: float) -> tuple[CubicSpline, FloatArray]:
+        return CubicSpline(samples, low_pass.apply(log[name], rate)), time + delays.get(name, 0.0) + by
+
+    position, at = moved(signal, 0.0)
+    force, middle = moved(axis.drive.signal, 0.5 * period)
+    reference = Trajectory(
+        position(at) - position(at[0]), position(at, 1), position(at, 2), period, log.source, log.start
     )
-    return exact_run(axis, parameters, trajectory, tuned_cascade(plant, signal, bandwidth_hz))
+    cascade = tuned_cascade(plant, signal, bandwidth_hz)
+    return exact_run(axis, parameters, reference, Replay(np.asarray(force(middle)), cascade))
 
 
 def identified_and_tuned(
@@ -101,7 +154,7 @@ def identified_and_tuned(
     settings, tuned = base, None
     for _ in range(rounds):
         parameters = plausible_parameters(axis, model, log, settings)
-        run = run_of_log(axis, parameters, log)
+        run = run_of_log(axis, model, parameters, log, base.late)
         tuned = tune_total(
             axis, model, parameters, run, log.sampling_frequency, noise, preparation=base, draws=draws
         )

@@ -31,6 +31,8 @@ TotalStatus = Literal["ok", "not_determined"]
 
 _CUTOFFS = 12
 _MOST_EVALUATIONS = 12
+_LEAST_DRAWS = 4
+"""Draws of noise in the scan: a third of all, but at least so many."""
 _LOST = 1.0
 """A relative error from which on a parameter is lost: larger ones count as this."""
 _HOPELESS = 0.8
@@ -84,11 +86,10 @@ class TotalErrors:
         errors = np.array([values[name] / self.parameters[name] - 1.0 for name in self.names])
         return np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST)
 
-    def rms(self, settings: Preparation) -> FloatArray:
-        """Root mean square error of each parameter over the draws, bias included."""
-        errors = np.array([self.relative(log, settings) for log in self.noisy])
-        squares: FloatArray = np.mean(errors**2, axis=0)
-        return np.sqrt(squares)
+    def rms(self, settings: Preparation, draws: int | None = None) -> FloatArray:
+        """Root mean square error of each parameter over the draws (or the first few of them), bias included."""
+        errors = np.array([self.relative(log, settings) for log in self.noisy[:draws]])
+        return np.asarray(np.sqrt(np.square(errors).mean(axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +114,7 @@ class TotalTuning:
         Parameters that decided: not lost (beyond 80 %) at every cutoff.
     cutoffs_hz, totals : array of shape (n_points,)
         Cutoffs evaluated, rising, and the root mean square of the total errors of the decisive parameters, percent.
+        Those of the scan come from a third of the draws.
     decimations : mapping of int to float
         The same for each decimation tried at the chosen cutoff.
     recommended_sampling_hz : float
@@ -207,16 +209,18 @@ def tune_total(
     # The noise-free run is free of what a log may record late.
     plain = replace(base, late={}, decimation=None)
     scan = [float(f) for f in _cutoffs(errors.clean)]
-    seen = {cutoff: errors.rms(replace(plain, cutoff_hz=cutoff)) for cutoff in track(scan)}
-    decisive = np.min(list(seen.values()), axis=0) < _HOPELESS
+    few = max(_LEAST_DRAWS, draws // 3)
+    coarse = [errors.rms(replace(plain, cutoff_hz=cutoff), few) for cutoff in track(scan)]
+    decisive = np.min(coarse, axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
+    seen: dict[float, float] = {}
 
     def total(cutoff: float) -> float:
         if cutoff not in seen:
-            seen[cutoff] = errors.rms(replace(plain, cutoff_hz=cutoff))
-        return _together(seen[cutoff][counted])
+            seen[cutoff] = _together(errors.rms(replace(plain, cutoff_hz=cutoff))[counted])
+        return seen[cutoff]
 
-    best = _refined(total, scan)
+    best = _refined(total, scan, int(np.argmin([_together(rms[counted]) for rms in coarse])))
     decimations = {
         factor: _together(errors.rms(replace(plain, cutoff_hz=best, decimation=factor))[counted])
         for factor in _decimations(errors.clean, best)
@@ -225,7 +229,8 @@ def tune_total(
     chosen = replace(base, cutoff_hz=best, decimation=factor)
     settings = replace(chosen, late={})
     lost = [name for name, is_decisive in zip(errors.names, decisive, strict=True) if not is_decisive]
-    order = sorted(seen)
+    curve = {cutoff: _together(rms[counted]) for cutoff, rms in zip(scan, coarse, strict=True)} | seen
+    order = sorted(curve)
     return TotalTuning(
         axis=axis.name,
         measured=model.measured,
@@ -236,7 +241,7 @@ def tune_total(
         total=_percent(errors.names, errors.rms(settings)),
         decisive=tuple(name for name, counts in zip(errors.names, counted, strict=True) if counts),
         cutoffs_hz=np.array(order),
-        totals=np.array([100.0 * total(cutoff) for cutoff in order]),
+        totals=np.array([100.0 * curve[cutoff] for cutoff in order]),
         decimations={step: 100.0 * value for step, value in decimations.items()},
         recommended_sampling_hz=_recommended(errors, run, settings, counted),
         status="not_determined" if lost else "ok",
@@ -267,9 +272,8 @@ def _decimations(clean: Log, cutoff: float) -> tuple[int, ...]:
     return tuple(sorted({1, max(1, usual // 2), usual, 2 * usual}))
 
 
-def _refined(total: Callable[[float], float], scan: Sequence[float]) -> float:
+def _refined(total: Callable[[float], float], scan: Sequence[float], best: int) -> float:
     """The best cutoff of the scan, refined by Nelder-Mead between its neighbours."""
-    best = int(np.argmin([total(cutoff) for cutoff in scan]))
     low, high = math.log(scan[max(best - 1, 0)]), math.log(scan[min(best + 1, len(scan) - 1)])
     start = math.log(scan[best])
 

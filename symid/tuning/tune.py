@@ -108,7 +108,7 @@ def first_sampling_frequency(cutoff_hz: float, differences: int) -> float:
     Examples
     --------
     >>> round(first_sampling_frequency(164.42, 4)), round(first_sampling_frequency(164.42, 2))
-    (8792, 8289)
+    (8791, 8289)
     """
     return cutoff_hz / faithful_share(max(differences, 1), 10 ** (-distortion_db(differences) / 20))
 
