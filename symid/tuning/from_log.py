@@ -26,6 +26,7 @@ _LEAST_RATE = 8000.0
 _BEYOND_COHERENCE = 1.5
 _HIGHEST_SHARE = 0.4
 _LEAST_FRICTION = 1e-9
+_ROUGH_DRAWS = 3
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def run_of_log(
     parameters: Mapping[str, float],
     log: Log,
     late: Mapping[str, float] | None = None,
-    bandwidth_hz: float = 5.0,
+    bandwidth_hz: float = 20.0,
 ) -> ExactRun:
     """Simulate an axis without noise so that it moves as in a log.
 
@@ -103,17 +104,17 @@ def run_of_log(
     period, samples = log.sampling_period / finer, log.sampling_period * np.arange(log.n_samples)
     time = period * np.arange((log.n_samples - 1) * finer + 1)
     delays = late or {}
-
-    def moved(name: str, by: float) -> tuple[CubicSpline, FloatArray]:
-        return CubicSpline(samples, low_pass.apply(log[name], rate)), time + delays.get(name, 0.0) + by
-
-    position, at = moved(signal, 0.0)
-    force, middle = moved(axis.drive.signal, 0.5 * period)
+    position, force = (
+        CubicSpline(samples, low_pass.apply(log[name], rate)) for name in (signal, model.force)
+    )
+    at = time + delays.get(signal, 0.0)
     reference = Trajectory(
         position(at) - position(at[0]), position(at, 1), position(at, 2), period, log.source, log.start
     )
+    # A force that is held acts as at the middle of its hold.
+    forces = force(time + delays.get(model.force, 0.0) + 0.5 * period)
     cascade = tuned_cascade(plant, signal, bandwidth_hz)
-    return exact_run(axis, parameters, reference, Replay(np.asarray(force(middle)), cascade))
+    return exact_run(axis, parameters, reference, Replay(forces, cascade))
 
 
 def identified_and_tuned(
@@ -142,7 +143,7 @@ def identified_and_tuned(
     rounds : int
         How often parameters are identified and the settings tuned.
     draws : int
-        Draws of noise.
+        Draws of noise in the last round.
 
     Raises
     ------
@@ -152,11 +153,18 @@ def identified_and_tuned(
     base = preparation or Preparation()
     noise = noise_levels(log, model.force, model.measured)
     settings, tuned = base, None
-    for _ in range(rounds):
+    for last in [False] * (rounds - 1) + [True]:
         parameters = plausible_parameters(axis, model, log, settings)
         run = run_of_log(axis, model, parameters, log, base.late)
         tuned = tune_total(
-            axis, model, parameters, run, log.sampling_frequency, noise, preparation=base, draws=draws
+            axis,
+            model,
+            parameters,
+            run,
+            log.sampling_frequency,
+            noise,
+            preparation=base,
+            draws=draws if last else _ROUGH_DRAWS,
         )
         settings = tuned.preparation
     assert tuned is not None

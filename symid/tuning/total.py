@@ -8,7 +8,7 @@ error of the parameters that `identify` finds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -29,10 +29,12 @@ from symid.tuning.noise import with_noise
 
 TotalStatus = Literal["ok", "not_determined"]
 
-_CUTOFFS = 12
-_MOST_EVALUATIONS = 12
-_LEAST_DRAWS = 4
-"""Draws of noise in the scan: a third of all, but at least so many."""
+_CUTOFFS = 32
+_SCAN_DRAWS = 2
+"""Draws of noise in the scan, beside the noise-free data."""
+_CANDIDATES = 10
+"""Settings of the scan that are judged by all draws."""
+_MOST_EVALUATIONS = 8
 _LOST = 1.0
 """A relative error from which on a parameter is lost: larger ones count as this."""
 _HOPELESS = 0.8
@@ -86,10 +88,18 @@ class TotalErrors:
         errors = np.array([values[name] / self.parameters[name] - 1.0 for name in self.names])
         return np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST)
 
-    def rms(self, settings: Preparation, draws: int | None = None) -> FloatArray:
-        """Root mean square error of each parameter over the draws (or the first few of them), bias included."""
-        errors = np.array([self.relative(log, settings) for log in self.noisy[:draws]])
-        return np.asarray(np.sqrt(np.square(errors).mean(axis=0)))
+    def rms(self, settings: Preparation) -> FloatArray:
+        """Root mean square error of each parameter over the draws, bias included."""
+        return self._over(self.noisy, settings)
+
+    def estimate_of_rms(self, settings: Preparation) -> FloatArray:
+        """The same from the noise-free data and the first two draws."""
+        return self._over((self.clean, *self.noisy[:_SCAN_DRAWS]), settings)
+
+    def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:
+        errors = np.array([self.relative(log, settings) for log in logs], dtype=np.float64)
+        squares: FloatArray = np.square(errors).mean(axis=0)
+        return np.asarray(np.sqrt(squares), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,10 +123,8 @@ class TotalTuning:
     decisive : tuple of str
         Parameters that decided: not lost (beyond 80 %) at every cutoff.
     cutoffs_hz, totals : array of shape (n_points,)
-        Cutoffs evaluated, rising, and the root mean square of the total errors of the decisive parameters, percent.
-        Those of the scan come from a third of the draws.
-    decimations : mapping of int to float
-        The same for each decimation tried at the chosen cutoff.
+        Cutoffs of the scan, and the root mean square of the total errors of the decisive parameters with the best
+        decimation, percent, from the noise-free data and two draws.
     recommended_sampling_hz : float
         Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total error;
         nan if there is none up to eight times that of the log.
@@ -136,7 +144,6 @@ class TotalTuning:
     decisive: tuple[str, ...]
     cutoffs_hz: FloatArray
     totals: FloatArray
-    decimations: Mapping[int, float]
     recommended_sampling_hz: float
     status: TotalStatus
     message: str
@@ -162,8 +169,9 @@ def tune_total(
     """Cutoff and decimation that minimise the total error of the physical parameters.
 
     The measure is the root mean square, over parameters and draws of noise, of relative errors; those beyond 100 %
-    count as 100 %, and parameters lost at every cutoff do not count. The cutoff is found by Nelder-Mead from the best
-    of a scan, the decimation among 1 and half, once and twice the usual one.
+    count as 100 %, and parameters lost at every cutoff do not count. A scan over cutoffs and decimations (1, and half,
+    once and twice the usual one) with two draws is followed by all draws for its ten best settings, and by Nelder-Mead
+    on the cutoff of the best.
 
     Parameters
     ----------
@@ -207,46 +215,42 @@ def tune_total(
     errors = TotalErrors(model, run.log(sampling_hz, model.measured), levels, parameters, draws)
     base = preparation or Preparation()
     # The noise-free run is free of what a log may record late.
-    plain = replace(base, late={}, decimation=None)
-    scan = [float(f) for f in _cutoffs(errors.clean)]
-    few = max(_LEAST_DRAWS, draws // 3)
-    coarse = [errors.rms(replace(plain, cutoff_hz=cutoff), few) for cutoff in track(scan)]
-    decisive = np.min(coarse, axis=0) < _HOPELESS
+    plain = replace(base, late={})
+    scan = _scan(errors, plain, track)
+    decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
-    seen: dict[float, float] = {}
-
-    def total(cutoff: float) -> float:
-        if cutoff not in seen:
-            seen[cutoff] = _together(errors.rms(replace(plain, cutoff_hz=cutoff))[counted])
-        return seen[cutoff]
-
-    best = _refined(total, scan, int(np.argmin([_together(rms[counted]) for rms in coarse])))
-    decimations = {
-        factor: _together(errors.rms(replace(plain, cutoff_hz=best, decimation=factor))[counted])
-        for factor in _decimations(errors.clean, best)
-    }
-    factor = min(decimations, key=decimations.__getitem__)
-    chosen = replace(base, cutoff_hz=best, decimation=factor)
-    settings = replace(chosen, late={})
+    ranked = sorted(scan, key=lambda entry: _together(entry[1][counted]))
+    candidates = [settings for settings, _ in ranked[:_CANDIDATES]]
+    judged = [_together(errors.rms(settings)[counted]) for settings in candidates]
+    settings = _refined(errors, candidates[int(np.argmin(judged))], min(judged), counted)
     lost = [name for name, is_decisive in zip(errors.names, decisive, strict=True) if not is_decisive]
-    curve = {cutoff: _together(rms[counted]) for cutoff, rms in zip(scan, coarse, strict=True)} | seen
-    order = sorted(curve)
+    cutoffs = np.unique([setting.cutoff_hz for setting, _ in scan])
+    best = [min(_together(rms[counted]) for s, rms in scan if s.cutoff_hz == cutoff) for cutoff in cutoffs]
     return TotalTuning(
         axis=axis.name,
         measured=model.measured,
         sampling_hz=sampling_hz,
-        preparation=chosen,
+        preparation=replace(settings, late=base.late),
         noise=levels,
         systematic=_percent(errors.names, errors.relative(errors.clean, settings)),
         total=_percent(errors.names, errors.rms(settings)),
         decisive=tuple(name for name, counts in zip(errors.names, counted, strict=True) if counts),
-        cutoffs_hz=np.array(order),
-        totals=np.array([100.0 * curve[cutoff] for cutoff in order]),
-        decimations={step: 100.0 * value for step, value in decimations.items()},
+        cutoffs_hz=cutoffs,
+        totals=100.0 * np.array(best),
         recommended_sampling_hz=_recommended(errors, run, settings, counted),
         status="not_determined" if lost else "ok",
         message=f"{', '.join(lost)} are lost in the noise at every cutoff and did not decide" if lost else "",
     )
+
+
+def _scan(errors: TotalErrors, plain: Preparation, track: Track) -> list[tuple[Preparation, FloatArray]]:
+    """Rough errors of the parameters over cutoffs and decimations."""
+    found = []
+    for cutoff in track([float(f) for f in _cutoffs(errors.clean)]):
+        for factor in _decimations(errors.clean, cutoff):
+            settings = replace(plain, cutoff_hz=cutoff, decimation=factor)
+            found.append((settings, errors.estimate_of_rms(settings)))
+    return found
 
 
 def _checked(model: GeneratedModel, noise: Mapping[str, float]) -> dict[str, float]:
@@ -272,23 +276,31 @@ def _decimations(clean: Log, cutoff: float) -> tuple[int, ...]:
     return tuple(sorted({1, max(1, usual // 2), usual, 2 * usual}))
 
 
-def _refined(total: Callable[[float], float], scan: Sequence[float], best: int) -> float:
-    """The best cutoff of the scan, refined by Nelder-Mead between its neighbours."""
-    low, high = math.log(scan[max(best - 1, 0)]), math.log(scan[min(best + 1, len(scan) - 1)])
-    start = math.log(scan[best])
+def _refined(errors: TotalErrors, start: Preparation, known: float, counted: FloatArray) -> Preparation:
+    """The best setting of the scan with its cutoff refined by Nelder-Mead as far as the next cutoffs of the scan."""
+    assert start.cutoff_hz is not None
+    cutoffs = _cutoffs(errors.clean)
+    span = math.log(cutoffs[1] / cutoffs[0])
+    seen = {start.cutoff_hz: known}
 
-    def objective(logarithm: FloatArray) -> float:
-        return total(math.exp(min(max(float(logarithm[0]), low), high)))
+    def total(offset: FloatArray) -> float:
+        cutoff = _moved(start.cutoff_hz, float(np.clip(offset[0], -span, span)), cutoffs[-1])
+        if cutoff not in seen:
+            seen[cutoff] = _together(errors.rms(replace(start, cutoff_hz=cutoff))[counted])
+        return seen[cutoff]
 
-    step = 0.3 * (high - low) * (1 if best + 1 < len(scan) else -1)
-    simplex = np.array([[start], [start + 0.5 * step]])
-    found = minimize(
-        objective,
-        simplex[0],
+    minimize(
+        total,
+        np.zeros(1),
         method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": _MOST_EVALUATIONS, "xatol": 0.02, "fatol": 1e-6},
+        options={"initial_simplex": [[0.0], [0.5 * span]], "maxfev": _MOST_EVALUATIONS},
     )
-    return math.exp(min(max(float(found.x[0]), low), high))
+    return replace(start, cutoff_hz=min(seen, key=seen.__getitem__))
+
+
+def _moved(cutoff: float | None, by: float, highest: float) -> float:
+    assert cutoff is not None
+    return min(cutoff * math.exp(by), highest)
 
 
 def _recommended(errors: TotalErrors, run: ExactRun, settings: Preparation, counted: FloatArray) -> float:
