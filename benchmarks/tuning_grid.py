@@ -103,7 +103,7 @@ def evaluated(cell: Cell) -> Outcome:
     begin = time.perf_counter()
     tuned = identified_and_tuned(axis, model, with_noise(clean, noise, seed=1000), preparation=base)
     seconds = time.perf_counter() - begin
-    judge = TotalErrors(model, clean, noise, VALUES[cell.axis], SEEDS)
+    judge = TotalErrors(model, (clean,), noise, VALUES[cell.axis], SEEDS)
     settings = list(_grid(cell, base))
     errors = {setting_key(s): judge.rms(s) for s in settings}
     default = completed(base, judge.noisy[0], model)

@@ -109,7 +109,7 @@ preparation_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    runs = [_read(declared, file, options) for file in tracked(logs, "reading logs")]
+    runs = [read_log_of(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
     found = identify(
         model,
@@ -121,7 +121,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     )
     validation = None
     if options["validation"]:
-        validation = predict(found, _read(declared, options["validation"], options))
+        validation = predict(found, read_log_of(declared, options["validation"], options))
     if options["plot"]:
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
@@ -133,7 +133,8 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         print_identification(record)
 
 
-def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
+def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
+    """A log by the log options."""
     gains = {
         name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
     }

@@ -3,17 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.options import json_option, measured_option, parameter_file, signal_list, write_json
+from symid.cli.identify import log_options, read_log_of
+from symid.cli.options import (
+    assignments,
+    json_option,
+    measured_option,
+    number,
+    parameter_file,
+    signal_list,
+    write_json,
+)
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
+from symid.codegen import load_generated
+from symid.identification import Preparation, measured_signals
+from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
 from symid.report.tuning import plot_tuning, print_tuning, tuning_record
 from symid.simulation import Controller, Plant, Trajectory, plant_of
-from symid.tuning import excited_band, tune, tuning_chirp, without_jumps
+from symid.tuning import (
+    TotalTuning,
+    Tuning,
+    exact_run,
+    excited_band,
+    noise_levels,
+    runs_of_log,
+    tune,
+    tune_total,
+    tuning_chirp,
+    without_jumps,
+)
 
 _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth": 10.0}
 """Where this command differs from `symid simulate`; the band "modes" is that of `excited_band`."""
@@ -57,19 +81,54 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 )
 @trajectory_options
 @controller_options
+@click.option(
+    "--noise-from",
+    metavar="LOG",
+    help="Minimise the total error of bias and noise, with the motion and the noise of a log.",
+)
+@click.option(
+    "--noise",
+    multiple=True,
+    metavar="SIGNAL=STD",
+    help="The same with white noise of this standard deviation, SI; of each signal if there is no log.",
+)
+@click.option(
+    "--log-rate", default=4000.0, show_default=True, help="With --noise alone: rate of the log to be, in Hz."
+)
+@log_options
 @click.option("--plot", metavar="FILE", help="Draw the errors by frequency (png, svg or pdf).")
 @json_option
 def command(axis: str, file: str, json_file: str | None, **options: Any) -> None:
-    """Lowest cutoff and lowest sampling frequency that keep the systematic errors of AXIS within bounds.
+    """Cutoff frequency and sampling period for AXIS.
 
-    The axis is simulated without noise along a chirp of constant velocity through all its modes, or along any
-    other trajectory, and identified from the simulation.
+    Without noise: the lowest cutoff and the lowest sampling frequency that keep the systematic errors within bounds.
+    The axis is simulated along a chirp of constant velocity through all its modes, or along any other trajectory,
+    and identified from the simulation. With --noise-from or --noise: the cutoff and the decimation of the smallest
+    total error.
     """
     declared = load_axis(axis)
     parameters = parameter_file(file, declared)
+    if options["noise_from"] or options["noise"]:
+        total = _total(axis, declared, parameters, options)
+        record = total_record(total)
+        draw, show = partial(plot_total_tuning, total), partial(print_total_tuning, total)
+    else:
+        found = _bounded(declared, parameters, options)
+        record = tuning_record(found)
+        draw, show = partial(plot_tuning, found), partial(print_tuning, found)
+    if options["plot"]:
+        draw(options["plot"])
+    if json_file:
+        write_json(record, json_file)
+    if json_file != "-":
+        show()
+
+
+def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> Tuning:
+    """By bounds on systematic errors."""
     simulated = declared if options["keep_jumps"] else without_jumps(declared)
     controller, trajectory = _run_of(declared, plant_of(simulated, parameters), options)
-    found = tune(
+    return tune(
         declared,
         parameters,
         signal_list(options["measured"]),
@@ -82,13 +141,30 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
         kind=options["kind"],
         track=_tracked,
     )
-    record = tuning_record(found)
-    if options["plot"]:
-        plot_tuning(found, options["plot"])
-    if json_file:
-        write_json(record, json_file)
-    if json_file != "-":
-        print_tuning(found)
+
+
+def _total(name: str, declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> TotalTuning:
+    """By the total error, with the motion of a log or along a trajectory."""
+    given = {
+        signal: number(text, f"--noise {signal}")
+        for signal, text in assignments(options["noise"], "--noise").items()
+    }
+    settings = Preparation(order=options["order"])
+    if options["noise_from"]:
+        log = read_log_of(declared, options["noise_from"], options)
+        measured = measured_signals(declared, [log], signal_list(options["measured"]))
+        model, rate = load_generated(name, measured), log.sampling_frequency
+        levels = {**noise_levels(log, model.force, model.measured), **given}
+        runs = runs_of_log(declared, model, parameters, log)
+    else:
+        model, rate, levels = (
+            load_generated(name, signal_list(options["measured"])),
+            options["log_rate"],
+            given,
+        )
+        controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)
+        runs = (exact_run(declared, parameters, trajectory, controller),)
+    return tune_total(declared, model, parameters, runs, rate, levels, preparation=settings, track=_tracked)
 
 
 def _tracked(frequencies: Sequence[float]) -> Iterator[float]:

@@ -28,6 +28,14 @@ PLOT_STYLE: Any = {
 _MOST_POINTS = 20_000
 
 
+def figure_path(file: str | Path) -> Path:
+    """Path of a figure; SettingError if its suffix is not that of a kind that can be drawn."""
+    path = Path(file)
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    return path
+
+
 def plot_identification(
     found: Identification,
     file: str | Path,
@@ -52,9 +60,7 @@ def plot_identification(
     SettingError
         If the suffix is not known, or the parameters are not determined.
     """
-    path = Path(file)
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    path = figure_path(file)
     runs = [(s, o, found.fit.solution) for s, o in zip(found.logs, found.observations, strict=True)]
     if validation is not None:
         runs.append((f"validation on {validation.log}", validation.observation, validation.parameters))

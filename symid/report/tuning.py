@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from symid.errors import SettingError
 from symid.report.console import report_console
-from symid.report.plots import MEASURED, MODEL, PLOT_STYLE
+from symid.report.plots import MEASURED, MODEL, PLOT_STYLE, figure_path
 from symid.tuning import BoundSearch, Tuning
 
 
@@ -105,9 +104,7 @@ def plot_tuning(found: Tuning, file: str | Path) -> None:
     SettingError
         If the suffix is not known.
     """
-    path = Path(file)
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    path = figure_path(file)
     with mpl.rc_context(PLOT_STYLE):
         figure = Figure(figsize=(10, 4), layout="constrained")
         left, right = figure.subplots(1, 2)

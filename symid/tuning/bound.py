@@ -131,10 +131,12 @@ def _refined(error: Callable[[float], float], above: float, within: float, bound
 
     def distance(logarithm: FloatArray) -> float:
         frequency = float(np.exp(np.clip(logarithm[0], math.log(above), math.log(within))))
-        return abs(math.log(max(error(frequency), 1e-300) / bound))
+        return abs(math.log(min(max(error(frequency), 1e-300), 1e300) / bound))
 
     # Between two frequencies the error is about a straight line on logarithmic axes: begin where that meets the bound.
-    share = math.log(error(above) / bound) / math.log(error(above) / max(error(within), 1e-300))
+    share = 0.5
+    if math.isfinite(error(above)):
+        share = math.log(error(above) / bound) / math.log(error(above) / max(error(within), 1e-300))
     guess = math.log(above) + min(max(share, 0.02), 0.98) * math.log(within / above)
     simplex = np.array([[guess], [guess + 0.02 * math.log(within / above)]])
     found = minimize(

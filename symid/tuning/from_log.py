@@ -26,6 +26,7 @@ _LEAST_RATE = 8000.0
 _BEYOND_COHERENCE = 1.5
 _HIGHEST_SHARE = 0.4
 _LEAST_FRICTION = 1e-9
+_BANDWIDTHS = (10.0, 20.0, 40.0)
 _ROUGH_DRAWS = 3
 
 
@@ -117,6 +118,17 @@ def run_of_log(
     return exact_run(axis, parameters, reference, Replay(forces, cascade))
 
 
+def runs_of_log(
+    axis: Axis,
+    model: GeneratedModel,
+    parameters: Mapping[str, float],
+    log: Log,
+    late: Mapping[str, float] | None = None,
+) -> tuple[ExactRun, ...]:
+    """The run of a log three times over, with cascades of 10, 20 and 40 Hz."""
+    return tuple(run_of_log(axis, model, parameters, log, late, bandwidth) for bandwidth in _BANDWIDTHS)
+
+
 def identified_and_tuned(
     axis: Axis,
     model: GeneratedModel,
@@ -155,12 +167,12 @@ def identified_and_tuned(
     settings, tuned = base, None
     for last in [False] * (rounds - 1) + [True]:
         parameters = plausible_parameters(axis, model, log, settings)
-        run = run_of_log(axis, model, parameters, log, base.late)
+        runs = runs_of_log(axis, model, parameters, log, base.late)
         tuned = tune_total(
             axis,
             model,
             parameters,
-            run,
+            runs,
             log.sampling_frequency,
             noise,
             preparation=base,

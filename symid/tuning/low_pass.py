@@ -63,9 +63,9 @@ class LowPassErrors:
         return self.run.exact_signals(self._every)
 
     def scan(self, points: int) -> list[float]:
-        """Cutoff frequencies to be scanned, Hz: from what the data are long enough for."""
+        """Cutoff frequencies to be scanned, Hz, from that which trims a quarter of the data."""
         duration = self._exact[1].size / self.rate
-        lowest = max(_LOWEST_SHARE * self.rate, 20 * _EDGE_PERIODS / duration)
+        lowest = max(_LOWEST_SHARE * self.rate, 8 * _EDGE_PERIODS / duration)
         return [float(f) for f in np.geomspace(lowest, _HIGHEST_SHARE * self.rate, points)]
 
     def errors(self, cutoff_hz: float) -> dict[str, float]:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import cycle
 from typing import Literal
 
 import numpy as np
@@ -30,8 +31,8 @@ from symid.tuning.noise import with_noise
 TotalStatus = Literal["ok", "not_determined"]
 
 _CUTOFFS = 32
-_SCAN_DRAWS = 2
-"""Draws of noise in the scan, beside the noise-free data."""
+_SCAN_DRAWS = 3
+"""Draws of noise in the scan."""
 _CANDIDATES = 10
 """Settings of the scan that are judged by all draws."""
 _MOST_EVALUATIONS = 8
@@ -49,18 +50,18 @@ class TotalErrors:
     ----------
     model : GeneratedModel
         Model of the sensors.
-    clean : Log
-        Noise-free data.
+    runs : tuple of Log
+        Noise-free data of one or several simulations of the same motion.
     noise : mapping of str to float
         Standard deviation of each signal's noise.
     parameters : mapping of str to float
         True physical parameters.
     draws : int
-        How many times noise is drawn; all settings see the same noise.
+        How many times noise is drawn, for one run after the other; all settings see the same noise.
     """
 
     model: GeneratedModel
-    clean: Log
+    runs: tuple[Log, ...]
     noise: Mapping[str, float]
     parameters: Mapping[str, float]
     draws: int
@@ -73,7 +74,13 @@ class TotalErrors:
     @cached_property
     def noisy(self) -> tuple[Log, ...]:
         """Logs with noise."""
-        return tuple(with_noise(self.clean, self.noise, seed) for seed in range(self.draws))
+        pairs = zip(cycle(self.runs), range(self.draws), strict=False)
+        return tuple(with_noise(log, self.noise, seed) for log, seed in pairs)
+
+    @property
+    def clean(self) -> Log:
+        """Noise-free data of the first run."""
+        return self.runs[0]
 
     def relative(self, log: Log, settings: Preparation) -> FloatArray:
         """Relative error of each parameter of a log, at most 1 in magnitude, which counts as lost."""
@@ -86,15 +93,15 @@ class TotalErrors:
             return np.full(len(self.names), _LOST)
         values = dict(zip(self.model.physical_units, found[0].parameters, strict=True))
         errors = np.array([values[name] / self.parameters[name] - 1.0 for name in self.names])
-        return np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST)
+        return np.asarray(np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST), dtype=np.float64)
 
     def rms(self, settings: Preparation) -> FloatArray:
         """Root mean square error of each parameter over the draws, bias included."""
         return self._over(self.noisy, settings)
 
     def estimate_of_rms(self, settings: Preparation) -> FloatArray:
-        """The same from the noise-free data and the first two draws."""
-        return self._over((self.clean, *self.noisy[:_SCAN_DRAWS]), settings)
+        """The same from the first three draws."""
+        return self._over(self.noisy[:_SCAN_DRAWS], settings)
 
     def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:
         errors = np.array([self.relative(log, settings) for log in logs], dtype=np.float64)
@@ -124,12 +131,12 @@ class TotalTuning:
         Parameters that decided: not lost (beyond 80 %) at every cutoff.
     cutoffs_hz, totals : array of shape (n_points,)
         Cutoffs of the scan, and the root mean square of the total errors of the decisive parameters with the best
-        decimation, percent, from the noise-free data and two draws.
+        decimation, percent, from three draws.
     recommended_sampling_hz : float
         Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total error;
         nan if there is none up to eight times that of the log.
     status : str
-        "ok", or "not_determined" where a parameter is lost at every cutoff.
+        "ok", or "not_determined" where a parameter is lost.
     message : str
         What the status means here; empty if all is well.
     """
@@ -158,7 +165,7 @@ def tune_total(
     axis: Axis,
     model: GeneratedModel,
     parameters: Mapping[str, float],
-    run: ExactRun,
+    runs: Sequence[ExactRun],
     sampling_hz: float,
     noise: Mapping[str, float],
     *,
@@ -170,8 +177,8 @@ def tune_total(
 
     The measure is the root mean square, over parameters and draws of noise, of relative errors; those beyond 100 %
     count as 100 %, and parameters lost at every cutoff do not count. A scan over cutoffs and decimations (1, and half,
-    once and twice the usual one) with two draws is followed by all draws for its ten best settings, and by Nelder-Mead
-    on the cutoff of the best.
+    once and twice the usual one) with three draws is followed by all draws for its ten best settings, and by
+    Nelder-Mead on the cutoff of the best.
 
     Parameters
     ----------
@@ -181,8 +188,9 @@ def tune_total(
         Its model for the sensors.
     parameters : mapping of str to float
         Physical parameters with which the run was simulated, SI.
-    run : ExactRun
-        Noise-free run of the axis along the trajectory of the log.
+    runs : sequence of ExactRun
+        Noise-free runs of the axis along the trajectory of the log. Errors at the reversals of friction hang on the
+        last detail of a motion; several runs that differ in it keep them from being mistaken for an optimum.
     sampling_hz : float
         Sampling frequency of the log.
     noise : mapping of str to float
@@ -207,12 +215,13 @@ def tune_total(
     >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 30.0, "Fs": 4.0}
     >>> reference = chirp(0.5, 10.0, 2.0, 0.05, sampling_period=5e-4, quantity="velocity")
     >>> run = exact_run(axis, values, reference, tuned_cascade(plant_of(axis, values), "q"))
-    >>> tuned = tune_total(axis, load_generated(axis), values, run, 1000.0, {"q": 1e-7, "F": 1.0}, draws=4)
+    >>> tuned = tune_total(axis, load_generated(axis), values, [run], 1000.0, {"q": 1e-7, "F": 1.0}, draws=4)
     >>> tuned.status, 10 < tuned.preparation.cutoff_hz < 400
     ('ok', True)
     """
     levels = _checked(model, noise)
-    errors = TotalErrors(model, run.log(sampling_hz, model.measured), levels, parameters, draws)
+    logs = tuple(run.log(sampling_hz, model.measured) for run in runs)
+    errors = TotalErrors(model, logs, levels, parameters, draws)
     base = preparation or Preparation()
     # The noise-free run is free of what a log may record late.
     plain = replace(base, late={})
@@ -223,7 +232,8 @@ def tune_total(
     candidates = [settings for settings, _ in ranked[:_CANDIDATES]]
     judged = [_together(errors.rms(settings)[counted]) for settings in candidates]
     settings = _refined(errors, candidates[int(np.argmin(judged))], min(judged), counted)
-    lost = [name for name, is_decisive in zip(errors.names, decisive, strict=True) if not is_decisive]
+    total = errors.rms(settings)
+    lost = [name for name, kept in zip(errors.names, decisive & (total < _HOPELESS), strict=True) if not kept]
     cutoffs = np.unique([setting.cutoff_hz for setting, _ in scan])
     best = [min(_together(rms[counted]) for s, rms in scan if s.cutoff_hz == cutoff) for cutoff in cutoffs]
     return TotalTuning(
@@ -233,13 +243,15 @@ def tune_total(
         preparation=replace(settings, late=base.late),
         noise=levels,
         systematic=_percent(errors.names, errors.relative(errors.clean, settings)),
-        total=_percent(errors.names, errors.rms(settings)),
+        total=_percent(errors.names, total),
         decisive=tuple(name for name, counts in zip(errors.names, counted, strict=True) if counts),
         cutoffs_hz=cutoffs,
         totals=100.0 * np.array(best),
-        recommended_sampling_hz=_recommended(errors, run, settings, counted),
+        recommended_sampling_hz=_recommended(
+            errors, runs[0], settings, 0.5 * _together(total[counted]), counted
+        ),
         status="not_determined" if lost else "ok",
-        message=f"{', '.join(lost)} are lost in the noise at every cutoff and did not decide" if lost else "",
+        message=f"errors beyond 80 %, lost in noise or bias: {', '.join(lost)}" if lost else "",
     )
 
 
@@ -303,9 +315,10 @@ def _moved(cutoff: float | None, by: float, highest: float) -> float:
     return min(cutoff * math.exp(by), highest)
 
 
-def _recommended(errors: TotalErrors, run: ExactRun, settings: Preparation, counted: FloatArray) -> float:
+def _recommended(
+    errors: TotalErrors, run: ExactRun, settings: Preparation, allowed: float, counted: FloatArray
+) -> float:
     """Lowest sampling frequency at which noise-free errors are below half of the total ones."""
-    allowed = 0.5 * _together(errors.rms(settings)[counted])
     assert settings.cutoff_hz is not None
     rates = np.geomspace(2.5 * settings.cutoff_hz, 8 * errors.clean.sampling_frequency, 12)
     plain = replace(settings, decimation=None)
