@@ -80,11 +80,11 @@ def test_trapezoids_and_acceleration_sensor(folder: Path) -> None:
 def test_total_error_from_a_log_and_from_given_noise(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    simulated = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "-o", "run.csv", "--rate", "4000"]
+    simulated = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "-o", "run.csv", "--rate", "1000"]
     noise = ["--noise", "q=1e-7", "--noise", "F=2"]
-    assert run(*simulated, *noise, "--log-rate", "1000", "--travel", "0.05", "--dwell", "0.05") == 0
+    assert run(*simulated, *noise, "--travel", "0.05", "--dwell", "0.05") == 0
     found = tuned("rigid_1m", "--noise-from", "run.csv", "--plot", "total.png")
-    assert found["noise"]["F"] == pytest.approx(2.0, rel=0.2)
+    assert found["noise"]["F"] == pytest.approx(2.0, rel=0.5)
     assert found["status"] == "ok"
     assert 0 < found["total_error_percent"] < 2
     assert found["errors_percent"]["M"].keys() == {"systematic", "total"}
