@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -22,6 +23,7 @@ from symid.cli.options import (
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
 from symid.codegen import load_generated
+from symid.errors import SettingError
 from symid.identification import Preparation, measured_signals
 from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
 from symid.report.tuning import plot_tuning, print_tuning, tuning_record
@@ -95,6 +97,12 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 @click.option(
     "--log-rate", default=4000.0, show_default=True, help="With --noise alone: rate of the log to be, in Hz."
 )
+@click.option(
+    "--held",
+    multiple=True,
+    metavar="SIGNAL",
+    help="With --noise-from: a force that is held from sample to sample, so that it acts half a sample late.",
+)
 @log_options
 @click.option("--plot", metavar="FILE", help="Draw the errors by frequency (png, svg or pdf).")
 @json_option
@@ -155,7 +163,8 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         measured = measured_signals(declared, [log], signal_list(options["measured"]))
         model, rate = load_generated(name, measured), log.sampling_frequency
         levels = {**noise_levels(log, model.force, model.measured), **given}
-        runs = runs_of_log(declared, model, parameters, log)
+        settings = replace(settings, late=_late(declared, log.sampling_period, options["held"]))
+        runs = runs_of_log(declared, model, parameters, log, settings.late)
     else:
         model, rate, levels = (
             load_generated(name, signal_list(options["measured"])),
@@ -165,6 +174,15 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)
         runs = (exact_run(declared, parameters, trajectory, controller),)
     return tune_total(declared, model, parameters, runs, rate, levels, preparation=settings, track=_tracked)
+
+
+def _late(declared: Axis, period: float, held: tuple[str, ...]) -> dict[str, float]:
+    """Half a sample for a held force, declared or given."""
+    force = declared.drive.signal
+    unknown = [name for name in held if name != force]
+    if unknown:
+        raise SettingError(f"--held {unknown[0]} is not the force of axis {declared.name!r}: give {force}")
+    return {force: -period / 2} if held or declared.drive.held else {}
 
 
 def _tracked(frequencies: Sequence[float]) -> Iterator[float]:

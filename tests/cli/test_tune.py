@@ -83,7 +83,7 @@ def test_total_error_from_a_log_and_from_given_noise(
     simulated = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "-o", "run.csv", "--rate", "1000"]
     noise = ["--noise", "q=1e-7", "--noise", "F=2"]
     assert run(*simulated, *noise, "--travel", "0.05", "--dwell", "0.05") == 0
-    found = tuned("rigid_1m", "--noise-from", "run.csv", "--plot", "total.png")
+    found = tuned("rigid_1m", "--noise-from", "run.csv", "--held", "F", "--plot", "total.png")
     assert found["noise"]["F"] == pytest.approx(2.0, rel=0.5)
     assert found["status"] == "ok"
     assert 0 < found["total_error_percent"] < 2
