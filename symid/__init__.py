@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from symid.identification import Identification, Preparation, identify, predict, read_axis_log
     from symid.simulation import simulate
     from symid.symbolic import DerivedModel, derive
+    from symid.tuning import Tuning, tune
 
 __version__ = "0.1.0"
 
@@ -52,6 +53,8 @@ _ROOMS = {
     "read_axis_log": "symid.identification",
     "read_log": "symid.data",
     "simulate": "symid.simulation",
+    "tune": "symid.tuning",
+    "Tuning": "symid.tuning",
 }
 """Rooms that load sympy or scipy, opened when a name is used: declaring an axis needs neither."""
 
@@ -86,6 +89,7 @@ __all__ = [
     "Spring",
     "SymidError",
     "Term",
+    "Tuning",
     "UnknownZero",
     "Velocity",
     "ViscousFriction",
@@ -101,4 +105,5 @@ __all__ = [
     "read_axis_log",
     "read_log",
     "simulate",
+    "tune",
 ]

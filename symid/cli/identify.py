@@ -134,9 +134,9 @@ loop_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    runs = [_read(declared, file, options) for file in tracked(logs, "reading logs")]
+    runs = [read_log_of(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
-    validating = _read(declared, options["validation"], options) if options["validation"] else None
+    validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
     found, validation, record = by_method(declared, model, runs, validating, options)
     if options["plot"]:
@@ -225,7 +225,8 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
     return replace(loop, controller=Cascade(loop.position, **{**_NO_GAINS, **gains}))
 
 
-def _read(declared: Axis, file: str, options: dict[str, Any]) -> Log:
+def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
+    """A log by the log options."""
     gains = {
         name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
     }

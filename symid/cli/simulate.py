@@ -116,7 +116,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     declared = _with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared)
     plant = plant_of(declared, parameters)
-    controller, trajectory = _run_of(declared, plant, options)
+    controller, trajectory = run_of(declared, plant, options)
     run = simulate(
         declared,
         parameters,
@@ -162,21 +162,23 @@ def _with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
     return axis
 
 
-def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
+def run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
     """Controller and trajectory; open loop they both come from the log of the force."""
     if options["open_loop"]:
         log = read_axis_log(axis, options["open_loop"])
         return OpenLoop(log[axis.drive.signal]), from_log(log, next(iter(plant.sensors)))
-    return _cascade(axis, plant, options), _trajectory(axis, options)
+    return cascade_of(axis, plant, options), trajectory_of(axis, options)
 
 
-def _cascade(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
+def cascade_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
+    """Cascade of the controller options."""
     signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
     tuned = tuned_cascade(plant, signal, options["bandwidth"], options["force_limit"])
     return tuned.with_gains(**cascade_gains(options["gains"]))
 
 
-def _trajectory(axis: Axis, options: dict[str, Any]) -> Trajectory:
+def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:
+    """Reference of the trajectory options."""
     period, kind = 1.0 / options["rate"], options["trajectory"]
     if kind == "trapezoids":
         return trapezoids(
@@ -187,7 +189,7 @@ def _trajectory(axis: Axis, options: dict[str, Any]) -> Trajectory:
             dwell=options["dwell"],
             sampling_period=period,
         )
-    low, high = _band(options["band"])
+    low, high = band_of(options["band"])
     seconds = options["seconds"]
     if kind == "chirp":
         return _within(options, lambda size: chirp(low, high, seconds, size, sampling_period=period))
@@ -213,7 +215,8 @@ def _within(options: dict[str, Any], make: Callable[[float], Trajectory]) -> Tra
     return make(0.9 * _UNIT * min(options[name] / value for name, value in reached.items()))
 
 
-def _band(text: str) -> tuple[float, float]:
+def band_of(text: str) -> tuple[float, float]:
+    """Two rising frequencies in Hz."""
     parts = [number(part, "--band") for part in text.split(",")]
     if len(parts) != 2 or not 0 < parts[0] < parts[1]:
         raise SettingError(f"--band {text!r} is not LOW,HIGH in Hz: write for example --band 0.5,20")

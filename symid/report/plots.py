@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
 """Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
 
-_STYLE: Any = {
+PLOT_STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -54,6 +54,14 @@ class Panel:
     predicted: FloatArray
 
 
+def figure_path(file: str | Path) -> Path:
+    """Path of a figure; SettingError if its suffix is not that of a kind that can be drawn."""
+    path = Path(file)
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    return path
+
+
 def plot_identification(
     found: Identification | OutputErrorIdentification,
     file: str | Path,
@@ -78,15 +86,13 @@ def plot_identification(
     SettingError
         If the suffix is not known, or the parameters are not determined.
     """
-    path = Path(file)
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    path = figure_path(file)
     panels = (
         _panels_of_equations(found, cast("Prediction | None", validation))
         if isinstance(found, Identification)
         else _panels_of_readings(found, cast("OutputErrorPrediction | None", validation))
     )
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         figure = Figure(figsize=(11, 3.6 * len(panels)), layout="constrained")
         grids = figure.add_gridspec(len(panels), 1)
         for place, panel in enumerate(panels):

@@ -1,0 +1,199 @@
+"""`symid tune`: cutoff frequency and sampling period of an axis and its sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import click
+
+from symid.axis import Axis, load_axis
+from symid.cli.identify import log_options, read_log_of
+from symid.cli.options import (
+    assignments,
+    json_option,
+    measured_option,
+    number,
+    parameter_file,
+    signal_list,
+    write_json,
+)
+from symid.cli.progress import tracked
+from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
+from symid.codegen import load_generated
+from symid.errors import SettingError
+from symid.identification import Preparation, measured_signals
+from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
+from symid.report.tuning import plot_tuning, print_tuning, tuning_record
+from symid.simulation import Controller, Plant, Trajectory, plant_of
+from symid.tuning import (
+    TotalTuning,
+    Tuning,
+    exact_run,
+    excited_band,
+    noise_levels,
+    runs_of_log,
+    tune,
+    tune_total,
+    tuning_chirp,
+    without_jumps,
+)
+
+_DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth": 10.0}
+"""Where this command differs from `symid simulate`; the band "modes" is that of `excited_band`."""
+
+
+@click.command(
+    "tune",
+    context_settings={"default_map": _DEFAULTS},
+    epilog="Example: symid tune direct_2m1s --parameters P.json --measured q2,ddq1 --plot tuning.png",
+)
+@click.argument("axis")
+@click.option(
+    "--parameters", "file", required=True, metavar="P.json", help="A priori values of the parameters, SI."
+)
+@measured_option
+@click.option(
+    "--max-lowpass-error",
+    default=0.01,
+    show_default=True,
+    help="Largest error that the low-pass filter may make [35], in percent.",
+)
+@click.option(
+    "--max-sampling-error",
+    default=1.0,
+    show_default=True,
+    help="Largest error that differences may make [37], in percent.",
+)
+@click.option("--order", default=4, show_default=True, help="Order of one pass of the filter.")
+@click.option(
+    "--errors-of",
+    "kind",
+    type=click.Choice(["physical", "minimal"]),
+    default="physical",
+    show_default=True,
+    help="Parameters whose errors are bounded in [37].",
+)
+@click.option(
+    "--keep-jumps",
+    is_flag=True,
+    help="Keep Coulomb friction and other laws that jump at standstill; the paper leaves them out.",
+)
+@trajectory_options
+@controller_options
+@click.option(
+    "--noise-from",
+    metavar="LOG",
+    help="Minimise the total error of bias and noise, with the motion and the noise of a log.",
+)
+@click.option(
+    "--noise",
+    multiple=True,
+    metavar="SIGNAL=STD",
+    help="The same with white noise of this standard deviation, SI; of each signal if there is no log.",
+)
+@click.option(
+    "--log-rate", default=4000.0, show_default=True, help="With --noise alone: rate of the log to be, in Hz."
+)
+@click.option(
+    "--held",
+    multiple=True,
+    metavar="SIGNAL",
+    help="With --noise-from: a force that is held from sample to sample, so that it acts half a sample late.",
+)
+@log_options
+@click.option("--plot", metavar="FILE", help="Draw the errors by frequency (png, svg or pdf).")
+@json_option
+def command(axis: str, file: str, json_file: str | None, **options: Any) -> None:
+    """Cutoff frequency and sampling period for AXIS.
+
+    Without noise: the lowest cutoff and the lowest sampling frequency that keep the systematic errors within bounds.
+    The axis is simulated along a chirp of constant velocity through all its modes, or along any other trajectory,
+    and identified from the simulation. With --noise-from or --noise: the cutoff and the decimation of the smallest
+    total error.
+    """
+    declared = load_axis(axis)
+    parameters = parameter_file(file, declared)
+    if options["noise_from"] or options["noise"]:
+        total = _total(axis, declared, parameters, options)
+        record = total_record(total)
+        draw, show = partial(plot_total_tuning, total), partial(print_total_tuning, total)
+    else:
+        found = _bounded(declared, parameters, options)
+        record = tuning_record(found)
+        draw, show = partial(plot_tuning, found), partial(print_tuning, found)
+    if options["plot"]:
+        draw(options["plot"])
+    if json_file:
+        write_json(record, json_file)
+    if json_file != "-":
+        show()
+
+
+def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> Tuning:
+    """By bounds on systematic errors."""
+    simulated = declared if options["keep_jumps"] else without_jumps(declared)
+    controller, trajectory = _run_of(declared, plant_of(simulated, parameters), options)
+    return tune(
+        declared,
+        parameters,
+        signal_list(options["measured"]),
+        trajectory=trajectory,
+        controller=controller,
+        max_lowpass_error=options["max_lowpass_error"],
+        max_sampling_error=options["max_sampling_error"],
+        order=options["order"],
+        keep_jumps=options["keep_jumps"],
+        kind=options["kind"],
+        track=_tracked,
+    )
+
+
+def _total(name: str, declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> TotalTuning:
+    """By the total error, with the motion of a log or along a trajectory."""
+    given = {
+        signal: number(text, f"--noise {signal}")
+        for signal, text in assignments(options["noise"], "--noise").items()
+    }
+    settings = Preparation(order=options["order"])
+    if options["noise_from"]:
+        log = read_log_of(declared, options["noise_from"], options)
+        measured = measured_signals(declared, [log], signal_list(options["measured"]))
+        model, rate = load_generated(name, measured), log.sampling_frequency
+        levels = {**noise_levels(log, model.force, model.measured), **given}
+        settings = replace(settings, late=_late(declared, log.sampling_period, options["held"]))
+        runs = runs_of_log(declared, model, parameters, log, settings.late)
+    else:
+        model, rate, levels = (
+            load_generated(name, signal_list(options["measured"])),
+            options["log_rate"],
+            given,
+        )
+        controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)
+        runs = (exact_run(declared, parameters, trajectory, controller),)
+    return tune_total(declared, model, parameters, runs, rate, levels, preparation=settings, track=_tracked)
+
+
+def _late(declared: Axis, period: float, held: tuple[str, ...]) -> dict[str, float]:
+    """Half a sample for a held force, declared or given."""
+    force = declared.drive.signal
+    unknown = [name for name in held if name != force]
+    if unknown:
+        raise SettingError(f"--held {unknown[0]} is not the force of axis {declared.name!r}: give {force}")
+    return {force: -period / 2} if held or declared.drive.held else {}
+
+
+def _tracked(frequencies: Sequence[float]) -> Iterator[float]:
+    return tracked(frequencies, "errors by frequency")
+
+
+def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
+    """Controller and trajectory; a chirp has constant velocity here, as the velocity loop of the paper gets."""
+    low, high = excited_band(plant) if options["band"] == "modes" else band_of(options["band"])
+    if options["trajectory"] != "chirp" or options["open_loop"]:
+        return run_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
+    limits = {name: options[name] for name in ("travel", "speed", "acceleration")}
+    reference = tuning_chirp(plant, options["rate"], options["seconds"], (low, high), **limits)
+    return cascade_of(axis, plant, options), reference

@@ -1,0 +1,97 @@
+"""Tuning on the total error as a JSON record, as tables, and as the curve of the error against the cutoff."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from rich.table import Table
+
+from symid.report.console import report_console
+from symid.report.plots import MEASURED, MODEL, PLOT_STYLE, figure_path
+from symid.tuning import TotalTuning
+
+
+def total_record(found: TotalTuning) -> dict[str, Any]:
+    """What `symid tune --noise-from LOG --json` writes."""
+    return {
+        "axis": found.axis,
+        "measured": list(found.measured),
+        "status": found.status,
+        "message": found.message,
+        "filter": {
+            "cutoff_hz": found.preparation.cutoff_hz,
+            "order": found.preparation.order,
+            "decimation": found.preparation.decimation,
+        },
+        "noise": dict(found.noise),
+        "sampling_hz": found.sampling_hz,
+        "recommended_sampling_hz": found.recommended_sampling_hz,
+        "total_error_percent": found.total_percent,
+        "decisive": list(found.decisive),
+        "errors_percent": {
+            name: {"systematic": found.systematic[name], "total": total}
+            for name, total in found.total.items()
+        },
+        "curve": {"cutoff_hz": found.cutoffs_hz.tolist(), "total_error_percent": found.totals.tolist()},
+    }
+
+
+def print_total_tuning(found: TotalTuning) -> None:
+    """Print the setting and the errors that it leaves."""
+    console, settings = report_console(), found.preparation
+    console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
+    if found.message:
+        console.print(found.message)
+    noise = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
+    console.print(f"noise (standard deviation, SI): {noise}")
+    console.print(
+        f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}: total error {found.total_percent:.3g} %"
+    )
+    console.print(
+        f"sampling frequency {found.sampling_hz:g} Hz; systematic errors are below half of the total from "
+        f"{found.recommended_sampling_hz:.4g} Hz on"
+    )
+    table = Table("error of", "systematic", "total", box=None)
+    for name, total in found.total.items():
+        decides = "" if name in found.decisive else "lost"
+        table.add_row(name, f"{found.systematic[name]:.3g} %", f"{total:.3g} %", decides)
+    console.print(table)
+
+
+def plot_total_tuning(found: TotalTuning, file: str | Path) -> None:
+    """Draw the total error against the cutoff into a file.
+
+    Parameters
+    ----------
+    found : TotalTuning
+        What `tune_total` returned.
+    file : path-like
+        png, svg or pdf, by its suffix.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is not known.
+    """
+    path = figure_path(file)
+    with mpl.rc_context(PLOT_STYLE):
+        figure = Figure(figsize=(6, 4), layout="constrained")
+        axes = figure.subplots()
+        label = "scan, best decimation"
+        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=MEASURED, linewidth=1, label=label)
+        axes.loglog(
+            found.preparation.cutoff_hz,
+            found.total_percent,
+            "o",
+            color=MODEL,
+            fillstyle="none",
+            markersize=9,
+            label=f"tuned {found.preparation.cutoff_hz:.4g} Hz, decimation {found.preparation.decimation}",
+        )
+        axes.set_xlabel("cutoff frequency [Hz]")
+        axes.set_ylabel("total error, rms over parameters [%]")
+        axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)
+        figure.savefig(path, dpi=150)

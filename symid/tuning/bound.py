@@ -1,0 +1,155 @@
+"""The lowest frequency at which an error meets a bound: a scan, then Nelder-Mead on | error - bound |."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import minimize
+
+from symid.arrays import FloatArray
+
+BoundStatus = Literal["ok", "bound_not_reached", "bound_met_everywhere"]
+Errors = Mapping[str, float]
+"""Relative error of each parameter in percent, with its sign; nan where it is not determined."""
+Track = Callable[[Sequence[float]], Iterable[float]]
+"""Is given the frequencies of a scan and passes them on, to show progress."""
+
+_TOLERANCE = 1e-3
+"""Relative tolerance of the frequency and of the error."""
+_MOST_EVALUATIONS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class BoundSearch:
+    """A frequency chosen so that the largest error meets a bound.
+
+    Parameters
+    ----------
+    frequency_hz : float
+        The chosen frequency.
+    errors : mapping of str to float
+        Error of each parameter there, percent.
+    bound : float
+        Largest error allowed, percent.
+    scanned_hz, scanned_errors : array of shape (n_points,)
+        Frequencies evaluated, rising, and the largest error at each, percent.
+    status : str
+        "ok", "bound_not_reached" (the frequency is that of the smallest error) or "bound_met_everywhere" (it is the
+        lowest one scanned).
+    """
+
+    frequency_hz: float
+    errors: Errors
+    bound: float
+    scanned_hz: FloatArray
+    scanned_errors: FloatArray
+    status: BoundStatus
+
+    @property
+    def largest_error(self) -> float:
+        """Largest error at the chosen frequency, percent."""
+        return largest(self.errors)
+
+
+def largest(errors: Errors) -> float:
+    """Largest magnitude among the errors that are determined; inf if none is.
+
+    Examples
+    --------
+    >>> largest({"M": -2.0, "Fv": 1.0, "Fs": float("nan")})
+    2.0
+    """
+    return max((abs(e) for e in errors.values() if math.isfinite(e)), default=math.inf)
+
+
+def lowest_within(
+    errors_at: Callable[[float], Errors],
+    frequencies: Sequence[float],
+    bound: float,
+    track: Track = iter,
+) -> BoundSearch:
+    """The lowest frequency that meets a bound on the largest error, as [35] and [37] by Nelder-Mead.
+
+    The error is not monotone: it may dip below the bound where errors happen to cancel. The search is therefore
+    bracketed by a scan; the lowest two neighbours that both meet the bound, or the last frequency, count as met, and
+    Nelder-Mead runs in the interval below them.
+
+    Parameters
+    ----------
+    errors_at : callable
+        Errors of the parameters at a frequency (Hz), in percent.
+    frequencies : sequence of float
+        To be scanned, rising.
+    bound : float
+        Largest error allowed, percent.
+    track : callable, optional
+        Shows the progress of the scan.
+
+    Examples
+    --------
+    >>> found = lowest_within(lambda f: {"M": 100 / f}, [1.0, 10.0, 100.0, 1000.0], 0.5)
+    >>> round(found.frequency_hz), found.status
+    (200, 'ok')
+    """
+    seen: dict[float, Errors] = {}
+
+    def error(frequency: float) -> float:
+        if frequency not in seen:
+            seen[frequency] = errors_at(frequency)
+        return largest(seen[frequency])
+
+    scanned = np.array([error(f) for f in track(frequencies)])
+    met = scanned <= bound
+    lasting = met & np.append(met[1:], True)
+    status: BoundStatus = "ok"
+    if not met.any():
+        status, chosen = "bound_not_reached", frequencies[int(np.argmin(scanned))]
+    elif not lasting.any():
+        chosen = frequencies[int(np.argmax(met))]
+    elif lasting[0]:
+        status, chosen = "bound_met_everywhere", frequencies[0]
+    else:
+        first = int(np.argmax(lasting))
+        chosen = _refined(error, frequencies[first - 1], frequencies[first], bound)
+    order = sorted(seen)
+    return BoundSearch(
+        frequency_hz=chosen,
+        errors=seen[chosen],
+        bound=bound,
+        scanned_hz=np.array(order),
+        scanned_errors=np.array([largest(seen[f]) for f in order]),
+        status=status,
+    )
+
+
+def _refined(error: Callable[[float], float], above: float, within: float, bound: float) -> float:
+    """Nelder-Mead on the logarithms of both, from an interval whose ends lie on either side of the bound."""
+
+    def distance(logarithm: FloatArray) -> float:
+        frequency = float(np.exp(np.clip(logarithm[0], math.log(above), math.log(within))))
+        return abs(math.log(min(max(error(frequency), 1e-300), 1e300) / bound))
+
+    # Between two frequencies the error is about a straight line on logarithmic axes: begin where that meets the bound.
+    share = 0.5
+    if math.isfinite(error(above)):
+        share = math.log(error(above) / bound) / math.log(error(above) / max(error(within), 1e-300))
+    guess = math.log(above) + min(max(share, 0.02), 0.98) * math.log(within / above)
+    simplex = np.array([[guess], [guess + 0.02 * math.log(within / above)]])
+    found = minimize(
+        distance,
+        simplex[0],
+        method="Nelder-Mead",
+        options={
+            "initial_simplex": simplex,
+            "xatol": _TOLERANCE,
+            "fatol": _TOLERANCE,
+            "maxfev": _MOST_EVALUATIONS,
+        },
+    )
+    chosen = float(np.exp(np.clip(found.x[0], math.log(above), math.log(within))))
+    # A local minimum away from the bound is no solution; the end of the interval meets the bound.
+    return chosen if error(chosen) <= bound * (1.0 + 10 * _TOLERANCE) else within

@@ -1,0 +1,149 @@
+"""A run of an axis without any imperfection, which can be sampled at any rate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
+
+from symid.arrays import FloatArray
+from symid.axis import Acceleration, Axis, Position
+from symid.data import Log
+from symid.errors import SettingError
+from symid.signals import derivative_name
+from symid.simulation import Controller, Simulation, Trajectory, plant_of, simulate
+
+_PLACE, _PROBE = "place_of_{}", "probe_of_{}"
+"""Signals of the sensors that are added to know every motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExactRun:
+    """Exact motion of every body, and the force, of a noise-free simulation.
+
+    The force of the simulation is held during a controller sample. At the middle of it the force is that of a
+    continuous controller up to (w T)^2 / 24, which the rate of the controller makes small; there it is taken.
+
+    Parameters
+    ----------
+    axis : Axis
+        The axis, its sensors without imperfections.
+    simulation : Simulation
+        As simulated, with sensors of every motion.
+    rows : mapping of str to (array, int)
+        Row over the bodies and order of derivative of each signal.
+    """
+
+    axis: Axis
+    simulation: Simulation
+    rows: Mapping[str, tuple[FloatArray, int]]
+
+    @property
+    def period(self) -> float:
+        """Time between two samples of the controller, s."""
+        return float(self.simulation.time[1] - self.simulation.time[0])
+
+    @property
+    def rate(self) -> float:
+        """Rate of the controller, Hz."""
+        return 1.0 / self.period
+
+    def exact_signals(self, every: int = 1) -> tuple[dict[str, FloatArray], FloatArray]:
+        """Coordinates with their exact derivatives by name, such as ``q_motor_d2``, and the force that caused them.
+
+        Parameters
+        ----------
+        every : int
+            Every so many samples of the controller.
+        """
+        run, kept = self.simulation, slice(1, None, every)
+        n = run.accelerations.shape[1]
+        motion = {}
+        for body in self.axis.free_bodies:
+            row, _ = self.rows[_PLACE.format(body.name)]
+            exact = (run.states[:, :n], run.states[:, n:], run.accelerations)
+            for order, values in enumerate(exact):
+                motion[derivative_name(f"q_{body.name}", order)] = values[kept] @ row
+        return motion, run.forces[:-1][kept.start - 1 :: every]
+
+    def log(self, frequency_hz: float, signals: Sequence[str] | None = None) -> Log:
+        """Log sampled at any rate, all signals at the time of the sample.
+
+        Parameters
+        ----------
+        frequency_hz : float
+            Samples per second.
+        signals : sequence of str, optional
+            Sensors to record; all of the axis by default.
+        """
+        names = signals or [sensor.signal for sensor in self.axis.sensors]
+        count = int((self.simulation.time.size - 1) * self.period * frequency_hz * (1 + 1e-12)) + 1
+        if count < 2:
+            raise SettingError(f"{frequency_hz:g} Hz leaves {count} samples of the run: choose a higher rate")
+        time = self.simulation.time[0] + np.arange(count) / frequency_hz
+        sampled = {name: self._interpolants[name](time) for name in names}
+        sampled[self.axis.drive.signal] = self._interpolants[self.axis.drive.signal](time)
+        return Log.from_arrays(
+            sampled, sampling_period=1.0 / frequency_hz, start=time[0], source=f"simulated {self.axis.name}"
+        )
+
+    @cached_property
+    def _interpolants(self) -> dict[str, PPoly]:
+        """Cubics through exact values and slopes of positions; means of acceleration and force between samples."""
+        run = self.simulation
+        n, middle = run.accelerations.shape[1], run.time[:-1] + 0.5 * self.period
+        found: dict[str, PPoly] = {self.axis.drive.signal: CubicSpline(middle, run.forces[:-1])}
+        for sensor in self.axis.sensors:
+            row, order = self.rows[sensor.signal]
+            place, speed = run.states[:, :n] @ row, run.states[:, n:] @ row
+            if order == 2:
+                found[sensor.signal] = CubicSpline(middle, np.diff(speed) / self.period)
+            else:
+                whole = CubicHermiteSpline(run.time, place, speed)
+                found[sensor.signal] = whole.derivative() if order else whole
+        return found
+
+
+def exact_run(
+    axis: Axis, parameters: Mapping[str, float], trajectory: Trajectory, controller: Controller
+) -> ExactRun:
+    """Simulate an axis without noise, resolution or delay of its signals.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    parameters : mapping of str to float
+        Values of its physical parameters, SI.
+    trajectory : Trajectory
+        Reference; its rate, that of the controller, should be far above the motion's frequencies.
+    controller : Controller
+        Reads sensors of the axis.
+
+    Raises
+    ------
+    SettingError
+        As `simulate`.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.simulation import chirp, plant_of, tuned_cascade
+    >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
+    >>> reference = chirp(0.5, 3.0, 1.0, 0.01, sampling_period=1e-3)
+    >>> run = exact_run(axis, values, reference, tuned_cascade(plant_of(axis, values), "q"))
+    >>> run.log(333.3).sampling_frequency
+    333.3
+    """
+    perfect = axis.with_signal(axis.drive.signal, noise=0.0)
+    for sensor in axis.sensors:
+        perfect = perfect.with_signal(sensor.signal, noise=0.0)
+    bodies = axis.free_bodies
+    probes = tuple(Position(_PLACE.format(body.name), body) for body in bodies)
+    accelerometer = Acceleration(_PROBE.format(bodies[0].name), bodies[0])
+    probed = replace(perfect, sensors=(*perfect.sensors, *probes, accelerometer))
+    run = simulate(probed, parameters, trajectory, controller)
+    return ExactRun(perfect, run, plant_of(probed, parameters).sensors)

@@ -1,0 +1,212 @@
+"""Tuning on the total error from a log alone: its noise, its motion, and parameters identified from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from symid.arrays import FloatArray
+from symid.axis import Axis, Spring
+from symid.codegen import GeneratedModel
+from symid.data import Log, LowPass
+from symid.errors import SettingError
+from symid.identification import Preparation, identify
+from symid.identification.settings import coherent_band, completed
+from symid.simulation import Cascade, Command, Controller, Trajectory, plant_of, tuned_cascade
+from symid.tuning.exact_run import ExactRun, exact_run
+from symid.tuning.noise import noise_levels
+from symid.tuning.total import TotalTuning, tune_total
+
+_LEAST_RATE = 8000.0
+"""Rate of the simulated controller at least, Hz."""
+_BEYOND_COHERENCE = 1.5
+_HIGHEST_SHARE = 0.4
+_LEAST_FRICTION = 1e-9
+_BANDWIDTHS = (10.0, 20.0, 40.0)
+_ROUGH_DRAWS = 3
+
+
+@dataclass(frozen=True)
+class Replay(Controller):
+    """A recorded force, and a cascade that keeps the axis to the recorded position against small differences.
+
+    Parameters
+    ----------
+    forces : array of shape (n_samples,)
+        Recorded force at each sample of the controller.
+    cascade : Cascade
+        Adds its own.
+    """
+
+    forces: FloatArray
+    cascade: Cascade
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """The controlled position."""
+        return self.cascade.signals
+
+    @property
+    def start(self) -> FloatArray:
+        """State of the cascade."""
+        return self.cascade.start
+
+    def force(
+        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
+    ) -> tuple[float, FloatArray]:
+        """Recorded force and that of the cascade."""
+        added, state = self.cascade.force(command, measured, state, period)
+        return float(self.forces[command.index]) + added, state
+
+
+def run_of_log(
+    axis: Axis,
+    model: GeneratedModel,
+    parameters: Mapping[str, float],
+    log: Log,
+    late: Mapping[str, float] | None = None,
+    bandwidth_hz: float = 20.0,
+) -> ExactRun:
+    """Simulate an axis without noise so that it moves as in a log.
+
+    The recorded force drives it, and a slow cascade keeps it to the recorded position. Nothing need be known of the
+    controller of the log, and the motion is excited at the frequencies at which it was. Both signals are low-passed
+    at 1.5 times the band in which they are coherent, so that their noise does not move the axis.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    model : GeneratedModel
+        Its model for the sensors of the log.
+    parameters : mapping of str to float
+        Values of its physical parameters, SI.
+    log : Log
+        Holds the force and the first position sensor.
+    late : mapping of str to float, optional
+        Seconds by which signals were recorded late, as in `Preparation`.
+    bandwidth_hz : float
+        Bandwidth of the cascade's velocity loop.
+
+    Raises
+    ------
+    SettingError, LogError
+        If the axis runs away, or the log lacks a signal.
+    """
+    plant = plant_of(axis, parameters)
+    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
+    rate = log.sampling_frequency
+    low_pass = LowPass(min(_BEYOND_COHERENCE * coherent_band(log, model), _HIGHEST_SHARE * rate))
+    finer = math.ceil(_LEAST_RATE / rate)
+    period, samples = log.sampling_period / finer, log.sampling_period * np.arange(log.n_samples)
+    time = period * np.arange((log.n_samples - 1) * finer + 1)
+    delays = late or {}
+    position, force = (
+        CubicSpline(samples, low_pass.apply(log[name], rate)) for name in (signal, model.force)
+    )
+    at = time + delays.get(signal, 0.0)
+    reference = Trajectory(
+        position(at) - position(at[0]), position(at, 1), position(at, 2), period, log.source, log.start
+    )
+    # A force that is held acts as at the middle of its hold.
+    forces = force(time + delays.get(model.force, 0.0) + 0.5 * period)
+    cascade = tuned_cascade(plant, signal, bandwidth_hz)
+    return exact_run(axis, parameters, reference, Replay(forces, cascade))
+
+
+def runs_of_log(
+    axis: Axis,
+    model: GeneratedModel,
+    parameters: Mapping[str, float],
+    log: Log,
+    late: Mapping[str, float] | None = None,
+) -> tuple[ExactRun, ...]:
+    """The run of a log three times over, with cascades of 10, 20 and 40 Hz."""
+    return tuple(run_of_log(axis, model, parameters, log, late, bandwidth) for bandwidth in _BANDWIDTHS)
+
+
+def identified_and_tuned(
+    axis: Axis,
+    model: GeneratedModel,
+    log: Log,
+    *,
+    preparation: Preparation | None = None,
+    rounds: int = 2,
+    draws: int = 12,
+) -> TotalTuning:
+    """Tune on the total error with parameters identified from the log itself.
+
+    The parameters come from the automatic settings first, then from the tuned ones.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    model : GeneratedModel
+        Its model for the sensors of the log.
+    log : Log
+        A run of the axis.
+    preparation : Preparation, optional
+        Settings other than cutoff and decimation.
+    rounds : int
+        How often parameters are identified and the settings tuned.
+    draws : int
+        Draws of noise in the last round.
+
+    Raises
+    ------
+    SettingError
+        If no cutoff gives parameters that an axis can have.
+    """
+    base = preparation or Preparation()
+    noise = noise_levels(log, model.force, model.measured)
+    settings, tuned = base, None
+    for last in [False] * (rounds - 1) + [True]:
+        parameters = plausible_parameters(axis, model, log, settings)
+        runs = runs_of_log(axis, model, parameters, log, base.late)
+        tuned = tune_total(
+            axis,
+            model,
+            parameters,
+            runs,
+            log.sampling_frequency,
+            noise,
+            preparation=base,
+            draws=draws if last else _ROUGH_DRAWS,
+        )
+        settings = tuned.preparation
+    assert tuned is not None
+    return tuned
+
+
+def plausible_parameters(
+    axis: Axis, model: GeneratedModel, log: Log, settings: Preparation
+) -> dict[str, float]:
+    """Physical parameters of a log, from the settings or else from nearby cutoffs, none negative that must not be.
+
+    Frictions and dampings that come out negative are taken as small; masses and springs must be positive.
+    """
+    first = completed(settings, log, model).cutoff_hz
+    assert first is not None
+    for factor in (1.0, 0.7, 1.4, 0.5, 2.0, 0.3, 3.0):
+        cutoff = min(first * factor, 0.4 * log.sampling_frequency)
+        decimation = settings.decimation if factor == 1.0 else None
+        found = identify(model, log, preparation=replace(settings, cutoff_hz=cutoff, decimation=decimation))
+        parameters = found.physical_parameters
+        if parameters and all(parameters[name] > 0.0 for name in _inertias_and_springs(axis)):
+            return {
+                name: value if name in model.signed else max(value, _LEAST_FRICTION)
+                for name, value in parameters.items()
+            }
+    raise SettingError(
+        f"{log.source}: no cutoff gives positive masses and springs for axis {axis.name!r}: give --parameters"
+    )
+
+
+def _inertias_and_springs(axis: Axis) -> list[str]:
+    springs = [element.stiffness for element in axis.elements if isinstance(element, Spring)]
+    return [body.mass or body.inertia or "" for body in axis.bodies] + springs

@@ -1,0 +1,100 @@
+"""Errors that the low-pass filter alone makes: exact derivatives in the standard model, as in [35]."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from symid.arrays import BoolArray, FloatArray
+from symid.data import LowPass
+from symid.estimation import estimate, triangular_factors
+from symid.tuning.exact_run import ExactRun
+from symid.tuning.standard import StandardModel
+
+_LOWEST_SHARE, _HIGHEST_SHARE = 1 / 2000, 0.4
+"""Cutoffs scanned, as shares of the sampling frequency."""
+_STANDSTILL_SHARE = 0.01
+_EDGE_PERIODS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class LowPassErrors:
+    """Relative errors of the physical parameters by cutoff frequency.
+
+    Parameters
+    ----------
+    model : StandardModel
+        The standard model [5].
+    run : ExactRun
+        Where its signals come from.
+    parameters : mapping of str to float
+        True values.
+    sampling_hz : float
+        Sampling frequency of the data, about which the nearest that the run's rate is a multiple of is used.
+    order : int
+        Order of one pass of the filter.
+    filter_force : bool
+        Whether the force, and with it the values of nonlinear laws, pass the filter too.
+    """
+
+    model: StandardModel
+    run: ExactRun
+    parameters: Mapping[str, float]
+    sampling_hz: float
+    order: int
+    filter_force: bool
+
+    @property
+    def _every(self) -> int:
+        return max(1, round(self.run.rate / self.sampling_hz))
+
+    @property
+    def rate(self) -> float:
+        """Sampling frequency in use, Hz."""
+        return self.run.rate / self._every
+
+    @cached_property
+    def _exact(self) -> tuple[dict[str, FloatArray], FloatArray]:
+        return self.run.exact_signals(self._every)
+
+    def scan(self, points: int) -> list[float]:
+        """Cutoff frequencies to be scanned, Hz, from that which trims a quarter of the data."""
+        duration = self._exact[1].size / self.rate
+        lowest = max(_LOWEST_SHARE * self.rate, 8 * _EDGE_PERIODS / duration)
+        return [float(f) for f in np.geomspace(lowest, _HIGHEST_SHARE * self.rate, points)]
+
+    def errors(self, cutoff_hz: float) -> dict[str, float]:
+        """Error of each physical parameter in percent; nan where its true value is 0 or the motion says nothing."""
+        motion, force = self._exact
+        low_pass = LowPass(cutoff_hz, self.order)
+        filtered = {name: low_pass.apply(values, self.rate) for name, values in motion.items()}
+        W, y = self.model.sample(filtered, low_pass.apply(force, self.rate) if self.filter_force else force)
+        if self.filter_force:
+            for equation, column in self.model.law_columns:
+                W[equation, :, column] = low_pass.apply(W[equation, :, column], self.rate)
+        kept = self._kept(filtered, cutoff_hz)
+        fit = estimate(triangular_factors(W[:, kept], y[:, kept]), "ols")
+        found = zip(self.model.parameters, map(float, fit.parameters), strict=True)
+        return {
+            name: 100.0 * (value / self.parameters[name] - 1.0) if self.parameters[name] else math.nan
+            for name, value in found
+            if name not in self.model.per_log
+        }
+
+    def _kept(self, filtered: Mapping[str, FloatArray], cutoff_hz: float) -> BoolArray:
+        """Rows away from the ends, and from the zeros of velocities at which a law jumps."""
+        n_samples = self._exact[1].size
+        kept = np.ones(n_samples, dtype=bool)
+        edge = math.ceil(_EDGE_PERIODS * self.rate / cutoff_hz)
+        kept[:edge] = kept[n_samples - edge :] = False
+        margin = math.ceil(0.5 * self.rate / cutoff_hz)
+        for velocity in self.model.sliding(filtered):
+            slow = np.abs(velocity) < _STANDSTILL_SHARE * np.abs(velocity).max()
+            slow[1:] |= np.signbit(velocity[1:]) != np.signbit(velocity[:-1])
+            kept &= ~maximum_filter1d(slow, 2 * margin + 1)
+        return kept

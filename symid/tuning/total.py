@@ -1,0 +1,337 @@
+"""`tune_total`: cutoff and decimation with the smallest total error of the parameters, of bias and noise together.
+
+A bound on the systematic error alone asks for a high cutoff, and lets the noise in. Here the axis is simulated once
+without noise, the noise of the log is added to it several times over, and each setting is judged by the mean square
+error of the parameters that `identify` finds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import cycle
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import minimize
+
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.errors import SettingError
+from symid.estimation import estimate, triangular_factors
+from symid.identification import PhysicalEstimate, Preparation, observe, physical_estimates
+from symid.tuning.bound import Track
+from symid.tuning.exact_run import ExactRun
+from symid.tuning.noise import with_noise
+
+TotalStatus = Literal["ok", "not_determined"]
+
+_CUTOFFS = 32
+_SCAN_DRAWS = 3
+"""Draws of noise in the scan."""
+_CANDIDATES = 10
+"""Settings of the scan that are judged by all draws."""
+_MOST_EVALUATIONS = 8
+_LOST = 1.0
+"""A relative error from which on a parameter is lost: larger ones count as this."""
+_HOPELESS = 0.8
+"""A parameter whose error exceeds this at every cutoff does not decide."""
+
+
+@dataclass(frozen=True, eq=False)
+class TotalErrors:
+    """Errors of the parameters from noise-free data to which noise is added.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Model of the sensors.
+    runs : tuple of Log
+        Noise-free data of one or several simulations of the same motion.
+    noise : mapping of str to float
+        Standard deviation of each signal's noise.
+    parameters : mapping of str to float
+        True physical parameters.
+    draws : int
+        How many times noise is drawn, for one run after the other; all settings see the same noise.
+    """
+
+    model: GeneratedModel
+    runs: tuple[Log, ...]
+    noise: Mapping[str, float]
+    parameters: Mapping[str, float]
+    draws: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Physical parameters that have a relative error."""
+        return tuple(name for name in self.model.physical_units if self.parameters[name])
+
+    @cached_property
+    def noisy(self) -> tuple[Log, ...]:
+        """Logs with noise."""
+        pairs = zip(cycle(self.runs), range(self.draws), strict=False)
+        return tuple(with_noise(log, self.noise, seed) for log, seed in pairs)
+
+    @property
+    def clean(self) -> Log:
+        """Noise-free data of the first run."""
+        return self.runs[0]
+
+    def relative(self, log: Log, settings: Preparation) -> FloatArray:
+        """Relative error of each parameter of a log, at most 1 in magnitude, which counts as lost."""
+        seen = observe(self.model, log, settings)
+        fit = estimate(triangular_factors(seen.W, seen.y, seen.valid))
+        found: tuple[PhysicalEstimate, ...] = ()
+        if fit.status == "ok":
+            found = physical_estimates(self.model, fit.parameters, fit.covariance, self.parameters)
+        if not found:
+            return np.full(len(self.names), _LOST)
+        values = dict(zip(self.model.physical_units, found[0].parameters, strict=True))
+        errors = np.array([values[name] / self.parameters[name] - 1.0 for name in self.names])
+        return np.asarray(np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST), dtype=np.float64)
+
+    def rms(self, settings: Preparation) -> FloatArray:
+        """Root mean square error of each parameter over the draws, bias included."""
+        return self._over(self.noisy, settings)
+
+    def estimate_of_rms(self, settings: Preparation) -> FloatArray:
+        """The same from the first three draws."""
+        return self._over(self.noisy[:_SCAN_DRAWS], settings)
+
+    def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:
+        errors = np.array([self.relative(log, settings) for log in logs], dtype=np.float64)
+        squares: FloatArray = np.square(errors).mean(axis=0)
+        return np.asarray(np.sqrt(squares), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class TotalTuning:
+    """Settings with the smallest total error.
+
+    Parameters
+    ----------
+    axis : str
+        Name of the axis.
+    measured : tuple of str
+        Signals of the sensors.
+    sampling_hz : float
+        Sampling frequency of the log.
+    preparation : Preparation
+        For `identify` of that log.
+    noise : mapping of str to float
+        Standard deviation of each signal's noise, SI.
+    systematic, total : mapping of str to float
+        Error of each parameter without noise, with its sign, and root mean square error with noise, percent.
+    decisive : tuple of str
+        Parameters that decided: not lost (beyond 80 %) at every cutoff.
+    cutoffs_hz, totals : array of shape (n_points,)
+        Cutoffs of the scan, and the root mean square of the total errors of the decisive parameters with the best
+        decimation, percent, from three draws.
+    recommended_sampling_hz : float
+        Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total error;
+        nan if there is none up to eight times that of the log.
+    status : str
+        "ok", or "not_determined" where a parameter is lost.
+    message : str
+        What the status means here; empty if all is well.
+    """
+
+    axis: str
+    measured: tuple[str, ...]
+    sampling_hz: float
+    preparation: Preparation
+    noise: Mapping[str, float]
+    systematic: Mapping[str, float]
+    total: Mapping[str, float]
+    decisive: tuple[str, ...]
+    cutoffs_hz: FloatArray
+    totals: FloatArray
+    recommended_sampling_hz: float
+    status: TotalStatus
+    message: str
+
+    @property
+    def total_percent(self) -> float:
+        """Root mean square of the total errors of the decisive parameters, percent."""
+        return _together([self.total[name] for name in self.decisive])
+
+
+def tune_total(
+    axis: Axis,
+    model: GeneratedModel,
+    parameters: Mapping[str, float],
+    runs: Sequence[ExactRun],
+    sampling_hz: float,
+    noise: Mapping[str, float],
+    *,
+    preparation: Preparation | None = None,
+    draws: int = 12,
+    track: Track = iter,
+) -> TotalTuning:
+    """Cutoff and decimation that minimise the total error of the physical parameters.
+
+    The measure is the root mean square, over parameters and draws of noise, of relative errors; those beyond 100 %
+    count as 100 %, and parameters lost at every cutoff do not count. A scan over cutoffs and decimations (1, and half,
+    once and twice the usual one) with three draws is followed by all draws for its ten best settings, and by
+    Nelder-Mead on the cutoff of the best.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    model : GeneratedModel
+        Its model for the sensors.
+    parameters : mapping of str to float
+        Physical parameters with which the run was simulated, SI.
+    runs : sequence of ExactRun
+        Noise-free runs of the axis along the trajectory of the log. Errors at the reversals of friction hang on the
+        last detail of a motion; several runs that differ in it keep them from being mistaken for an optimum.
+    sampling_hz : float
+        Sampling frequency of the log.
+    noise : mapping of str to float
+        Standard deviation of the noise of each signal, as `noise_levels` reads from a log.
+    preparation : Preparation, optional
+        Settings other than cutoff and decimation.
+    draws : int
+        Draws of noise.
+    track : callable, optional
+        Is given the cutoffs of the scan and passes them on, to show progress.
+
+    Raises
+    ------
+    SettingError
+        If a signal's noise is not given, or negative.
+
+    Examples
+    --------
+    >>> from symid import load_axis, load_generated
+    >>> from symid.simulation import chirp, plant_of, tuned_cascade
+    >>> from symid.tuning import exact_run
+    >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 30.0, "Fs": 4.0}
+    >>> reference = chirp(0.5, 10.0, 2.0, 0.05, sampling_period=5e-4, quantity="velocity")
+    >>> run = exact_run(axis, values, reference, tuned_cascade(plant_of(axis, values), "q"))
+    >>> tuned = tune_total(axis, load_generated(axis), values, [run], 1000.0, {"q": 1e-7, "F": 1.0}, draws=4)
+    >>> tuned.status, 10 < tuned.preparation.cutoff_hz < 400
+    ('ok', True)
+    """
+    levels = _checked(model, noise)
+    logs = tuple(run.log(sampling_hz, model.measured) for run in runs)
+    errors = TotalErrors(model, logs, levels, parameters, draws)
+    base = preparation or Preparation()
+    # The noise-free run is free of what a log may record late.
+    plain = replace(base, late={})
+    scan = _scan(errors, plain, track)
+    decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
+    counted = decisive if decisive.any() else np.ones_like(decisive)
+    ranked = sorted(scan, key=lambda entry: _together(entry[1][counted]))
+    candidates = [settings for settings, _ in ranked[:_CANDIDATES]]
+    judged = [_together(errors.rms(settings)[counted]) for settings in candidates]
+    settings = _refined(errors, candidates[int(np.argmin(judged))], min(judged), counted)
+    total = errors.rms(settings)
+    lost = [name for name, kept in zip(errors.names, decisive & (total < _HOPELESS), strict=True) if not kept]
+    cutoffs = np.unique([setting.cutoff_hz for setting, _ in scan])
+    best = [min(_together(rms[counted]) for s, rms in scan if s.cutoff_hz == cutoff) for cutoff in cutoffs]
+    return TotalTuning(
+        axis=axis.name,
+        measured=model.measured,
+        sampling_hz=sampling_hz,
+        preparation=replace(settings, late=base.late),
+        noise=levels,
+        systematic=_percent(errors.names, errors.relative(errors.clean, settings)),
+        total=_percent(errors.names, total),
+        decisive=tuple(name for name, counts in zip(errors.names, counted, strict=True) if counts),
+        cutoffs_hz=cutoffs,
+        totals=100.0 * np.array(best),
+        recommended_sampling_hz=_recommended(
+            errors, runs[0], settings, 0.5 * _together(total[counted]), counted
+        ),
+        status="not_determined" if lost else "ok",
+        message=f"errors beyond 80 %, lost in noise or bias: {', '.join(lost)}" if lost else "",
+    )
+
+
+def _scan(errors: TotalErrors, plain: Preparation, track: Track) -> list[tuple[Preparation, FloatArray]]:
+    """Rough errors of the parameters over cutoffs and decimations."""
+    found = []
+    for cutoff in track([float(f) for f in _cutoffs(errors.clean)]):
+        for factor in _decimations(errors.clean, cutoff):
+            settings = replace(plain, cutoff_hz=cutoff, decimation=factor)
+            found.append((settings, errors.estimate_of_rms(settings)))
+    return found
+
+
+def _checked(model: GeneratedModel, noise: Mapping[str, float]) -> dict[str, float]:
+    needed = tuple(model.highest_derivatives)
+    for name in needed:
+        if name not in noise or not (math.isfinite(noise[name]) and noise[name] >= 0.0):
+            raise SettingError(
+                f"noise of {name} is {noise.get(name, 'not given')}: give a standard deviation of 0 or more for each "
+                f"of {', '.join(needed)}"
+            )
+    return {name: noise[name] for name in needed}
+
+
+def _cutoffs(clean: Log) -> FloatArray:
+    """Cutoffs scanned: from what trims a quarter of the data to 0.4 of the sampling frequency."""
+    duration = clean.n_samples * clean.sampling_period
+    highest = 0.4 * clean.sampling_frequency
+    return np.geomspace(min(max(24.0 / duration, highest / 200), highest / 2), highest, _CUTOFFS)
+
+
+def _decimations(clean: Log, cutoff: float) -> tuple[int, ...]:
+    usual = max(1, int(0.4 * clean.sampling_frequency / cutoff))
+    return tuple(sorted({1, max(1, usual // 2), usual, 2 * usual}))
+
+
+def _refined(errors: TotalErrors, start: Preparation, known: float, counted: FloatArray) -> Preparation:
+    """The best setting of the scan with its cutoff refined by Nelder-Mead as far as the next cutoffs of the scan."""
+    assert start.cutoff_hz is not None
+    cutoffs = _cutoffs(errors.clean)
+    span = math.log(cutoffs[1] / cutoffs[0])
+    seen = {start.cutoff_hz: known}
+
+    def total(offset: FloatArray) -> float:
+        cutoff = _moved(start.cutoff_hz, float(np.clip(offset[0], -span, span)), cutoffs[-1])
+        if cutoff not in seen:
+            seen[cutoff] = _together(errors.rms(replace(start, cutoff_hz=cutoff))[counted])
+        return seen[cutoff]
+
+    minimize(
+        total,
+        np.zeros(1),
+        method="Nelder-Mead",
+        options={"initial_simplex": [[0.0], [0.5 * span]], "maxfev": _MOST_EVALUATIONS},
+    )
+    return replace(start, cutoff_hz=min(seen, key=seen.__getitem__))
+
+
+def _moved(cutoff: float | None, by: float, highest: float) -> float:
+    assert cutoff is not None
+    return min(cutoff * math.exp(by), highest)
+
+
+def _recommended(
+    errors: TotalErrors, run: ExactRun, settings: Preparation, allowed: float, counted: FloatArray
+) -> float:
+    """Lowest sampling frequency at which noise-free errors are below half of the total ones."""
+    assert settings.cutoff_hz is not None
+    rates = np.geomspace(2.5 * settings.cutoff_hz, 8 * errors.clean.sampling_frequency, 12)
+    plain = replace(settings, decimation=None)
+    for rate in map(float, rates):
+        systematic = errors.relative(run.log(rate, errors.model.measured), plain)
+        if _together(systematic[counted]) <= allowed:
+            return rate
+    return math.nan
+
+
+def _together(errors: Sequence[float] | FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.square(errors))))
+
+
+def _percent(names: Sequence[str], errors: FloatArray) -> dict[str, float]:
+    return {name: 100.0 * float(error) for name, error in zip(names, errors, strict=True)}

@@ -1,0 +1,114 @@
+"""`symid tune` for every shipped axis, its two ways, and its mistakes."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from symid.axis import axis_names, load_axis
+from symid.cli import main
+
+VALUES = {
+    "rigid_1m": {"M": 100, "Fv": 80, "Fs": 40},
+    "direct_2m1s": {"Ms": 1700, "Fvs": 24000, "Ks": 1.3e8, "Mm": 460, "Fvm": 104, "Fsm": 98},
+    "ballscrew_2m1s": {"Mm": 80, "Fvm": 120, "Fsm": 50, "Kt": 6e6, "Ft": 700, "Ml": 200, "Fvl": 150},
+    "direct_3m2s": {
+        "Ms": 3899, "Fvs": 3949, "Ks": 1e9, "Mm": 362, "Fvm": 88, "Fsm": 146, "Kl": 4e7, "Fl": 900, "Ml": 60,
+    },
+    "emps": {"M": 95, "Fv": 203, "Fc": 20, "OF": -3},
+    "emps_asymmetric": {"M": 95, "Fvp": 166, "Fcp": 20, "Fvn": 240, "Fcn": 21},
+    "motor_bench": {"Jm": 0.0049, "Fvm": 0.02, "Kt": 555, "Ft": 0.009, "Pt": 0, "Jl": 0.0049, "Fvl": 0.1},
+}  # fmt: skip
+STATUSES = {"ok", "bound_not_reached", "bound_met_everywhere", "not_determined"}
+
+
+def run(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as stop:
+        main(list(arguments))
+    return int(stop.value.code or 0)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, values in VALUES.items():
+        Path(f"{name}.json").write_text(json.dumps(values))
+    return tmp_path
+
+
+def tuned(axis: str, *options: str) -> dict:
+    parameters = ["--parameters", f"{axis}.json", "--json", "tuned.json"]
+    assert run("tune", axis, *parameters, *options) == 0
+    return json.loads(Path("tuned.json").read_text())
+
+
+@pytest.mark.parametrize("axis", axis_names())
+def test_every_shipped_axis_is_tuned(folder: Path, axis: str) -> None:
+    found = tuned(axis, "--seconds", "4", "--rate", "10000")
+    assert found["status"] == "ok", found["message"]
+    assert found["cutoff"]["largest_error_percent"] == pytest.approx(0.01, rel=0.02)
+    assert found["sampling"]["largest_error_percent"] <= 1.02
+    assert found["sampling_hz"] > 2 * found["filter"]["cutoff_hz"]
+    named = set(found["sampling"]["errors_percent"]) | set(found["left_out"])
+    assert named >= load_axis(axis).physical_parameters.keys() - {"Pt"}
+
+
+def test_table_and_figure(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tuned("rigid_1m", "--seconds", "4", "--rate", "5000", "--plot", "tuning.png")
+    printed = capsys.readouterr().out
+    assert "sampling frequency [37]" in printed
+    assert "without what jumps at standstill: Fs" in printed
+    assert (folder / "tuning.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_trapezoids_and_acceleration_sensor(folder: Path) -> None:
+    options = (
+        "--trajectory",
+        "trapezoids",
+        "--measured",
+        "q2,ddq1",
+        "--rate",
+        "10000",
+        "--max-sampling-error",
+        "5",
+    )
+    found = tuned("direct_2m1s", *options)
+    assert found["measured"] == ["q2", "ddq1"]
+    assert found["status"] in STATUSES
+
+
+def test_total_error_from_a_log_and_from_given_noise(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "-o", "run.csv", "--rate", "1000"]
+    noise = ["--noise", "q=1e-7", "--noise", "F=2"]
+    assert run(*simulated, *noise, "--travel", "0.05", "--dwell", "0.05") == 0
+    found = tuned("rigid_1m", "--noise-from", "run.csv", "--held", "F", "--plot", "total.png")
+    assert found["noise"]["F"] == pytest.approx(2.0, rel=0.5)
+    assert found["status"] == "ok"
+    assert 0 < found["total_error_percent"] < 2
+    assert found["errors_percent"]["M"].keys() == {"systematic", "total"}
+    assert (folder / "total.png").is_file()
+    assert "decimation" in capsys.readouterr().out
+    given = tuned("rigid_1m", *noise, "--log-rate", "1000", "--seconds", "4", "--rate", "4000")
+    assert given["noise"] == {"F": 2.0, "q": 1e-7}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--max-sampling-error", "0"], "give a positive number of percent"),
+        (["--noise", "q=1e-7"], "noise of F is not given"),
+        (["--measured", "nothing"], "no sensor 'nothing'"),
+        (["--plot", "tuning.bmp", "--seconds", "2", "--rate", "2000"], "of no known kind"),
+        (["--band", "5"], "is not LOW,HIGH"),
+    ],
+)
+def test_mistakes_are_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], options: list[str], said: str
+) -> None:
+    arguments = ["tune", "rigid_1m", "--parameters", "rigid_1m.json", "--rate", "2000", "--seconds", "2"]
+    assert run(*arguments, *options) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
