@@ -32,8 +32,8 @@ from scipy import linalg, stats
 import symid
 from symid.codegen import GeneratedModel
 from symid.identification import Identification
-from symid.instrumental import ClosedLoop, identify_by_instruments
-from symid.simulation import multisine, plant_of, simulate, tuned_cascade
+from symid.instrumental import identify_by_instruments
+from symid.simulation import ClosedLoop, multisine, plant_of, simulate, tuned_cascade
 
 FloatArray = NDArray[np.float64]
 ENGINE_RATE = 4000.0

@@ -39,8 +39,8 @@ from symid.identification import (
 from symid.report.identification import identification_record, print_identification
 
 if TYPE_CHECKING:
-    from symid.instrumental import ClosedLoop
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
+    from symid.simulation import ClosedLoop
 
 log_options = shared(
     click.option(
@@ -182,6 +182,7 @@ def _by_output_error(
             model,
             runs,
             held=True if declared.drive.signal in options["held"] else None,
+            loop=_closed_loop(declared, options) if options["gains"] else None,
             preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
             nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
         )
@@ -214,8 +215,7 @@ def _identified(
 
 def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
     """The axis under the controller that the options describe, if they do."""
-    from symid.instrumental import ClosedLoop
-    from symid.simulation import Cascade
+    from symid.simulation import Cascade, ClosedLoop
 
     loop, gains = ClosedLoop(declared, rate_hz=options["rate"]), cascade_gains(options["gains"])
     if not gains:

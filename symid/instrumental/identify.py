@@ -18,7 +18,7 @@ from symid.errors import SettingError
 from symid.identification import Identification, Preparation, distrusted, found_from, identify, observe
 from symid.instrumental.controller import cascade_of_log
 from symid.instrumental.estimate import InstrumentalFit, estimate_by_instruments
-from symid.instrumental.loop import ClosedLoop
+from symid.simulation import ClosedLoop
 
 _MOST_ROUNDS = 4
 _SETTLED = 0.05
@@ -70,7 +70,7 @@ def identify_by_instruments(
     --------
     >>> from symid.axis import load_axis
     >>> from symid.codegen import load_generated
-    >>> from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+    >>> from symid.simulation import ClosedLoop, chirp, plant_of, simulate, tuned_cascade
     >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
     >>> reference = chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3)
     >>> noisy = axis.with_signal("q", noise=1e-5)

@@ -7,6 +7,7 @@ a mode above it has an alias below that fits a sampled log as well.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -21,13 +22,12 @@ from symid.estimation import (
     triangular_factors,
 )
 from symid.identification.physical import jacobian
-from symid.output_error.prediction_error import PredictionError
-from symid.output_error.run import Run
-from symid.output_error.search import Search
+from symid.output_error.modes import highest_mode
+from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics
 
-_TRIAL_ITERATIONS = 12
-_TRIAL_SAMPLES = 6000
+_TRIALS = ((2, 4), (6, 2), (15, 1))
+"""Iterations of each round of trials, and how many go on after it."""
 _PASSES = 3
 """Times that unmeasured motion and timing are brought up to date."""
 
@@ -62,30 +62,12 @@ class Fit:
         return error.noise(search.parameters, search.nuisance[0])
 
 
-def natural_frequencies(dynamics: ForwardDynamics, parameters: Mapping[str, float]) -> list[float]:
-    """Undamped natural frequencies in Hz, without the rigid motions.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis
-    >>> from symid.simulation import forward_dynamics
-    >>> paper = {"Ms": 3899.0, "Fvs": 0.0, "Ks": 1e9, "Mm": 362.58, "Fvm": 0.0, "Fsm": 0.0}
-    >>> [round(f, 1) for f in natural_frequencies(forward_dynamics(load_axis("direct_2m1s")), paper)]
-    [80.6]
-    """
-    plant = dynamics.at(parameters)
-    squares = np.linalg.eigvals(np.linalg.solve(plant.mass, plant.stiffness)).real
-    floor = 1e-9 * max(squares.max(initial=0.0), 1e-12)
-    return sorted(float(np.sqrt(w) / (2 * np.pi)) for w in squares if w > floor)
-
-
-def fit_runs(
+def fit_errors(
     model: GeneratedModel,
     dynamics: ForwardDynamics,
-    runs: Sequence[Run],
+    errors: Sequence[RunError],
     starts: Sequence[Mapping[str, float]],
-    *,
-    free_timing: bool = False,
+    nyquist: float,
 ) -> Fit:
     """Maximum-likelihood parameters of an axis from its runs, the best that any start leads to.
 
@@ -95,46 +77,36 @@ def fit_runs(
         Says which physical parameters the sensors see.
     dynamics : ForwardDynamics
         The axis.
-    runs : sequence of Run
-        Logs of one axis.
+    errors : sequence of RunError
+        One for each log of the axis.
     starts : sequence of mapping of str to float
         Physical parameters to begin with, masses and stiffnesses positive.
-    free_timing : bool
-        Whether the time by which the force is recorded late is estimated too.
+    nyquist : float
+        Frequency above which no mode is looked for, Hz, unless all starts have one there.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        If no start can be evaluated: the readings do not determine the state.
+        If no start can be evaluated: the readings do not determine the state, or the closed loop runs away.
     """
-    nyquist = 0.5 / max(run.period for run in runs)
-    excerpts = [run.excerpt(_TRIAL_SAMPLES) for run in runs]
-    beginnings = [
-        Search.at(dynamics, _errors(dynamics, excerpts, free_timing), _seen(model, s), s) for s in starts
-    ]
-    possible = [search for search in beginnings if np.isfinite(search.cost)]
-    trials = [search for search in possible if _highest_mode(search) < nyquist] or possible
+    excerpts = [error.excerpt() for error in errors]
+    limit = nyquist if any(highest_mode(dynamics, start) < nyquist for start in starts) else math.inf
+    beginnings = [Search.at(dynamics, excerpts, _seen(model, start), start, limit) for start in starts]
+    trials = [search for search in beginnings if np.isfinite(search.cost)]
     if not trials:
-        raise np.linalg.LinAlgError("the readings do not determine the state")
-    trials = [trial.improved(_TRIAL_ITERATIONS) for trial in trials]
-    first = min(trials, key=lambda trial: (_highest_mode(trial) >= nyquist, trial.cost))
-    best = first.continued(_errors(dynamics, runs, free_timing)).weighted().improved()
-    if free_timing or any(motion is None for run in runs for motion in run.motions):
+        raise np.linalg.LinAlgError("no start can be evaluated")
+    for iterations, survivors in _TRIALS:
+        trials = [trial.improved(iterations) for trial in trials]
+        trials = sorted(trials, key=lambda trial: trial.cost)[:survivors]
+    best = trials[0].continued(errors).weighted().improved()
+    if not all(error.is_settled for error in errors):
         for _ in range(_PASSES):
             best = best.updated().improved()
-    if len(runs) > 1:
+    if len(errors) > 1:
         best = best.weighted().improved()
     W, y = best.linearised()
     linear = estimate(triangular_factors(W[None], y[None]))
     return Fit(best, linear, corrected_covariance(W[None], y[None], linear))
-
-
-def _errors(dynamics: ForwardDynamics, runs: Sequence[Run], free_timing: bool) -> list[PredictionError]:
-    return [PredictionError(dynamics, run, run.known_motions, free_timing) for run in runs]
-
-
-def _highest_mode(search: Search) -> float:
-    return max(natural_frequencies(search.dynamics, search.parameters), default=0.0)
 
 
 def _seen(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:

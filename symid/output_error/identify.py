@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from symid.axis import Axis
@@ -14,17 +12,13 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
-from symid.output_error.estimate import Fit, fit_runs, natural_frequencies
-from symid.output_error.prediction import OutputErrorPrediction, prediction_of
-from symid.output_error.result import OutputErrorIdentification, Status
-from symid.output_error.run import Course, Run, run_of
-from symid.output_error.starts import rigid_start, spread
-from symid.simulation import ForwardDynamics, forward_dynamics
-
-_VELOCITY_BAND = 0.2
-"""Of the sampling frequency: cutoff for the velocities whose signs friction follows."""
-_VAGUE = 50.0
-_CORRELATED = 1.5
+from symid.output_error.comparison import Comparison
+from symid.output_error.estimate import Fit
+from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.result import OutputErrorIdentification
+from symid.output_error.starts import plausible, rigid_start, spread
+from symid.output_error.verdict import remarks_on, verdict_of
+from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
 
 
 def identify_output_error(
@@ -33,6 +27,7 @@ def identify_output_error(
     logs: Log | Sequence[Log],
     *,
     held: bool | None = None,
+    loop: ClosedLoop | None = None,
     preparation: Preparation | None = None,
     nominal: Mapping[str, float] | None = None,
 ) -> OutputErrorIdentification:
@@ -49,6 +44,9 @@ def identify_output_error(
     held : bool, optional
         Whether the force is held from each sample to the next. If not given, the declaration of the drive, and if that
         is silent, the likelihood decides between a held force and a smooth one whose timing is estimated.
+    loop : ClosedLoop, optional
+        The axis under its known controller, along the reference of the log: what readings and force are compared with,
+        instead of predicting each reading from earlier ones. The force between its samples need not be known then.
     preparation : Preparation, optional
         `late` and `standstill` are respected; a `late` of the force fixes its timing. There is nothing else to choose.
     nominal : mapping of str to float, optional
@@ -79,43 +77,61 @@ def identify_output_error(
     runs = (logs,) if isinstance(logs, Log) else tuple(logs)
     if not runs:
         raise SettingError("there is no log: give at least one")
-    prepared, dynamics = preparation or Preparation(), forward_dynamics(axis)
-    force = axis.drive.signal
-    declared = held if held is not None else axis.drive.held or (False if force in prepared.late else None)
-    courses: tuple[Course, ...] = (
-        ("smooth", "held") if declared is None else ("held" if declared else "smooth",)
+    prepared = preparation or Preparation()
+    for log in runs if loop else ():
+        loop.check(log)  # type: ignore[union-attr]  # there is a loop
+    declared = (
+        held
+        if held is not None
+        else axis.drive.held or (False if axis.drive.signal in prepared.late else None)
     )
+    comparisons = _comparisons(model, forward_dynamics(axis), prepared, declared, loop)
     with threadpool_limits(1):
-        starts = _starts(model, dynamics, runs, _for_least_squares(prepared, force, runs, declared), nominal)
-        fits: list[tuple[Fit, Course]] = []
-        for course in courses:
-            free_timing = declared is None and course == "smooth"
-            known = [*starts, *(fit.search.parameters for fit, _ in fits)]
-            fit = _fitted(model, dynamics, runs, course, prepared, known, free_timing=free_timing)
-            fits += [(fit, course)] if fit else []
-    fit, course = min(fits, key=lambda pair: pair[0].cost, default=(None, courses[0]))
+        starts = _starts(
+            model, comparisons[0].dynamics, runs, _for_least_squares(axis, prepared, runs, declared), nominal
+        )
+        fits: list[tuple[Fit, Comparison]] = []
+        for comparison in comparisons:
+            fit = comparison.fit(runs, [*starts, *(fit.search.parameters for fit, _ in fits)])
+            fits += [(fit, comparison)] if fit else []
+    fit, comparison = min(fits, key=lambda pair: pair[0].cost, default=(None, comparisons[0]))
     found = OutputErrorIdentification(
         axis=axis,
         model=model,
         logs=runs,
-        preparation=prepared,
+        comparison=comparison,
         fit=fit,
-        course=course,
-        timing_estimated=declared is None and course == "smooth",
         status="ok",
         message="",
         notes=tuple(note for log in runs for note in log.notes),
     )
-    status, message = _verdict(found)
-    return replace(found, status=status, message=message, notes=(*found.notes, *_remarks(found)))
+    status, message = verdict_of(found)
+    return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
+
+
+def _comparisons(
+    model: GeneratedModel,
+    dynamics: ForwardDynamics,
+    preparation: Preparation,
+    held: bool | None,
+    loop: ClosedLoop | None,
+) -> list[Comparison]:
+    """How the log may have come about: one way if it is declared, else both courses of the force."""
+    if loop is not None:
+        return [Comparison(model, dynamics, preparation, "simulated", loop=loop)]
+    if held is None:
+        smooth = Comparison(model, dynamics, preparation, "smooth", free_timing=True)
+        return [smooth, Comparison(model, dynamics, preparation, "held")]
+    return [Comparison(model, dynamics, preparation, "held" if held else "smooth")]
 
 
 def _for_least_squares(
-    preparation: Preparation, force: str, logs: Sequence[Log], held: bool | None
+    axis: Axis, preparation: Preparation, logs: Sequence[Log], held: bool | None
 ) -> Preparation:
     """Settings of least squares, to which a held force is one that acts half a sample later than it is recorded."""
     if not held:
         return preparation
+    force = axis.drive.signal
     late = preparation.late.get(force, 0.0) - logs[0].sampling_period / 2
     return replace(preparation, late={**preparation.late, force: late})
 
@@ -127,53 +143,19 @@ def _starts(
     preparation: Preparation,
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
-    """Parameters to begin with: nominal ones, else those of least squares if they are possible, else rough ones."""
-    known = dict(nominal) if nominal is not None else _least_squares_start(model, logs, preparation)
-    positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
-    if known is None or not all(known[name] > 0 for name in positive):
-        known = rigid_start(model, dynamics, logs)
+    """Parameters to begin with: nominal ones, else those of least squares as far as they can be true."""
+    known = nominal
+    if known is None:
+        found = _least_squares(model, logs, preparation)
+        known = plausible(model, dynamics, found, rigid_start(model, dynamics, logs))
     return spread(dynamics, known, logs[0].sampling_frequency)
 
 
-def _least_squares_start(
-    model: GeneratedModel, logs: Sequence[Log], preparation: Preparation
-) -> dict[str, float] | None:
+def _least_squares(model: GeneratedModel, logs: Sequence[Log], preparation: Preparation) -> dict[str, float]:
     try:
-        found = identify(model, logs, preparation=preparation, examine=False).physical_parameters
+        return identify(model, logs, preparation=preparation, examine=False).physical_parameters
     except SettingError:
-        return None
-    return {name: value if math.isfinite(value) else 0.0 for name, value in found.items()} or None
-
-
-def _fitted(
-    model: GeneratedModel,
-    dynamics: ForwardDynamics,
-    logs: Sequence[Log],
-    course: Course,
-    preparation: Preparation,
-    starts: Sequence[Mapping[str, float]],
-    *,
-    free_timing: bool,
-) -> Fit | None:
-    runs = [_run(model, dynamics, log, course, preparation) for log in logs]
-    try:
-        return fit_runs(model, dynamics, runs, starts, free_timing=free_timing)
-    except np.linalg.LinAlgError:
-        return None
-
-
-def _run(
-    model: GeneratedModel, dynamics: ForwardDynamics, log: Log, course: Course, preparation: Preparation
-) -> Run:
-    return run_of(
-        dynamics,
-        log,
-        model.measured,
-        course,
-        cutoff_hz=_VELOCITY_BAND * log.sampling_frequency,
-        late=preparation.late.get(dynamics.axis.drive.signal, 0.0),
-        standstill=preparation.standstill,
-    )
+        return {}
 
 
 def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputErrorPrediction:
@@ -193,77 +175,8 @@ def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputEr
     """
     if found.fit is None:
         raise SettingError(f"there are no parameters to predict with: {found.message}")
-    search = found.fit.search
-    timing = {found.axis.drive.signal: found.late}
-    late = replace(found.preparation, late={**found.preparation.late, **timing})
-    run = _run(found.model, search.dynamics, log, found.course, late)
-    return prediction_of(log, search.applied_to(run), search, search.nuisance[0])
-
-
-def _verdict(found: OutputErrorIdentification) -> tuple[Status, str]:
-    if found.fit is None:
-        return (
-            "no_start",
-            "no start was possible: give nominal values with --nominal P.json, or measure a position",
-        )
-    minimum = found.fit.search.minimum
-    if minimum is None or not minimum.converged:
-        return (
-            "not_converged",
-            "the iterations did not come to rest: give nominal values with --nominal P.json",
-        )
-    deviations = np.sqrt(np.diag(found.physical_covariance(corrected=True)))
-    below = [
-        name
-        for (name, value), std in zip(found.physical_parameters.items(), deviations, strict=True)
-        if value < -3 * np.nan_to_num(std) and name not in found.model.signed
-    ]
-    if below:
-        return (
-            "not_physical",
-            f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
-        )
-    return "ok", ""
-
-
-def _remarks(found: OutputErrorIdentification) -> tuple[str, ...]:
-    """What the user should know about the estimate."""
-    if found.fit is None:
-        return ()
-    remarks = [_course_remark(found)]
-    covariance = found.physical_covariance(corrected=True)
-    values = np.array(list(found.physical_parameters.values()))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        relative = 100 * np.sqrt(np.diag(covariance)) / np.abs(values)
-    vague = [n for n, r in zip(found.model.physical_units, relative, strict=True) if r > _VAGUE]
-    if vague:
-        remarks.append(
-            f"the log hardly determines {', '.join(vague)}: the standard deviation exceeds {_VAGUE:g} %"
-        )
-    fit = found.fit
-    inflation = np.sqrt(fit.linear.rows[0] / max(fit.correlated.effective_samples, 1.0))
-    if inflation > _CORRELATED:
-        remarks.append(
-            "the innovations are correlated, as if the model or the timing did not fit quite: "
-            f"{fit.linear.rows[0]} of them are worth {fit.correlated.effective_samples:.0f}"
-        )
-    highest = max(natural_frequencies(fit.search.dynamics, fit.search.parameters), default=0.0)
-    if highest:
-        rate = found.logs[0].sampling_frequency
-        remarks.append(
-            f"the highest mode, {highest:.3g} Hz, is taken to lie below half the sampling frequency of {rate:g} Hz"
-        )
-    return tuple(remarks)
-
-
-def _course_remark(found: OutputErrorIdentification) -> str:
-    force = found.model.force
-    if found.course == "held":
-        return f"{force} is held from each sample to the next"
-    if not found.timing_estimated:
-        return f"{force} runs smoothly between its samples"
-    samples = found.late / found.logs[0].sampling_period
-    how = "later" if samples < 0 else "earlier"
-    return (
-        f"{force} runs smoothly between its samples and acts {abs(samples):.2f} samples {how} than recorded"
-    )
+    search, nuisance = found.fit.search, found.fit.search.nuisance[0]
+    error = found.comparison.error(log, late=found.late)
+    if not error.is_settled:
+        error, nuisance = error.updated(search.parameters, nuisance)
+    return error.prediction(log, search.parameters, nuisance)

@@ -1,5 +1,4 @@
-"""Nonlinear least squares by damped Gauss-Newton steps, with derivatives by differences: one-sided ones on the
-way, central ones at the end.
+"""Nonlinear least squares by damped Gauss-Newton steps, with derivatives by one-sided differences.
 
 Unlike `scipy.optimize.least_squares` it takes a step for each parameter's differences, and lets a residual be
 undefined: such a step is shortened.
@@ -28,15 +27,12 @@ class Minimum:
         The arguments.
     residual : array of shape (m,)
         The residual there.
-    slope : array of shape (m, n)
-        Its derivatives.
     converged : bool
         Whether the last step lowered the sum of squares by less than the tolerance.
     """
 
     x: FloatArray
     residual: FloatArray
-    slope: FloatArray
     converged: bool
 
     @property
@@ -52,7 +48,7 @@ def minimise(
     *,
     longest: FloatArray | None = None,
     iterations: int = 50,
-    tolerance: float = 1e-7,
+    tolerance: float = 1e-6,
 ) -> Minimum:
     """Least squares from a start.
 
@@ -99,8 +95,8 @@ def minimise(
                 break
             damping *= 8
         if damping >= _LARGEST_DAMPING or decrease <= tolerance * cost:
-            return Minimum(x, current, _slope(residual, x, steps), True)
-    return Minimum(x, current, _slope(residual, x, steps), False)
+            return Minimum(x, current, True)
+    return Minimum(x, current, False)
 
 
 def _forward_slope(
@@ -117,7 +113,9 @@ def _forward_slope(
     return np.stack(columns, axis=1)
 
 
-def _slope(residual: Callable[[FloatArray], FloatArray], x: FloatArray, steps: FloatArray) -> FloatArray:
+def central_slope(
+    residual: Callable[[FloatArray], FloatArray], x: FloatArray, steps: FloatArray
+) -> FloatArray:
     """Central differences, one-sided at the edge of where the residual is defined."""
     columns = []
     for i, step in enumerate(steps):

@@ -1,4 +1,4 @@
-"""One-step predictions of the readings of a log with identified parameters."""
+"""What identified parameters predict of a log."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data import Log
 from symid.identification import EquationResidual
-from symid.output_error.prediction_error import PredictionError
-from symid.output_error.search import Search
 
 
 @dataclass(frozen=True, eq=False)
 class OutputErrorPrediction:
-    """Readings of a log and what of them could not be predicted from earlier ones.
+    """Readings of a log, and what of them was not predicted: from earlier ones, or by the simulated closed loop.
 
     Parameters
     ----------
@@ -47,15 +44,3 @@ class OutputErrorPrediction:
                 EquationResidual.of_rows(signal, innovations[used], readings[used] - np.mean(readings[used]))
             )
         return tuple(found)
-
-
-def prediction_of(
-    log: Log, error: PredictionError, search: Search, nuisance: FloatArray
-) -> OutputErrorPrediction:
-    """Predictions of a log with the parameters of a search."""
-    innovations = np.full((log.n_samples, len(error.run.signals)), np.nan)
-    innovations[error.run.kept] = error.innovations(search.parameters, nuisance)
-    readings = np.where(
-        np.isfinite(innovations), np.stack([log[s] for s in error.run.signals], axis=1), np.nan
-    )
-    return OutputErrorPrediction(log.source, log.time, readings, innovations, error.run.signals)

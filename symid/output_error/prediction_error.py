@@ -9,15 +9,17 @@ projected out.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from symid.arrays import FloatArray
+from symid.data import Log
+from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.predictor import Predictor, predictor
-from symid.output_error.run import Motion, Run
+from symid.output_error.run import Motion, Run, motion_between
 from symid.output_error.sampled_plant import SampledPlant, sampled_plant
 from symid.simulation import ForwardDynamics, Plant
 
@@ -25,6 +27,8 @@ _LARGEST_RATIO = 14.0
 """Of noise levels, as a logarithm; beyond it the smaller noise plays no part."""
 _FORGOTTEN = 1e-10
 _FIRST_RATIO = 2.0
+_NUISANCE_STEP = 1e-2
+_EXCERPT_SAMPLES = 6000
 _FIRST_DISTURBANCE = -2.0
 
 
@@ -62,6 +66,11 @@ class PredictionError:
             [_FIRST_RATIO, *[_FIRST_DISTURBANCE] * others, *[0.0] * others, *[0.0] * self.free_timing]
         )
 
+    @property
+    def nuisance_steps(self) -> FloatArray:
+        """Their difference steps."""
+        return np.full(self.first_nuisance.size, _NUISANCE_STEP)
+
     def innovations(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Innovations of shape (n_samples, n_outputs), in the units of the readings."""
         raw, found = self._raw(parameters, nuisance)
@@ -84,6 +93,43 @@ class PredictionError:
         level = float(np.sqrt(np.mean(np.diag(errors.T @ errors) / len(errors) / np.diag(assumed))))
         names = (self.dynamics.axis.drive.signal, *self.run.signals)
         return {name: level * float(std) for name, std in zip(names, (forces[0], *readings), strict=True)}
+
+    def prediction(
+        self, log: Log, parameters: Mapping[str, float], nuisance: FloatArray
+    ) -> OutputErrorPrediction:
+        """Readings of the run and their innovations, at the times of its log."""
+        innovations = np.full((log.n_samples, len(self.run.signals)), np.nan)
+        innovations[self.run.kept] = self.innovations(parameters, nuisance)
+        readings = np.stack([log[signal] for signal in self.run.signals], axis=1)
+        readings = np.where(np.isfinite(innovations), readings, np.nan)
+        return OutputErrorPrediction(log.source, log.time, readings, innovations, self.run.signals)
+
+    def excerpt(self) -> PredictionError:
+        """The same for a few parts of the run."""
+        run = self.run.excerpt(_EXCERPT_SAMPLES)
+        return replace(self, run=run, motions=run.known_motions)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing follows from the parameters: the motion of all joints is measured, the timing known."""
+        return not self.free_timing and all(motion is not None for motion in self.run.motions)
+
+    def updated(
+        self, parameters: Mapping[str, float], nuisance: FloatArray
+    ) -> tuple[PredictionError, FloatArray]:
+        """What follows from the parameters: motion of joints that no sensors tell, timing; the nuisance after it."""
+        motions = self.motions
+        if any(motion is None for motion in self.run.motions):
+            states, n = self.states(parameters, nuisance), len(self.dynamics.bodies)
+            motions = tuple(
+                known
+                or motion_between(states[:, :n] @ direction, states[:, n : 2 * n] @ direction, self.run.parts)
+                for known, (direction, _) in zip(self.run.motions, self.dynamics.laws, strict=True)
+            )
+        if not self.free_timing:
+            return replace(self, motions=motions), nuisance
+        run = self.run.recorded_later(float(nuisance[-1]))
+        return replace(self, run=run, motions=motions), np.append(nuisance[:-1], 0.0)
 
     def states(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Predicted displacements and velocities of the bodies, of shape (n_samples, 2 n)."""

@@ -12,11 +12,11 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.identification import Preparation
 from symid.identification.physical import jacobian
+from symid.output_error.comparison import Comparison
 from symid.output_error.estimate import Fit
-from symid.output_error.prediction import OutputErrorPrediction, prediction_of
-from symid.output_error.run import Course
+from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.prediction_error import PredictionError
 
 Status = Literal["ok", "no_start", "not_converged", "not_physical"]
 
@@ -33,14 +33,10 @@ class OutputErrorIdentification:
         Names, units and maps of the parameters.
     logs : tuple of Log
         What they were identified from.
-    preparation : Preparation
-        Of which `late` and `standstill` were respected.
+    comparison : Comparison
+        What the logs were compared with.
     fit : Fit or None
         None if there was no start at which the axis could be evaluated.
-    course : {"held", "smooth"}
-        Course of the force between samples.
-    timing_estimated : bool
-        Whether the time by which the force is recorded late was estimated.
     status : str
         "ok", or what keeps the result from being complete.
     message : str
@@ -52,10 +48,8 @@ class OutputErrorIdentification:
     axis: Axis
     model: GeneratedModel
     logs: tuple[Log, ...]
-    preparation: Preparation
+    comparison: Comparison
     fit: Fit | None
-    course: Course
-    timing_estimated: bool
     status: Status
     message: str
     notes: tuple[str, ...]
@@ -91,7 +85,7 @@ class OutputErrorIdentification:
             return ()
         search = self.fit.search
         parts = zip(self.logs, search.errors, search.nuisance, strict=True)
-        return tuple(prediction_of(log, error, search, nuisance) for log, error, nuisance in parts)
+        return tuple(error.prediction(log, search.parameters, nuisance) for log, error, nuisance in parts)
 
     @property
     def noise(self) -> dict[str, float]:
@@ -103,8 +97,8 @@ class OutputErrorIdentification:
         """Seconds by which the force of the first log is taken to be recorded late."""
         if self.fit is None:
             return 0.0
-        run = self.fit.search.errors[0].run
-        return run.late * run.period
+        error = self.fit.search.errors[0]
+        return error.run.late * error.run.period if isinstance(error, PredictionError) else 0.0
 
     def physical_covariance(self, *, corrected: bool) -> FloatArray:
         """Covariance of the physical parameters, classical or corrected for correlation, (n_physical, n_physical)."""

@@ -4,19 +4,54 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol, Self
 
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.data import Log
 from symid.errors import SymidError
-from symid.output_error.levenberg_marquardt import Minimum, minimise
-from symid.output_error.prediction_error import PredictionError
-from symid.output_error.run import Run, motion_between
+from symid.output_error.levenberg_marquardt import Minimum, central_slope, minimise
+from symid.output_error.modes import highest_mode
+from symid.output_error.prediction import OutputErrorPrediction
 from symid.simulation import ForwardDynamics
 
-_LOGARITHMIC_STEP, _NUISANCE_STEP = 1e-5, 1e-2
+_LOGARITHMIC_STEP = 1e-5
 _VISIBLE = 1e-4
 """Change of the innovations, relative to their size, that the difference step of a parameter aims at."""
+
+
+class RunError(Protocol):
+    """How far a run is from what parameters predict."""
+
+    @property
+    def first_nuisance(self) -> FloatArray:
+        """Nuisance parameters to begin with."""
+
+    @property
+    def nuisance_steps(self) -> FloatArray:
+        """Their difference steps."""
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing in it follows from the parameters, so that `updated` changes nothing."""
+
+    def excerpt(self) -> Self:
+        """A shorter run of the same kind, for trials."""
+
+    def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
+        """Errors scaled so that their sum of squares is the likelihood."""
+
+    def updated(self, parameters: Mapping[str, float], nuisance: FloatArray) -> tuple[Self, FloatArray]:
+        """What follows from the parameters, and the nuisance parameters after it."""
+
+    def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
+        """Standard deviations of the noise by signal, SI."""
+
+    def prediction(
+        self, log: Log, parameters: Mapping[str, float], nuisance: FloatArray
+    ) -> OutputErrorPrediction:
+        """Readings of a run's log and what of them was not predicted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +62,7 @@ class Search:
     ----------
     dynamics : ForwardDynamics
         The axis.
-    errors : tuple of PredictionError
+    errors : tuple of RunError
         One for each run.
     start : mapping of str to float
         Physical parameters at the beginning.
@@ -35,6 +70,8 @@ class Search:
         Those that are searched.
     weights : tuple of float
         Of the runs.
+    highest : float
+        Frequency that no mode of the axis may reach, Hz.
     x : array of shape (n,)
         Where the search stands.
     minimum : Minimum or None
@@ -42,10 +79,11 @@ class Search:
     """
 
     dynamics: ForwardDynamics
-    errors: tuple[PredictionError, ...]
+    errors: tuple[RunError, ...]
     start: Mapping[str, float]
     seen: tuple[str, ...]
     weights: tuple[float, ...]
+    highest: float
     x: FloatArray
     minimum: Minimum | None = None
 
@@ -53,15 +91,16 @@ class Search:
     def at(
         cls,
         dynamics: ForwardDynamics,
-        errors: Sequence[PredictionError],
+        errors: Sequence[RunError],
         seen: Sequence[str],
         start: Mapping[str, float],
+        highest: float,
     ) -> Search:
         """Search at its beginning."""
         logarithmic = _logarithmic(dynamics)
         physical = [0.0 if name in logarithmic else float(start[name]) for name in seen]
         x = np.concatenate([physical, *(error.first_nuisance for error in errors)])
-        return cls(dynamics, tuple(errors), dict(start), tuple(seen), (1.0,) * len(errors), x)
+        return cls(dynamics, tuple(errors), dict(start), tuple(seen), (1.0,) * len(errors), highest, x)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -82,7 +121,15 @@ class Search:
             return float("inf")
 
     def residual(self, x: FloatArray) -> FloatArray:
-        """Weighted scaled innovations of all runs."""
+        """Weighted scaled errors of all runs.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If a mode is too high, or an error is not defined.
+        """
+        if highest_mode(self.dynamics, self._physical(x)) >= self.highest:
+            raise np.linalg.LinAlgError(f"a mode lies above {self.highest:g} Hz")
         return np.concatenate(self._parts(x))
 
     def improved(self, iterations: int = 60) -> Search:
@@ -92,7 +139,7 @@ class Search:
         )
         return replace(self, x=found.x, minimum=found)
 
-    def continued(self, errors: Sequence[PredictionError]) -> Search:
+    def continued(self, errors: Sequence[RunError]) -> Search:
         """The same search with other runs, such as the whole logs after excerpts of them."""
         return replace(self, errors=tuple(errors), minimum=None)
 
@@ -108,50 +155,21 @@ class Search:
         )
 
     def updated(self) -> Search:
-        """The search with what follows from its parameters: motion of joints that no sensors tell, timing."""
-        values = self.parameters
-        errors = [self._follow(e, values, n) for e, n in zip(self.errors, self.nuisance, strict=True)]
-        fresh = [
-            np.append(nuisance[:-1], 0.0) if error.free_timing else nuisance
-            for error, nuisance in zip(errors, self.nuisance, strict=True)
-        ]
-        return replace(self, errors=tuple(errors), x=np.concatenate([self.x[: len(self.seen)], *fresh]))
-
-    def _follow(
-        self, error: PredictionError, values: Mapping[str, float], nuisance: FloatArray
-    ) -> PredictionError:
-        motions = error.motions
-        if any(motion is None for motion in error.run.motions):
-            states, n = error.states(values, nuisance), len(self.dynamics.bodies)
-            motions = tuple(
-                known
-                or motion_between(
-                    states[:, :n] @ direction, states[:, n : 2 * n] @ direction, error.run.parts
-                )
-                for known, (direction, _) in zip(error.run.motions, self.dynamics.laws, strict=True)
-            )
-        run = error.run.recorded_later(float(nuisance[-1])) if error.free_timing else error.run
-        return replace(error, run=run, motions=motions)
-
-    def applied_to(self, run: Run) -> PredictionError:
-        """Prediction error of another run, with the motion that the parameters give it."""
-        first = self.errors[0]
-        error = PredictionError(self.dynamics, run, run.known_motions, first.free_timing)
-        nuisance = self.nuisance[0].copy()
-        if first.free_timing:
-            nuisance[-1] = 0.0
-        return self._follow(error, self.parameters, nuisance)
+        """The search with what follows from its parameters brought up to date in the errors of each run."""
+        pairs = zip(self.errors, self.nuisance, strict=True)
+        followed = [error.updated(self.parameters, nuisance) for error, nuisance in pairs]
+        x = np.concatenate([self.x[: len(self.seen)], *(nuisance for _, nuisance in followed)])
+        return replace(self, errors=tuple(error for error, _ in followed), x=x)
 
     def linearised(self) -> tuple[FloatArray, FloatArray]:
         """Observation matrix and output of the model linearised where the search stands, in the parameters' units."""
-        assert self.minimum is not None
         logarithmic, values = _logarithmic(self.dynamics), self.parameters
         at = self.x.copy()
         at[: len(self.seen)] = [values[name] for name in self.seen]
         size = np.ones(at.size)
         size[: len(self.seen)] = [values[name] if name in logarithmic else 1.0 for name in self.seen]
-        W = -self.minimum.slope / size
-        return W, self.minimum.residual + W @ at
+        W = -central_slope(self.residual, self.x, self._steps()) / size
+        return W, self.residual(self.x) + W @ at
 
     def _physical(self, x: FloatArray) -> dict[str, float]:
         logarithmic, values = _logarithmic(self.dynamics), dict(self.start)
@@ -160,7 +178,8 @@ class Search:
         return values
 
     def _nuisance(self, x: FloatArray) -> list[FloatArray]:
-        return np.split(x[len(self.seen) :], len(self.errors))
+        sizes = [error.first_nuisance.size for error in self.errors]
+        return np.split(x[len(self.seen) :], np.cumsum(sizes)[:-1])
 
     def _parts(self, x: FloatArray) -> list[FloatArray]:
         values = self._physical(x)
@@ -177,7 +196,7 @@ class Search:
     def _steps(self) -> FloatArray:
         """Difference steps: fixed for logarithms, for other parameters such that the innovations change visibly."""
         here, logarithmic = self.residual(self.x), _logarithmic(self.dynamics)
-        steps = np.full(self.x.size, _NUISANCE_STEP)
+        steps = np.concatenate([np.ones(len(self.seen)), *(error.nuisance_steps for error in self.errors)])
         for i, name in enumerate(self.seen):
             steps[i] = _LOGARITHMIC_STEP
             if name in logarithmic:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, derivatives
-from symid.output_error.estimate import natural_frequencies
+from symid.output_error.modes import highest_mode
 from symid.simulation import ForwardDynamics
 
-_MODES = (0.01, 0.03, 0.1, 0.3)
+_MODES = (0.01, 0.02, 0.04, 0.07, 0.11, 0.17, 0.25, 0.34, 0.42)
 """Frequencies of the highest mode to begin with, as shares of the sampling frequency."""
 _LOSS = 0.02
+_FARTHEST = 300.0
 
 
 def spread(
@@ -31,7 +33,7 @@ def spread(
         Of the log, Hz.
     """
     springs = dynamics.parameters_of("stiffness")
-    highest = max(natural_frequencies(dynamics, known), default=0.0)
+    highest = highest_mode(dynamics, known)
     if not springs or highest == 0.0:
         return [dict(known)]
     scales = [(share * sampling_frequency / highest) ** 2 for share in _MODES]
@@ -73,4 +75,45 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
         for term in terms:
             for name in dynamics.names(term.parameter):
                 values[name] = abs(float(coulomb))
+    return values
+
+
+def plausible(
+    model: GeneratedModel, dynamics: ForwardDynamics, found: Mapping[str, float], rough: Mapping[str, float]
+) -> dict[str, float]:
+    """Found parameters as far as they can be true, rough ones in the place of the others.
+
+    Masses and stiffnesses are taken together or not at all; no parameter may be negative that must not be, and no mass
+    further from the rough ones than a factor of 300.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Says which parameters may be negative.
+    dynamics : ForwardDynamics
+        The axis.
+    found, rough : mapping of str to float
+        Physical parameters; `found` may lack some or be nan.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.codegen import load_generated
+    >>> from symid.simulation import forward_dynamics
+    >>> rough = {"M": 1.0, "Fv": 0.0, "Fs": 2.0}
+    >>> model, dynamics = load_generated("rigid_1m"), forward_dynamics(load_axis("rigid_1m"))
+    >>> plausible(model, dynamics, {"M": 5.0, "Fv": 3.0, "Fs": -4.0}, rough)
+    {'M': 5.0, 'Fv': 3.0, 'Fs': 2.0}
+    """
+    values = dict(rough)
+    masses, springs = dynamics.parameters_of("mass"), dynamics.parameters_of("stiffness")
+    together = masses | springs
+    if all(found.get(name, -1.0) > 0 for name in together) and all(
+        rough[name] / _FARTHEST < found[name] < rough[name] * _FARTHEST for name in masses
+    ):
+        values.update({name: found[name] for name in together})
+    for name in values:
+        value = found.get(name, math.nan)
+        if name not in together and math.isfinite(value) and (value >= 0 or name in model.signed):
+            values[name] = value
     return values

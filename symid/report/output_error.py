@@ -27,9 +27,9 @@ def output_error_record(
         "notes": list(found.notes),
         "filter": {"cutoff_hz": None, "order": None, "decimation": 1},
         "force": {
-            "course": found.course,
+            "course": found.comparison.force,
             "late_s": found.late,
-            "timing": "estimated" if found.timing_estimated else "declared",
+            "timing": "estimated" if found.comparison.free_timing else "declared",
         },
         "noise": {
             name: {"std": std, "unit": str(found.axis.signal_units[name])}

@@ -8,10 +8,12 @@ from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import Multisine, frequency_lines, multisine
 from symid.simulation.plant import ForwardDynamics, Plant, forward_dynamics, plant_of
+from symid.simulation.reference_loop import ClosedLoop
 from symid.simulation.trajectory import Trajectory
 
 __all__ = [
     "Cascade",
+    "ClosedLoop",
     "Command",
     "Controller",
     "Engine",

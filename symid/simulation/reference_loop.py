@@ -7,13 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import make_interp_spline
 
+from symid.arrays import FloatArray
 from symid.axis import Axis, Position
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
-from symid.simulation import Controller, Trajectory, from_log, plant_of, simulate, tuned_cascade
+from symid.simulation.closed_loop import simulate
+from symid.simulation.controller import Controller, tuned_cascade
+from symid.simulation.plant import plant_of
+from symid.simulation.trajectory import Trajectory
 
+_SPLINE = 5
 _SLOWEST_HZ = 1000.0
 """Rate below which a controller whose rate is not given runs at a multiple of that of the log."""
 
@@ -30,6 +35,8 @@ class ClosedLoop:
         That of the machine; a cascade tuned to the parameters, or read from the log, if it is not given.
     rate_hz : float, optional
         Rate of the controller, a multiple of that of the log; the least one above 1 kHz if it is not given.
+    trajectory : Trajectory, optional
+        The commanded motion at the controller's rate; that of the log's column reference, by splines, if not given.
 
     Raises
     ------
@@ -40,6 +47,7 @@ class ClosedLoop:
     axis: Axis
     controller: Controller | None = None
     rate_hz: float | None = None
+    trajectory: Trajectory | None = None
 
     def __post_init__(self) -> None:
         if not any(isinstance(sensor, Position) for sensor in self.axis.sensors):
@@ -77,23 +85,28 @@ class ClosedLoop:
         self.check(log)
         controller = self.controller or self.tuned(parameters).controller
         assert controller is not None
-        every = self._samples_for_one(log)
-        # where the run begins does not matter to an axis that the log did not leave at rest there either
-        reference = _finer(from_log(log), every).shifted(-float(log[REFERENCE][0]))
-        return simulate(self.axis, parameters, reference, controller, frequency_hz=log.sampling_frequency).log
+        return simulate(
+            self.axis, parameters, self._reference(log), controller, frequency_hz=log.sampling_frequency
+        ).log
 
     def check(self, log: Log) -> None:
         """SettingError if the log has no reference, or its rate does not divide that of the controller."""
-        if REFERENCE not in log.signals:
+        if self.trajectory is None and REFERENCE not in log.signals:
             raise SettingError(
-                f"{log.source} has no column reference (the commanded position), which instrumental variables need: "
-                "map one with --column reference=NAME, or take --method wls or --method oe"
+                f"{log.source} has no column reference (the commanded position), without which the closed loop cannot "
+                "be simulated: map one with --column reference=NAME, or take --method wls"
             )
         self._samples_for_one(log)
 
     def held_for(self, log: Log) -> float:
         """Period of the controller, s."""
         return log.sampling_period / self._samples_for_one(log)
+
+    def _reference(self, log: Log) -> Trajectory:
+        """Commanded motion from zero at the controller's rate; where it begins does not matter to an axis at rest."""
+        if self.trajectory is not None:
+            return self.trajectory.shifted(-float(self.trajectory.position[0]))
+        return _splined(log[REFERENCE] - log[REFERENCE][0], log, self._samples_for_one(log))
 
     def _samples_for_one(self, log: Log) -> int:
         if self.rate_hz is None:
@@ -107,18 +120,17 @@ class ClosedLoop:
         return round(ratio)
 
 
-def _finer(coarse: Trajectory, factor: int) -> Trajectory:
-    """The trajectory at `factor` times the rate, by cubic splines."""
-    if factor == 1:
-        return coarse
-    spline = CubicSpline(np.arange(coarse.n_samples), coarse.position)
-    places = np.arange((coarse.n_samples - 1) * factor + 1) / factor
-    rate = 1.0 / coarse.sampling_period
+def _splined(reference: FloatArray, log: Log, factor: int) -> Trajectory:
+    """Reference of a log at `factor` times its rate, by splines of the fifth order."""
+    order = max(min(_SPLINE, (reference.size - 1) // 2 * 2 - 1), 1)
+    spline = make_interp_spline(np.arange(reference.size), reference, order)
+    places = np.arange((reference.size - 1) * factor + 1) / factor
+    rate = log.sampling_frequency
     return Trajectory(
         position=spline(places),
         velocity=rate * spline(places, 1),
         acceleration=rate**2 * spline(places, 2),
-        sampling_period=coarse.sampling_period / factor,
-        name=coarse.name,
-        start=coarse.start,
+        sampling_period=log.sampling_period / factor,
+        name=f"{REFERENCE} of {log.source}",
+        start=log.start,
     )

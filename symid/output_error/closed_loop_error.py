@@ -1,0 +1,175 @@
+"""Error of the simulated closed loop: the axis under its known controller along its known reference.
+
+Noise of the readings goes round the loop, so that the errors of readings and force are correlated in time and with each
+other. An autoregressive model of them, fitted at the parameters of the moment, whitens them: generalised least squares,
+iterated. Nothing is asked of the force between samples: it is simulated at the controller's own rate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from symid.arrays import FloatArray
+from symid.axis import Axis, derivative_order
+from symid.data import Log
+from symid.output_error.prediction import OutputErrorPrediction
+from symid.simulation import ClosedLoop
+
+_ORDER = 12
+_OFFSET_STEP = 1e-2
+_MEDIAN_OF_FOURTH_DIFFERENCES = 0.6745 * math.sqrt(70.0)
+"""Median of the absolute fourth difference of white noise of unit deviation."""
+_SMALLEST_NOISE = 1e-9
+"""Relative to the spread of a signal."""
+
+
+@dataclass(frozen=True, eq=False)
+class Whitening:
+    """Autoregressive model of errors of several signals.
+
+    Parameters
+    ----------
+    coefficients : array of shape (order * n_signals, n_signals)
+        Prediction of the errors from the `order` earlier ones, the latest first.
+    root : array of shape (n_signals, n_signals)
+        Lower triangular root of the covariance of what is left.
+    """
+
+    coefficients: FloatArray
+    root: FloatArray
+
+    @classmethod
+    def of(cls, errors: FloatArray, order: int = _ORDER) -> Whitening:
+        """Model fitted to errors of shape (n_samples, n_signals) by least squares.
+
+        Examples
+        --------
+        >>> noise = np.random.default_rng(0).standard_normal((4000, 1))
+        >>> errors = noise.copy()
+        >>> for k in range(1, len(errors)):
+        ...     errors[k] += 0.5 * errors[k - 1]
+        >>> model = Whitening.of(errors, order=1)
+        >>> model.coefficients.round(1).tolist(), model.root.round(1).tolist()
+        ([[0.5]], [[1.0]])
+        """
+        earlier, now = _earlier(errors, order), errors[order:]
+        scale = np.sqrt(np.mean(errors**2, axis=0)) + np.finfo(float).tiny
+        scales = np.tile(scale, order)
+        coefficients = np.linalg.lstsq(earlier / scales, now / scale, rcond=1e-10)[0]
+        rest = now / scale - (earlier / scales) @ coefficients
+        root = np.linalg.cholesky(rest.T @ rest / len(rest) + 1e-14 * np.eye(scale.size))
+        return cls(coefficients / scales[:, None] * scale, root * scale[:, None])
+
+    def apply(self, errors: FloatArray) -> FloatArray:
+        """White errors, of shape (n_samples - order, n_signals)."""
+        order = len(self.coefficients) // errors.shape[1]
+        rest = errors[order:] - _earlier(errors, order) @ self.coefficients
+        return np.asarray(solve_triangular(self.root, rest.T, lower=True).T)
+
+
+def _earlier(errors: FloatArray, order: int) -> FloatArray:
+    return np.hstack([errors[order - 1 - lag : len(errors) - 1 - lag] for lag in range(order)])
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoopError:
+    """Readings and force of a log less those of the simulated closed loop, whitened.
+
+    Parameters
+    ----------
+    loop : ClosedLoop
+        The axis, its controller and its reference.
+    log : Log
+        A run that begins at rest.
+    signals : tuple of str
+        Sensors used.
+    whitening : Whitening, optional
+        Of the errors; each signal is only scaled by itself as long as there is none.
+    """
+
+    loop: ClosedLoop
+    log: Log
+    signals: tuple[str, ...]
+    whitening: Whitening | None = None
+
+    @property
+    def first_nuisance(self) -> FloatArray:
+        """Zero of each position sensor, in its typical noise."""
+        return np.zeros(len(self._positions))
+
+    @property
+    def nuisance_steps(self) -> FloatArray:
+        """Their difference steps."""
+        return np.full(len(self._positions), _OFFSET_STEP)
+
+    def excerpt(self) -> ClosedLoopError:
+        """The same: a loop is simulated from its beginning."""
+        return self
+
+    @property
+    def is_settled(self) -> bool:
+        """The whitening follows from the parameters."""
+        return False
+
+    def errors(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
+        """Measured less simulated, sensors first, then the force, of shape (n_samples, n_signals)."""
+        simulated = self.loop.run(parameters, self.log)
+        errors = np.stack([self.log[name] - simulated[name] for name in self._compared], axis=1)
+        scale = self._scale
+        for offset, place in zip(nuisance, self._positions, strict=True):
+            errors[:, place] -= self.log[self.signals[place]][0] + offset * scale[place]
+        return errors
+
+    def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
+        """White errors, one after the other."""
+        errors = self.errors(parameters, nuisance)
+        if self.whitening is None:
+            return (errors / self._scale).ravel()
+        return self.whitening.apply(errors).ravel()
+
+    def updated(
+        self, parameters: Mapping[str, float], nuisance: FloatArray
+    ) -> tuple[ClosedLoopError, FloatArray]:
+        """The same with the whitening of its errors at these parameters."""
+        return replace(self, whitening=Whitening.of(self.errors(parameters, nuisance))), nuisance
+
+    def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
+        """Standard deviations of the errors by signal, SI: noise and what the loop makes of it."""
+        deviations = np.std(self.errors(parameters, nuisance), axis=0)
+        return dict(zip(self._compared, map(float, deviations), strict=True))
+
+    def prediction(
+        self, log: Log, parameters: Mapping[str, float], nuisance: FloatArray
+    ) -> OutputErrorPrediction:
+        """Readings and errors of a log."""
+        errors = self.errors(parameters, nuisance)[:, : len(self.signals)]
+        readings = np.stack([log[signal] for signal in self.signals], axis=1)
+        return OutputErrorPrediction(log.source, log.time, readings, errors, self.signals)
+
+    @property
+    def _axis(self) -> Axis:
+        return self.loop.axis
+
+    @property
+    def _compared(self) -> tuple[str, ...]:
+        return (*self.signals, self._axis.drive.signal)
+
+    @property
+    def _positions(self) -> list[int]:
+        """Places of the position sensors among the signals."""
+        orders = {sensor.signal: derivative_order(sensor) for sensor in self._axis.sensors}
+        return [place for place, signal in enumerate(self.signals) if orders[signal] == 0]
+
+    @cached_property
+    def _scale(self) -> FloatArray:
+        """Noise of each signal, by the median of its fourth differences: smooth motion has no part in them."""
+        values = np.stack([self.log[name] for name in self._compared], axis=1)
+        noise = np.median(np.abs(np.diff(values, n=4, axis=0)), axis=0) / _MEDIAN_OF_FOURTH_DIFFERENCES
+        floor = _SMALLEST_NOISE * np.maximum(np.std(values, axis=0), np.finfo(float).tiny)
+        return np.asarray(np.maximum(noise, floor))

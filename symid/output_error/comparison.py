@@ -1,0 +1,81 @@
+"""How a log is compared with its axis: what is taken for known of the force, and of the controller."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.identification import Preparation
+from symid.output_error.closed_loop_error import ClosedLoopError
+from symid.output_error.estimate import Fit, fit_errors
+from symid.output_error.prediction_error import PredictionError
+from symid.output_error.run import run_of
+from symid.output_error.search import RunError
+from symid.simulation import ClosedLoop, ForwardDynamics
+
+_VELOCITY_BAND = 0.2
+"""Of the sampling frequency: cutoff for the velocities whose signs friction follows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What a log is compared with.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        For the sensors used.
+    dynamics : ForwardDynamics
+        The axis.
+    preparation : Preparation
+        Of which `late` and `standstill` count.
+    force : {"held", "smooth", "simulated"}
+        Course of the force between samples: held, smooth, or that of the simulated closed loop.
+    free_timing : bool
+        Whether the time by which the force is recorded late is estimated.
+    loop : ClosedLoop, optional
+        Of a simulated force.
+    """
+
+    model: GeneratedModel
+    dynamics: ForwardDynamics
+    preparation: Preparation
+    force: Literal["held", "smooth", "simulated"]
+    free_timing: bool = False
+    loop: ClosedLoop | None = None
+
+    def error(self, log: Log, late: float | None = None) -> RunError:
+        """Error of a log; `late` (s) takes the place of that of the preparation for the force.
+
+        Raises
+        ------
+        LogError
+            If the log lacks a signal.
+        """
+        if self.force == "simulated":
+            assert self.loop is not None
+            return ClosedLoopError(self.loop, log, self.model.measured)
+        declared = self.preparation.late.get(self.dynamics.axis.drive.signal, 0.0)
+        run = run_of(
+            self.dynamics,
+            log,
+            self.model.measured,
+            self.force,
+            cutoff_hz=_VELOCITY_BAND * log.sampling_frequency,
+            late=declared if late is None else late,
+            standstill=self.preparation.standstill,
+        )
+        return PredictionError(self.dynamics, run, run.known_motions, self.free_timing)
+
+    def fit(self, logs: Sequence[Log], starts: Sequence[Mapping[str, float]]) -> Fit | None:
+        """Maximum-likelihood estimate from logs; None if no start can be evaluated."""
+        nyquist = 0.5 * min(log.sampling_frequency for log in logs)
+        try:
+            return fit_errors(self.model, self.dynamics, [self.error(log) for log in logs], starts, nyquist)
+        except np.linalg.LinAlgError:
+            return None
