@@ -98,7 +98,7 @@ def noise_of_rows(
     for name, level in levels.items():
         own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
         response = coefficients[:, :, own] @ gains[own]
-        product = np.einsum("jaf,jbf->jab", response, response.conj()).real
+        product = (response @ response.conj().swapaxes(1, 2)).real
         covariance += product * level * (log.sampling_frequency / (2 * _LINES))
     return covariance
 

@@ -10,11 +10,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import shift
 from scipy.signal import firwin, upfirdn
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data import Log, LowPass, central_difference
+from symid.data import Log, LowPass, QuinticSpline, central_difference
 from symid.simulation import ForwardDynamics
 from symid.simulation.plant import JointLaw
 
@@ -220,7 +219,7 @@ def _between(
         held = force[np.clip(np.floor(places).astype(int), 0, n - 1)]
         before = force[np.clip(np.ceil(np.arange(n) + late).astype(int) - 1, 0, n - 1)]
         return held, before, np.zeros_like(held), np.zeros(n)
-    moved = shift(force, -late, order=5, mode="nearest") if late else force
+    moved = QuinticSpline(force).earlier(late) if late else force
     rate = (8 * _step(moved, 1) - _step(moved, 2)) / 12
     return _upsampled(moved, parts), moved, _upsampled(rate, parts), rate
 
