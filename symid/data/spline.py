@@ -41,7 +41,7 @@ class QuinticSpline:
     def earlier(self, samples: float) -> FloatArray:
         """The signal moved to an earlier time by any number of samples; negative: to a later one."""
         whole = math.floor(samples)
-        weights = _b_spline(samples - whole - np.arange(-_REACH, _REACH + 2))
+        weights = _b_spline(samples - whole - np.arange(-_REACH, _REACH + 2.0))
         margin = max(abs(whole) + _REACH + 1 - _BEYOND, 0)
         known = np.pad(self._coefficients, margin, mode="edge") if margin else self._coefficients
         first = _BEYOND + margin + whole - _REACH

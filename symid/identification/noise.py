@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import sosfreqz
+import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -148,7 +148,7 @@ def _signal_gains(
     thinned = np.ones_like(frequency)
     if chosen.decimation is not None and chosen.decimation > 1:
         sections = decimation_filter(chosen.decimation).sections
-        thinned = np.abs(sosfreqz(sections, angle)[1]) ** 2
+        thinned = np.abs(scipy.signal.sosfreqz(sections, angle)[1]) ** 2
     gains = np.empty((len(model.signals), frequency.size), dtype=np.complex128)
     for i, flat in enumerate(model.signals):
         name, order = split_derivative(flat)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from symid.axis import Axis, Position
 from symid.data import REFERENCE, Log
@@ -111,7 +111,7 @@ def _finer(coarse: Trajectory, factor: int) -> Trajectory:
     """The trajectory at `factor` times the rate, by cubic splines."""
     if factor == 1:
         return coarse
-    spline = CubicSpline(np.arange(coarse.n_samples), coarse.position)
+    spline = scipy.interpolate.CubicSpline(np.arange(coarse.n_samples), coarse.position)
     places = np.arange((coarse.n_samples - 1) * factor + 1) / factor
     rate = 1.0 / coarse.sampling_period
     return Trajectory(

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import firwin, upfirdn
 
 from symid.arrays import BoolArray, FloatArray
 from symid.data import Log, LowPass, QuinticSpline, central_difference
@@ -233,11 +233,11 @@ def _step(x: FloatArray, width: int) -> FloatArray:
 def _upsampled(values: FloatArray, parts: int) -> FloatArray:
     """Band-limited course of a signal at the middle of each part of the interval after each sample."""
     n, fine = values.size, 2 * parts
-    taps = firwin(2 * fine * _INTERPOLATION_REACH + 1, 1 / fine, window=("kaiser", 8.0))
+    taps = scipy.signal.firwin(2 * fine * _INTERPOLATION_REACH + 1, 1 / fine, window=("kaiser", 8.0))
     edge = min(2 * _INTERPOLATION_REACH, n - 1)
     extended = np.pad(values, edge, mode="reflect", reflect_type="odd")
     first = (_INTERPOLATION_REACH + edge) * fine
-    whole = upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
+    whole = scipy.signal.upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
     return np.asarray(whole).reshape(n, fine)[:, 1::2]
 
 
