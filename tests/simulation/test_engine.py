@@ -119,7 +119,7 @@ def test_forward_dynamics_belong_to_a_declaration_not_to_its_name() -> None:
     assert forward_dynamics(noisy).axis is noisy
     assert forward_dynamics(noisy).motion is forward_dynamics(axis).motion
     body = Body("slide", mass="M")
-    elements = (body, ViscousFriction(body, "Fv"), Spring(body, "Fs"))
+    elements = (body, ViscousFriction(body, "Fv"), Spring("guide", body, "Fs"))
     sprung = Axis(axis.name, elements, Drive("F", body), (Position("q", body),))
     assert [plant_of(a, values).stiffness.item() for a in (axis, sprung)] == [0.0, 4.0]
 
