@@ -3,9 +3,8 @@
 Logs of an EMPS-like axis and of direct_2m1s measured at the motor are simulated. "passes" are scipy's sosfiltfilt
 alone, on as many threads as symid uses and on one: the low-pass of each signal and of each friction column, and, if
 there is decimation, the decimation filter of each column of W (constants aside) and of y. "script" does the same job
-as one would write it down with numpy and scipy.
-"unexamined" is identify without its examination of timing and bias. Every run has a process of its own, whose peak memory is counted
-beyond the log itself; the runs alternate.
+as one would write it down with numpy and scipy. "unexamined" is identify without its examination of timing and bias.
+Every run has a process of its own, whose peak memory is counted beyond the log itself; the runs alternate.
 
 Usage: python benchmarks/identify_speed.py [--samples 10000000] [--rounds 3]
 """
