@@ -3,8 +3,8 @@
 Logs of an EMPS-like axis and of direct_2m1s measured at the motor are simulated. "passes" are scipy's sosfiltfilt
 alone, on as many threads as symid uses and on one: the low-pass of each signal and of each friction column, and, if
 there is decimation, the decimation filter of each column of W (constants aside) and of y. "script" does the same job
-as one would write it down with numpy and scipy. Every run has a process of its own, whose peak memory is counted
-beyond the log itself; the runs alternate.
+as one would write it down with numpy and scipy. "unexamined" is identify without its examination of timing and bias.
+Every run has a process of its own, whose peak memory is counted beyond the log itself; the runs alternate.
 
 Usage: python benchmarks/identify_speed.py [--samples 10000000] [--rounds 3]
 """
@@ -77,10 +77,10 @@ def decimator(factor: int) -> FloatArray:
     return np.asarray(signal.cheby1(8, 0.05, 0.8 / factor, output="sos"))
 
 
-def run_identify(axis: str, log: symid.Log, settings: dict[str, Any]) -> dict[str, Any]:
+def run_identify(axis: str, log: symid.Log, settings: dict[str, Any], examine: bool = True) -> dict[str, Any]:
     """Identify, all settings but the decimation chosen from the log."""
-    model = symid.load_generated(axis)
-    found = symid.identify(model, log, preparation=symid.Preparation(decimation=settings["decimation"]))
+    model, preparation = symid.load_generated(axis), symid.Preparation(decimation=settings["decimation"])
+    found = symid.identify(model, log, preparation=preparation, examine=examine)
     chosen = found.observations[0].preparation
     return {
         "cutoff": chosen.cutoff_hz,
@@ -135,6 +135,7 @@ def run_script(axis: str, log: symid.Log, settings: dict[str, Any]) -> dict[str,
 THREADS = min(4, os.cpu_count() or 1)
 JOBS: dict[str, Callable[[str, symid.Log, dict[str, Any]], dict[str, Any]]] = {
     "identify": run_identify,
+    "unexamined": lambda axis, log, settings: run_identify(axis, log, settings, examine=False),
     "passes": lambda axis, log, settings: run_passes(axis, log, settings, THREADS),
     "passes, 1 thread": lambda axis, log, settings: run_passes(axis, log, settings, 1),
     "script": run_script,
@@ -150,7 +151,7 @@ def child(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> None:
     """Run one job once, after a short run that loads what it needs, and print its costs."""
     signals = dict(zip(AXES[axis], (np.load(folder / f"{axis}_{i}.npy") for i in range(2)), strict=True))
     log = symid.Log("simulated", 0.0, 1.0 / RATE, signals)
-    JOBS[job](axis, log.window(0, SHORT), settings)
+    JOBS[job](axis, log.window(0, min(SHORT, log.n_samples)), settings)
     before = peak_mb()
     start = time.perf_counter()
     result = JOBS[job](axis, log, settings)
@@ -170,7 +171,7 @@ def compare(axis: str, folder: Path, decimation: int | None, rounds: int) -> Non
     runs: dict[str, list[dict[str, Any]]] = {job: [] for job in JOBS}
     for i in range(rounds):
         for job in JOBS:
-            if i == 0 or job in ("identify", "passes"):
+            if i == 0 or job in ("identify", "unexamined", "passes"):
                 runs[job].append(run(job, axis, folder, settings))
             if job == "identify":
                 settings |= {key: runs[job][0][key] for key in ("cutoff", "factor")}
@@ -182,7 +183,7 @@ def compare(axis: str, folder: Path, decimation: int | None, rounds: int) -> Non
         verdict = ("  met" if ratio <= AIM else "  MISSED") if job.startswith("passes") else ""
         memory = float(np.median([r["peak_mb"] for r in results]))
         note = "" if job == "identify" else f"   identify takes {ratio:5.2f} times as long{verdict}"
-        print(f"  {job:18}{np.median(times):7.2f} s{memory:8.0f} MB{note}", flush=True)
+        print(f"  {job:18}{np.median(times):8.3f} s{memory:8.0f} MB{note}", flush=True)
     plain, deviation = (np.array(runs["script"][0][key]) for key in ("parameters", "deviations"))
     sure = deviation < 0.02 * np.abs(plain)
     apart = np.max(np.abs(np.array(runs["identify"][0]["parameters"]) / plain - 1.0)[sure])

@@ -8,9 +8,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import TypeVar
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 Item = TypeVar("Item")
 
 _PATIENCE = 2.0
@@ -26,7 +23,11 @@ def working(what: str) -> AbstractContextManager[object]:
     ...     1 + 1
     2
     """
-    return Console(stderr=True).status(what) if sys.stderr.isatty() else nullcontext()
+    if not sys.stderr.isatty():
+        return nullcontext()
+    from rich.console import Console  # takes 50 ms to load
+
+    return Console(stderr=True).status(what)
 
 
 def tracked(items: Sequence[Item], what: str) -> Iterator[Item]:
@@ -37,9 +38,13 @@ def tracked(items: Sequence[Item], what: str) -> Iterator[Item]:
     >>> list(tracked(["a", "b"], "letters"))
     ['a', 'b']
     """
-    if not sys.stderr.isatty():
-        yield from items
-        return
+    return _with_bar(items, what) if sys.stderr.isatty() else iter(items)
+
+
+def _with_bar(items: Sequence[Item], what: str) -> Iterator[Item]:
+    from rich.console import Console  # takes 50 ms to load
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with ExitStack() as shown:
         bar: Progress | None = None

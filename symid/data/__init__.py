@@ -14,6 +14,7 @@ from symid.data.filtering import (
 )
 from symid.data.log import Log
 from symid.data.reading import REFERENCE, read_log
+from symid.data.spline import QuinticSpline
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Log",
     "LowPass",
     "Piece",
+    "QuinticSpline",
     "ZeroPhaseFilter",
     "central_difference",
     "central_difference_gain",

@@ -14,8 +14,7 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
-from scipy.optimize import brentq
+import scipy
 
 from symid.arrays import FloatArray
 from symid.data.zero_phase import ZeroPhaseFilter
@@ -116,7 +115,7 @@ class LowPass:
 
 @lru_cache(maxsize=64)  # a design takes as long as filtering ten thousand samples
 def _low_pass(order: int, cutoff_hz: float, sampling_frequency: float) -> ZeroPhaseFilter:
-    sections = signal.butter(order, cutoff_hz, fs=sampling_frequency, output="sos")
+    sections = scipy.signal.butter(order, cutoff_hz, fs=sampling_frequency, output="sos")
     return ZeroPhaseFilter(np.asarray(sections), 3 * order)
 
 
@@ -238,7 +237,7 @@ def faithful_share(differences: int, gain: float) -> float:
             f"{differences} differences with a gain of {gain:g} are not possible: give 1 or more, "
             "and a gain between 0 and 1"
         )
-    return float(brentq(lambda share: np.sinc(2.0 * share) ** differences - gain, 1e-9, 0.5))
+    return float(scipy.optimize.brentq(lambda share: np.sinc(2.0 * share) ** differences - gain, 1e-9, 0.5))
 
 
 def kept_indices(n_samples: int, factor: int) -> slice:
@@ -295,7 +294,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
 @lru_cache(maxsize=64)
 def decimation_filter(factor: int) -> ZeroPhaseFilter:
     """Filter that `decimate` runs over a signal before samples are left out; `factor` is 2 or more."""
-    sections = signal.cheby1(
+    sections = scipy.signal.cheby1(
         _DECIMATION_ORDER, _DECIMATION_RIPPLE_DB, _DECIMATION_CUTOFF / factor, output="sos"
     )
     return ZeroPhaseFilter(np.asarray(sections), 3 * _DECIMATION_ORDER)

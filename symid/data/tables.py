@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 import polars as pl
-import scipy.io
+import scipy
 
 from symid.arrays import FloatArray
 from symid.errors import LogError

@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from symid.arrays import FloatArray
 
@@ -98,7 +98,7 @@ class ZeroPhaseFilter:
 
     @cached_property
     def _settled(self) -> FloatArray:
-        return np.asarray(signal.sosfilt_zi(self.sections))
+        return np.asarray(scipy.signal.sosfilt_zi(self.sections))
 
     def apply(self, x: FloatArray) -> FloatArray:
         """The filtered vector; one array of memory where scipy needs three."""
@@ -112,7 +112,7 @@ class ZeroPhaseFilter:
             state = self._settled * pass_[0]
             for first in range(0, pass_.size, _BLOCK):
                 block = pass_[first : first + _BLOCK]
-                block[:], state = signal.sosfilt(self.sections, block, zi=state)
+                block[:], state = scipy.signal.sosfilt(self.sections, block, zi=state)
         return extended[self.padding : -self.padding]
 
     def apply_rows(self, x: FloatArray, out: FloatArray, kept: slice, workers: int) -> None:

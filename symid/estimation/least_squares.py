@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.linalg import solve_triangular
+import scipy
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
@@ -254,7 +254,7 @@ def _stacked(factors: Sequence[TriangularFactor], weights: FloatArray) -> FloatA
 def _solve(R: FloatArray, rank: RankAnalysis) -> FloatArray:
     """Solution of the triangular system; the shortest one on columns of unit norm if there are many."""
     if rank.rank == len(R) - 1:
-        return np.asarray(solve_triangular(R[:-1, :-1], R[:-1, -1], check_finite=False))
+        return np.asarray(scipy.linalg.solve_triangular(R[:-1, :-1], R[:-1, -1], check_finite=False))
     root = rank.inverse_root
     solution: FloatArray = root @ ((R[:-1, :-1] @ root).T @ R[:-1, -1])
     return solution

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import lapack
+import scipy
 
 from symid.arrays import BoolArray, FloatArray
 from symid.errors import SettingError
@@ -270,6 +270,6 @@ def _fold(
 
 def _factorise(stacked: FloatArray) -> FloatArray:
     columns = stacked.shape[1]
-    factored, _, _, _ = lapack.dgeqrf(stacked, lwork=64 * columns, overwrite_a=True)
+    factored, _, _, _ = scipy.linalg.lapack.dgeqrf(stacked, lwork=64 * columns, overwrite_a=True)
     R: FloatArray = np.triu(factored[:columns])
     return R

@@ -137,5 +137,26 @@ def _rest_of_sharper_rows(
 ) -> FloatArray:
     """What an estimate leaves of rows that are made with sharper differences; 0 in rows that are not used."""
     scheme = replace(SHARP, widening=quiet_widening(model, log, seen.preparation, levels, SHARP.widening))
-    sharper = observe(model, log, replace(seen.preparation, filter_force=True), scheme)
-    return np.where(seen.valid, sharper.y - sharper.W @ X, 0.0)
+    preparation = replace(
+        seen.preparation, filter_force=True, standstill=0.0
+    )  # its rows are those that were fitted
+    sharper = observe(_rest(model, X), log, preparation, scheme)
+    return np.where(seen.valid, sharper.y - sharper.W[..., 0], 0.0)
+
+
+def _rest(model: GeneratedModel, X: FloatArray) -> GeneratedModel:
+    """A model of what parameters leave of the output: laws as its only column, and as output what the others leave.
+
+    Filters are linear: two rows an equation tell the rest that all columns would tell.
+    """
+    of_laws = np.zeros((len(model.output_names), X.size, 1))
+    for equation, parameter in model.law_columns:
+        of_laws[equation, parameter] = X[parameter]
+    of_others = X[:, None] - of_laws
+    return replace(
+        model,
+        minimal_units={"laws": "1"},
+        law_columns=tuple((equation, 0) for equation in sorted({place[0] for place in model.law_columns})),
+        regressor=lambda *signals: model.regressor(*signals) @ of_laws,
+        output=lambda *signals: model.output(*signals) - (model.regressor(*signals) @ of_others)[..., 0],
+    )

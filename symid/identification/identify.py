@@ -70,7 +70,7 @@ def identify(
     nominal : mapping of str to float, optional
         Nominal physical parameters, a start where the inverse map has no closed form.
     examine : bool
-        Whether timing and bias are estimated, which takes about as long as the rest for a short log.
+        Whether timing and bias are estimated, which takes up to as long again as the rest for a short log.
 
     Returns
     -------

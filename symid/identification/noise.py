@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import sosfreqz
+import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -98,7 +98,7 @@ def noise_of_rows(
     for name, level in levels.items():
         own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
         response = coefficients[:, :, own] @ gains[own]
-        product = np.einsum("jaf,jbf->jab", response, response.conj()).real
+        product = (response @ response.conj().swapaxes(1, 2)).real
         covariance += product * level * (log.sampling_frequency / (2 * _LINES))
     return covariance
 
@@ -148,7 +148,7 @@ def _signal_gains(
     thinned = np.ones_like(frequency)
     if chosen.decimation is not None and chosen.decimation > 1:
         sections = decimation_filter(chosen.decimation).sections
-        thinned = np.abs(sosfreqz(sections, angle)[1]) ** 2
+        thinned = np.abs(scipy.signal.sosfreqz(sections, angle)[1]) ** 2
     gains = np.empty((len(model.signals), frequency.size), dtype=np.complex128)
     for i, flat in enumerate(model.signals):
         name, order = split_derivative(flat)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.ndimage import shift
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
@@ -17,6 +16,7 @@ from symid.data import (
     Log,
     LowPass,
     Piece,
+    QuinticSpline,
     ZeroPhaseFilter,
     decimation_filter,
     in_pieces,
@@ -34,7 +34,7 @@ _STANDSTILL_SHARE = 0.01
 _WIDEST = 0.4
 """Of the sampling frequency: the highest cutoff to which a filter is widened."""
 
-_MOST_WORKERS = 4
+_WORKERS = min(4, os.cpu_count() or 1)
 """Threads that prepare a log: filters are bound by the processor up to about so many, by memory beyond."""
 
 
@@ -90,51 +90,70 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation, scheme: S
         raise SettingError(
             f"trimming {before} and {after} of {log.n_samples} samples leaves nothing: trim less"
         )
-    workers = min(_MOST_WORKERS, os.cpu_count() or 1)
-    sampling = _sampling(model, log, chosen, scheme, workers)
-    W, y, velocities = _sampled(sampling, workers, sampling.needs_velocities)
-    usable = _usable_rows(sampling, velocities, workers)
+    sampling = _sampling(model, log, chosen, scheme)
+    W, y, velocities = _sampled(sampling, sampling.needs_velocities)
+    usable = _usable_rows(sampling, velocities)
     kept = kept_indices(sampling.n_samples, sampling.factor)
     places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
     return Observation(W.transpose(0, 2, 1), y, usable, log.start + log.sampling_period * places, chosen)
 
 
-def force_rows(
-    model: GeneratedModel, log: Log, chosen: Preparation
-) -> Callable[[float], tuple[FloatArray, FloatArray]]:
-    """W and y of the force alone, as a function of the seconds by which it is moved to an earlier time.
-
-    Rows are linear in the force: the difference of two such pairs is by how much a shift changes those of the log.
+@dataclass(frozen=True, eq=False)
+class ForceRows:
+    """By how much the rows of a log change if its force is moved in time: they are linear in it.
 
     Parameters
     ----------
-    model, log
-        As in `observe`.
-    chosen : Preparation
-        Complete, that of an observation.
+    sampling : _Sampling
+        Of the part of the model that is linear in the signals, of which all but the force are still.
+    force : QuinticSpline
+        The filtered force.
     """
-    workers = min(_MOST_WORKERS, os.cpu_count() or 1)
-    still = np.broadcast_to(0.0, log.n_samples)
-    alone = {name: log[name] if name == model.force else still for name in model.highest_derivatives}
-    run = Log(log.source, log.start, log.sampling_period, alone)
-    sampling = _sampling(model, run, chosen, PAPER, workers)
-    force = sampling.signals[model.force]
 
-    def rows(late: float) -> tuple[FloatArray, FloatArray]:
-        moved = _earlier(force, late / log.sampling_period) if late else force
-        W, y, _ = _sampled(
-            replace(sampling, signals={**sampling.signals, model.force: moved}), workers, False
-        )
+    sampling: _Sampling
+    force: QuinticSpline
+
+    @classmethod
+    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation) -> ForceRows:
+        """That of a log, with the complete preparation of its observation."""
+        still = np.broadcast_to(0.0, log.n_samples)
+        alone = {name: log[name] if name == model.force else still for name in model.highest_derivatives}
+        run = Log(log.source, log.start, log.sampling_period, alone)
+        sampling = _sampling(_linear(model), run, chosen, PAPER)
+        return cls(sampling, QuinticSpline(sampling.signals[model.force]))
+
+    def change(self, late: float) -> tuple[FloatArray, FloatArray]:
+        """Of W and y, by a force that is moved `late` seconds to an earlier time."""
+        return self._rows(self._earlier(late) - self.force.values)
+
+    def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
+        """Of W and y by second, from forces that are moved `step` seconds to either side."""
+        return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
+
+    def _earlier(self, late: float) -> FloatArray:
+        return self.force.earlier(late / self.sampling.period)
+
+    def _rows(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        signals = {**self.sampling.signals, self.sampling.model.force: force}
+        W, y, _ = _sampled(replace(self.sampling, signals=signals), with_velocities=False)
         return W.transpose(0, 2, 1), y
 
-    return rows
+
+def _linear(model: GeneratedModel) -> GeneratedModel:
+    """The model less what it is at rest: what is linear in the signals remains, of laws nothing as long as it rests."""
+    rest = {name: np.zeros(1) for name in model.signals}
+    W, y = model.sample(rest)
+    return replace(
+        model,
+        law_columns=(),
+        regressor=lambda *signals: model.regressor(*signals) - W,
+        output=lambda *signals: model.output(*signals) - y,
+    )
 
 
-def _sampling(
-    model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme, workers: int
-) -> _Sampling:
+def _sampling(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> _Sampling:
     before, after = chosen.trim or (0, 0)
-    signals = _filtered(model, log, chosen, scheme.widening, workers)
+    signals = _filtered(model, log, chosen, scheme.widening)
     return _Sampling(
         model, chosen, scheme, log.sampling_period, signals, before, log.n_samples - before - after
     )
@@ -222,9 +241,7 @@ class _Sampling:
         return flat
 
 
-def _sampled(
-    sampling: _Sampling, workers: int, with_velocities: bool
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _sampled(sampling: _Sampling, with_velocities: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
     """W of shape (n_equations, n_parameters, n_rows), y, and the sliding velocities at all samples.
 
     The model is sampled, filtered and decimated piece by piece, each in the cache of one processor.
@@ -253,7 +270,7 @@ def _sampled(
             arguments = (signals[name][piece.inner] for name in model.signals)
             velocities[:, piece.start : piece.stop] = model.sliding_velocities(*arguments)
 
-    in_pieces(sample, sampling.n_samples, sampling.reach, workers)
+    in_pieces(sample, sampling.n_samples, sampling.reach, _WORKERS)
     return W, y, velocities
 
 
@@ -266,9 +283,7 @@ def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray,
         out[row] = row_filter.apply(rows[row])[chosen]
 
 
-def _filtered(
-    model: GeneratedModel, log: Log, chosen: Preparation, widening: float, workers: int
-) -> dict[str, FloatArray]:
+def _filtered(model: GeneratedModel, log: Log, chosen: Preparation, widening: float) -> dict[str, FloatArray]:
     """Low-passed signals; the force only if the preparation says so."""
     assert chosen.cutoff_hz is not None
     signals = {name: log[name] for name in model.highest_derivatives}
@@ -276,18 +291,13 @@ def _filtered(
     lowpass = LowPass(cutoff, chosen.order)
     for name, values in signals.items():
         if chosen.filter_force or name != model.force:
-            signals[name] = lowpass.apply(values, log.sampling_frequency, workers=workers)
+            signals[name] = lowpass.apply(values, log.sampling_frequency, workers=_WORKERS)
     for name, seconds in chosen.late.items():
-        signals[name] = _earlier(signals[name], seconds / log.sampling_period)
+        signals[name] = QuinticSpline(signals[name]).earlier(seconds / log.sampling_period)
     return signals
 
 
-def _earlier(values: FloatArray, samples: float) -> FloatArray:
-    """Signal moved to an earlier time by any number of samples, by splines of the fifth order."""
-    return np.asarray(shift(values, -samples, order=5, mode="nearest"))
-
-
-def _usable_rows(sampling: _Sampling, velocities: FloatArray, workers: int) -> BoolArray:
+def _usable_rows(sampling: _Sampling, velocities: FloatArray) -> BoolArray:
     """Rows of each equation that are not near the standstill of a law that jumps there.
 
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
@@ -306,7 +316,7 @@ def _usable_rows(sampling: _Sampling, velocities: FloatArray, workers: int) -> B
         mark = partial(
             _leave_out, velocity, threshold, margin, (offset, factor), [usable[j] for j in concerned]
         )
-        in_pieces(mark, sampling.n_samples, margin + 1, workers)
+        in_pieces(mark, sampling.n_samples, margin + 1, _WORKERS)
     return usable
 
 

@@ -12,9 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_triangular
-from scipy.optimize import least_squares
-from scipy.stats import chi2
+import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -59,7 +57,9 @@ class PhysicalEstimate:
     @property
     def disagreement_probability(self) -> float:
         """Probability of a disagreement as large as this if the structure is right; nan without relations."""
-        return float(chi2.sf(self.disagreement, self.relations)) if self.relations else float("nan")
+        return (
+            float(scipy.stats.chi2.sf(self.disagreement, self.relations)) if self.relations else float("nan")
+        )
 
     def negative(self, model: GeneratedModel) -> tuple[str, ...]:
         """Parameters that are negative beyond what their deviation explains, and must not be."""
@@ -136,30 +136,34 @@ def _fitted(
 
     def misfit(relative: FloatArray) -> FloatArray:
         return np.asarray(
-            solve_triangular(
+            scipy.linalg.solve_triangular(
                 root, (model.minimal_parameters(*whole(relative)) - minimal) / spread, lower=True
             )
         )
 
     def slope(relative: FloatArray) -> FloatArray:
         columns = jacobian(model, whole(relative))[:, seen] * scale / spread[:, None]
-        return np.asarray(solve_triangular(root, columns, lower=True))
+        return np.asarray(scipy.linalg.solve_triangular(root, columns, lower=True))
 
     relations = minimal.size - guess.size
     exact = relations == 0 and model.physical_parameters is not None
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(slope(guess / scale))):
             return None
-        relative = guess / scale if exact else least_squares(misfit, guess / scale, jac=slope, method="lm").x
+        relative = (
+            guess / scale
+            if exact
+            else scipy.optimize.least_squares(misfit, guess / scale, jac=slope, method="lm").x
+        )
         gradient = slope(relative)
     orthonormal, triangle = np.linalg.qr(gradient)
     if not np.all(np.isfinite(triangle)) or np.linalg.cond(triangle) > 1 / np.finfo(float).eps:
         return None
     disagreement = float(np.sum(misfit(relative) ** 2)) if relations else float("nan")
-    whitening = solve_triangular(root, np.diag(1 / spread), lower=True)
+    whitening = scipy.linalg.solve_triangular(root, np.diag(1 / spread), lower=True)
     parameters, sensitivity = np.full(start.size, np.nan), np.full((start.size, minimal.size), np.nan)
     parameters[seen] = relative * scale
-    sensitivity[seen] = scale[:, None] * solve_triangular(triangle, orthonormal.T @ whitening)
+    sensitivity[seen] = scale[:, None] * scipy.linalg.solve_triangular(triangle, orthonormal.T @ whitening)
     return PhysicalEstimate(
         parameters, sensitivity, sensitivity @ covariance @ sensitivity.T, relations, disagreement
     )

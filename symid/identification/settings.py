@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.signal import csd, welch
+import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -76,8 +76,8 @@ def coherent_band(log: Log, model: GeneratedModel) -> float:
     drive = _excerpts(log[force])
     motion: FloatArray = derivatives(_excerpts(log[name]), log.sampling_period, 2)[1]
     rate, length = log.sampling_frequency, _segment(log)
-    frequency, together = csd(drive, motion, fs=rate, nperseg=length)
-    powers = [np.mean(welch(x, fs=rate, nperseg=length)[1], axis=0) for x in (drive, motion)]
+    frequency, together = scipy.signal.csd(drive, motion, fs=rate, nperseg=length)
+    powers = [np.mean(scipy.signal.welch(x, fs=rate, nperseg=length)[1], axis=0) for x in (drive, motion)]
     with np.errstate(divide="ignore", invalid="ignore"):
         coherent = np.abs(np.mean(together, axis=0)) ** 2 / powers[0] / powers[1]
     smooth = np.convolve(np.nan_to_num(coherent, posinf=0.0), np.full(5, 0.2), mode="same")
@@ -92,7 +92,9 @@ def quiet_band(log: Log, model: GeneratedModel) -> float:
     that of the log itself above 0.7 of the Nyquist frequency, taken as white.
     """
     name = model.most_differentiated
-    frequency, powers = welch(_excerpts(log[name]), fs=log.sampling_frequency, nperseg=_segment(log))
+    frequency, powers = scipy.signal.welch(
+        _excerpts(log[name]), fs=log.sampling_frequency, nperseg=_segment(log)
+    )
     power = np.mean(powers, axis=0)
     noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
     gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[name])

@@ -18,7 +18,7 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification.excerpts import Excerpt, blocks_of
-from symid.identification.observation import Observation, force_rows
+from symid.identification.observation import ForceRows, Observation
 
 _STEP = 0.25
 """Half the shift between the rows whose difference is the derivative, in samples."""
@@ -165,18 +165,15 @@ class _Shifting:
 
     def __init__(self, model: GeneratedModel, part: Excerpt) -> None:
         self.observation = part.observation
-        self._of_force = force_rows(model, part.log, part.observation.preparation)
-        self._still = self._of_force(0.0)
-        step = _STEP * part.log.sampling_period
-        above, below = self._of_force(step), self._of_force(-step)
-        self._slope = (above[0] - below[0]) / (2 * step), (above[1] - below[1]) / (2 * step)
+        self._rows = ForceRows.of(model, part.log, part.observation.preparation)
+        self._slope = self._rows.slope(_STEP * part.log.sampling_period)
 
     def with_tangent(self, late: float, X: FloatArray) -> Observation:
         """Rows of a delay, with the derivative of W X - y by the delay as one more column."""
         W, y = self.observation.W, self.observation.y
         if late:
-            moved = self._of_force(late)
-            W, y = W + (moved[0] - self._still[0]), y + (moved[1] - self._still[1])
+            changed = self._rows.change(late)
+            W, y = W + changed[0], y + changed[1]
         tangent = self._slope[0] @ X - self._slope[1]
         return replace(self.observation, W=np.concatenate([W, tangent[..., None]], axis=2), y=y)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
+import scipy
 
 from symid.arrays import FloatArray
 from symid.data import Log
@@ -81,7 +81,7 @@ class PredictionError:
         raw, found = self._raw(parameters, nuisance)
         root = np.linalg.cholesky(found.covariance)
         level = np.exp(np.mean(np.log(np.diag(root))))
-        whitening = solve_triangular(root, level * np.eye(len(root)), lower=True)
+        whitening = scipy.linalg.solve_triangular(root, level * np.eye(len(root)), lower=True)
         return self._projected(raw, found, whitening).ravel()
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:

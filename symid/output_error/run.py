@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import shift
-from scipy.signal import firwin, upfirdn
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data import Log, LowPass, central_difference
+from symid.data import Log, LowPass, QuinticSpline, central_difference
 from symid.simulation import ForwardDynamics
 from symid.simulation.plant import JointLaw
 
@@ -220,7 +219,7 @@ def _between(
         held = force[np.clip(np.floor(places).astype(int), 0, n - 1)]
         before = force[np.clip(np.ceil(np.arange(n) + late).astype(int) - 1, 0, n - 1)]
         return held, before, np.zeros_like(held), np.zeros(n)
-    moved = shift(force, -late, order=5, mode="nearest") if late else force
+    moved = QuinticSpline(force).earlier(late) if late else force
     rate = (8 * _step(moved, 1) - _step(moved, 2)) / 12
     return _upsampled(moved, parts), moved, _upsampled(rate, parts), rate
 
@@ -234,11 +233,11 @@ def _step(x: FloatArray, width: int) -> FloatArray:
 def _upsampled(values: FloatArray, parts: int) -> FloatArray:
     """Band-limited course of a signal at the middle of each part of the interval after each sample."""
     n, fine = values.size, 2 * parts
-    taps = firwin(2 * fine * _INTERPOLATION_REACH + 1, 1 / fine, window=("kaiser", 8.0))
+    taps = scipy.signal.firwin(2 * fine * _INTERPOLATION_REACH + 1, 1 / fine, window=("kaiser", 8.0))
     edge = min(2 * _INTERPOLATION_REACH, n - 1)
     extended = np.pad(values, edge, mode="reflect", reflect_type="odd")
     first = (_INTERPOLATION_REACH + edge) * fine
-    whole = upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
+    whole = scipy.signal.upfirdn(fine * taps, extended, up=fine)[first : first + n * fine]
     return np.asarray(whole).reshape(n, fine)[:, 1::2]
 
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
+import scipy
 
 from symid.arrays import FloatArray
 from symid.simulation import Plant
@@ -81,7 +81,7 @@ def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: in
     known = m - len(signals) + 1
     whole = np.zeros((n + m, n + m))
     whole[:n] = np.hstack([generator, forces]) * (period / parts)
-    exponential = expm(whole)
+    exponential = scipy.linalg.expm(whole)
     step, last = exponential[:n, :n], exponential[:n, n:]
     effects = [last]
     for _ in range(parts - 1):

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 import matplotlib as mpl
 import numpy as np
+import scipy
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy import signal
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
@@ -191,7 +191,7 @@ def _draw_spectrum(axes: Axes, time: FloatArray, y: FloatArray, error: FloatArra
     """Amplitude densities of output and residual; rows that were left out count as zero."""
     rate = 1.0 / (time[1] - time[0])
     for values, colour, name in ((y, MEASURED, "output"), (error, RESIDUAL, "residual")):
-        frequency, power = signal.welch(np.nan_to_num(values), fs=rate, nperseg=min(1024, values.size))
+        frequency, power = scipy.signal.welch(np.nan_to_num(values), fs=rate, nperseg=min(1024, values.size))
         axes.loglog(frequency[1:], np.sqrt(power[1:]), color=colour, linewidth=0.9, label=name)
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"{unit}/√Hz")

@@ -7,9 +7,11 @@ expressions as the regressors.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from math import prod
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -31,6 +33,12 @@ _MATRICES = ("stiffness", "damping", "mass")
 
 JUST_MOVING = 1e-300
 """A speed with a sign and nothing else: laws are evaluated at it to know their limits at rest."""
+_FELT = 1e-200
+"""A jump at rest: what a law without one makes of `JUST_MOVING` is far less."""
+_PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0, -1.0)))
+"""Displacements at which a law is asked whether it holds: none, and four a decade from 1 um or urad to 10 m or rad."""
+_DERIVED = 32
+"""Declarations whose forward dynamics are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +66,8 @@ class JointLaw:
 
     @property
     def can_hold(self) -> bool:
-        """Whether the law jumps at rest, so that the joint can stick."""
-        low, high = self.limits(0.0)
-        return high > low
+        """Whether the law jumps at rest at some displacement within 10 m or rad, so that the joint can stick there."""
+        return any(high - low > _FELT for low, high in map(self.limits, _PLACES))
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +232,7 @@ class Polynomial:
 
 
 def forward_dynamics(axis: Axis) -> ForwardDynamics:
-    """Forward dynamics of an axis for any parameter values: derived once, evaluated often.
+    """Forward dynamics of an axis for any parameter values: derived once for a declaration, evaluated often.
 
     Examples
     --------
@@ -234,6 +241,20 @@ def forward_dynamics(axis: Axis) -> ForwardDynamics:
     >>> [dynamics.at({"M": m, "Fv": 3.0, "Fs": 4.0}).mass.item() for m in (1.0, 2.0)]
     [1.0, 2.0]
     """
+    return replace(_derived(_Declaration(axis.signature, axis)), axis=axis)
+
+
+@dataclass(frozen=True)
+class _Declaration:
+    """An axis that equals all others of its signature: those differ in the imperfections of their signals only."""
+
+    signature: str
+    axis: Axis = field(compare=False)
+
+
+@lru_cache(maxsize=_DERIVED)
+def _derived(declaration: _Declaration) -> ForwardDynamics:
+    axis = declaration.axis
     model = inverse_dynamics(axis)
     operators = operator_model(model)
     numbers = _Numbers(operators)
@@ -278,7 +299,13 @@ class _Numbers:
 
     def row(self, functional: Mapping[str, Any], bodies: tuple[str, ...]) -> FloatArray:
         """A function of displacements as a row."""
-        return np.array([self.number(functional[b]) if b in functional else 0.0 for b in bodies])
+        return _read_only(self.number(functional[b]) if b in functional else 0.0 for b in bodies)
+
+
+def _read_only(numbers: Iterable[float]) -> FloatArray:
+    row = np.array(tuple(numbers))
+    row.flags.writeable = False
+    return row
 
 
 def _laws(
@@ -296,7 +323,7 @@ def _laws(
         direction = tuple(float(x) for x in numbers.row(functional, bodies))
         term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
         joints.setdefault(direction, []).append(term)
-    return tuple((np.array(direction), tuple(terms)) for direction, terms in joints.items())
+    return tuple((_read_only(direction), tuple(terms)) for direction, terms in joints.items())
 
 
 def law_function(expression: sp.Expr) -> LawFunction:
@@ -325,13 +352,14 @@ def array_function(expression: sp.Expr) -> Callable[[FloatArray, FloatArray], Fl
 
 def _sensors(
     operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
-) -> dict[str, tuple[FloatArray, int]]:
+) -> Mapping[str, tuple[FloatArray, int]]:
     axis = operators.source.axis
     kinematics = Kinematics(axis)
-    return {
+    rows = {
         sensor.signal: (
             numbers.row(operators.functional(kinematics.reading(sensor)), bodies),
             derivative_order(sensor),
         )
         for sensor in axis.sensors
     }
+    return MappingProxyType(rows)

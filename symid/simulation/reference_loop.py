@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis, Position
@@ -123,7 +123,7 @@ class ClosedLoop:
 def _splined(reference: FloatArray, log: Log, factor: int) -> Trajectory:
     """Reference of a log at `factor` times its rate, by splines of the fifth order."""
     order = max(min(_SPLINE, (reference.size - 1) // 2 * 2 - 1), 1)
-    spline = make_interp_spline(np.arange(reference.size), reference, order)
+    spline = scipy.interpolate.make_interp_spline(np.arange(reference.size), reference, order)
     places = np.arange((reference.size - 1) * factor + 1) / factor
     rate = log.sampling_frequency
     return Trajectory(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from symid.arrays import FloatArray
 
@@ -139,7 +139,7 @@ def _refined(error: Callable[[float], float], above: float, within: float, bound
         share = math.log(error(above) / bound) / math.log(error(above) / max(error(within), 1e-300))
     guess = math.log(above) + min(max(share, 0.02), 0.98) * math.log(within / above)
     simplex = np.array([[guess], [guess + 0.02 * math.log(within / above)]])
-    found = minimize(
+    found = scipy.optimize.minimize(
         distance,
         simplex[0],
         method="Nelder-Mead",

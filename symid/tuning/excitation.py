@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.linalg import eigh
+import scipy
 
 from symid.simulation import Plant, Trajectory, chirp
 
@@ -28,7 +28,7 @@ def modes_hz(plant: Plant) -> tuple[float, ...]:
     >>> [round(f, 1) for f in modes_hz(plant_of(load_axis("direct_2m1s"), values))]
     [80.6]
     """
-    squares = eigh(plant.stiffness, plant.mass, eigvals_only=True)
+    squares = scipy.linalg.eigh(plant.stiffness, plant.mass, eigvals_only=True)
     flexible = squares[squares > 1e-9 * max(squares[-1], 0.0)]
     return tuple(float(math.sqrt(w) / (2 * math.pi)) for w in flexible)
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis, Spring
@@ -106,7 +106,8 @@ def run_of_log(
     time = period * np.arange((log.n_samples - 1) * finer + 1)
     delays = late or {}
     position, force = (
-        CubicSpline(samples, low_pass.apply(log[name], rate)) for name in (signal, model.force)
+        scipy.interpolate.CubicSpline(samples, low_pass.apply(log[name], rate))
+        for name in (signal, model.force)
     )
     at = time + delays.get(signal, 0.0)
     reference = Trajectory(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from symid.arrays import BoolArray, FloatArray
 from symid.data import LowPass
@@ -96,5 +96,5 @@ class LowPassErrors:
         for velocity in self.model.sliding(filtered):
             slow = np.abs(velocity) < _STANDSTILL_SHARE * np.abs(velocity).max()
             slow[1:] |= np.signbit(velocity[1:]) != np.signbit(velocity[:-1])
-            kept &= ~maximum_filter1d(slow, 2 * margin + 1)
+            kept &= ~scipy.ndimage.maximum_filter1d(slow, 2 * margin + 1)
         return kept

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.signal import csd, welch
+import scipy
 
 from symid.arrays import FloatArray
 from symid.data import Log
@@ -40,10 +40,10 @@ def noise_levels(log: Log, force: str, measured: Sequence[str]) -> dict[str, flo
     (2, 3)
     """
     rate, length = log.sampling_frequency, max(16, log.n_samples // _SEGMENTS)
-    powers = {name: welch(log[name], fs=rate, nperseg=length)[1] for name in (force, *measured)}
-    frequency, own = welch(log[force], fs=rate, nperseg=length)
+    powers = {name: scipy.signal.welch(log[name], fs=rate, nperseg=length)[1] for name in (force, *measured)}
+    frequency, own = scipy.signal.welch(log[force], fs=rate, nperseg=length)
     for name in measured:
-        together = np.abs(csd(log[force], log[name], fs=rate, nperseg=length)[1]) ** 2
+        together = np.abs(scipy.signal.csd(log[force], log[name], fs=rate, nperseg=length)[1]) ** 2
         with np.errstate(divide="ignore", invalid="ignore"):
             explained = np.nan_to_num(together / powers[name], posinf=0.0)
         own = np.minimum(own, np.maximum(powers[force] - explained, 0.0))

@@ -15,7 +15,7 @@ from itertools import cycle
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
@@ -301,7 +301,7 @@ def _refined(errors: TotalErrors, start: Preparation, known: float, counted: Flo
             seen[cutoff] = _together(errors.rms(replace(start, cutoff_hz=cutoff))[counted])
         return seen[cutoff]
 
-    minimize(
+    scipy.optimize.minimize(
         total,
         np.zeros(1),
         method="Nelder-Mead",

@@ -7,7 +7,9 @@ import pytest
 
 from symid import Log, Preparation, identify, load_generated
 from symid.identification import observe
-from symid.identification.noise import noise_levels, noise_of_rows
+from symid.identification.bias import _rest_of_sharper_rows
+from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
+from symid.identification.scheme import SHARP
 
 RATE = 1000.0
 
@@ -114,3 +116,19 @@ def test_examination_can_be_left_out() -> None:
     assert found.bias is None
     assert found.timing is None
     assert found.dominated_by_bias == ()
+
+
+@pytest.mark.parametrize("wide", [True, False])
+def test_the_rest_of_sharper_rows_is_what_all_their_columns_leave(wide: bool) -> None:
+    """Filtered as one row an equation it is the same, whether rows or signals pass the low-pass."""
+    model, log = load_generated("rigid_1m"), sine_log(5.0, 95.0, 200.0)
+    seen = observe(model, log, Preparation(cutoff_hz=40.0, decimation=3))
+    levels = {"q": 0.0, "F": 0.0} if wide else {"q": 1e-3, "F": 0.0}
+    X = np.array([90.0, 180.0, 2.0])
+    widening = quiet_widening(model, log, seen.preparation, levels, SHARP.widening)
+    assert widening == (SHARP.widening if wide else 1.0)
+    whole = observe(model, log, seen.preparation, replace(SHARP, widening=widening))
+    expected = np.where(seen.valid, whole.y - whole.W @ X, 0.0)
+    rest = _rest_of_sharper_rows(model, log, seen, X, levels)
+    assert rest == pytest.approx(expected, abs=1e-9 * np.abs(whole.y).max())
+    assert np.abs(rest).max() > 1.0

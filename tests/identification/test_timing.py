@@ -1,12 +1,14 @@
 """Delays of the force: known ones are found and taken out, clean logs raise nothing, real logs show what is known."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from symid import Log, Preparation, identify, load_axis, load_generated, read_axis_log
-from symid.identification import Identification
+from symid.identification import Identification, observe
+from symid.identification.observation import ForceRows
 
 RATE = 1000.0
 TRUTH = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}
@@ -112,3 +114,24 @@ def test_the_bench_and_emps_show_their_known_lags() -> None:
     assert any("F acts as if 0.75 samples" in note for note in lagging.notes)
     moved = Log.from_arrays({"q": emps["q"][1:], "F": emps["F"][:-1]}, sampling_period=1e-3)
     assert identify(load_generated("emps"), moved).status == "timing"
+
+
+@pytest.mark.parametrize(
+    ("axis", "signals"), [("emps", ("q", "F")), ("direct_2m1s", ("q2", "Fm")), ("rigid_1m", ("q", "F"))]
+)
+@pytest.mark.parametrize("settings", [{}, {"decimation": 5}, {"filter_force": False}])
+def test_rows_change_as_those_of_a_moved_force(
+    axis: str, signals: tuple[str, str], settings: dict[str, int]
+) -> None:
+    """The change of rows is that between two whole observations; its slope is that of the change."""
+    made, model = rigid_log(), load_generated(axis)
+    columns = dict(zip(signals, (made["q"], made["F"]), strict=True))
+    log = Log.from_arrays(columns, sampling_period=1 / RATE)
+    still = observe(model, log, Preparation(cutoff_hz=30.0, **settings))
+    late = 0.4 / RATE
+    moved = observe(model, log, replace(still.preparation, late={signals[1]: late}))
+    rows = ForceRows.of(model, log, still.preparation)
+    slope, above, below = rows.slope(late), rows.change(late), rows.change(-late)
+    assert above[1] == pytest.approx(moved.y - still.y, abs=1e-9 * np.abs(still.y).max())
+    assert above[0] == pytest.approx(moved.W - still.W, abs=1e-9 * np.abs(still.W).max())
+    assert 2 * late * slope[1] == pytest.approx(above[1] - below[1], abs=1e-9 * np.abs(still.y).max())

@@ -20,7 +20,7 @@ from symid import (
     load_axis,
 )
 from symid.simulation.engine import Engine
-from symid.simulation.plant import plant_of
+from symid.simulation.plant import forward_dynamics, plant_of
 
 STEP = 1 / 4000
 DIRECT = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}
@@ -86,6 +86,42 @@ def test_a_level_that_varies_along_the_stroke_holds_with_its_value_there() -> No
     for place, level in ((0.025, 4.0), (0.05, 1.0), (0.1, 7.0)):
         states = history(Engine(plant, np.array([place, 0.0])), ramp)
         assert ramp[np.argmax(states[1:, 1] > 0)] == pytest.approx(level, abs=0.011)
+
+
+def test_a_law_that_holds_away_from_zero_only_holds_there() -> None:
+    """Friction 40 abs(q), pulled by a rising force: at 0.05 m it breaks loose at 2 N; damping alone never holds."""
+
+    class Wedge(Law):
+        def terms(self) -> tuple[Term, ...]:
+            return (Term("k", "sign(v)*abs(q)", length_power=1),)
+
+    class Rising(Law):
+        def terms(self) -> tuple[Term, ...]:
+            return (Term("d", "v*abs(q)", length_power=2, time_power=1),)
+
+    body = Body("slide", mass="M")
+    drive, sensor = Drive("F", body), Position("q", body)
+    plant = plant_of(Axis("wedge", (body, Wedge(body)), drive, (sensor,)), {"M": 2.0, "k": 40.0})
+    damped = plant_of(Axis("rising", (body, Rising(body)), drive, (sensor,)), {"M": 2.0, "d": 40.0})
+    ramp = np.linspace(0, 4, 401)
+    states = history(Engine(plant, np.array([0.05, 0.0])), ramp)
+    assert ramp[np.argmax(states[1:, 1] > 0)] == pytest.approx(2.0, abs=0.011)
+    # pushed by 1 N from 0: q = F/k (1 - cos(sqrt(k/M) t)), until it stops at 2 F/k
+    pushed = history(Engine(plant), np.ones(3000))
+    assert pushed[-1].tolist() == pytest.approx([0.05, 0.0], abs=1e-9)
+    assert not damped.laws[0].can_hold
+
+
+def test_forward_dynamics_belong_to_a_declaration_not_to_its_name() -> None:
+    """Derived once: noise of a signal changes nothing, another term does."""
+    axis, values = load_axis("rigid_1m"), {"M": 2.0, "Fv": 3.0, "Fs": 4.0}
+    noisy = axis.with_signal("q", noise=1e-6)
+    assert forward_dynamics(noisy).axis is noisy
+    assert forward_dynamics(noisy).motion is forward_dynamics(axis).motion
+    body = Body("slide", mass="M")
+    elements = (body, ViscousFriction(body, "Fv"), Spring("guide", body, "Fs"))
+    sprung = Axis(axis.name, elements, Drive("F", body), (Position("q", body),))
+    assert [plant_of(a, values).stiffness.item() for a in (axis, sprung)] == [0.0, 4.0]
 
 
 def test_a_stiff_axis_stops_as_a_rigid_one() -> None:

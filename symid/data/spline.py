@@ -1,0 +1,55 @@
+"""A sampled signal between its samples."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+
+_BEYOND = 32
+"""Samples by which a signal is continued at its ends: there a spline has forgotten them to 1e-11."""
+_REACH = 2
+"""Coefficients before the one at or before a point that enter the value there; one more enters behind it."""
+
+
+class QuinticSpline:
+    """The spline of fifth order through the samples of a signal that stays constant beyond its ends.
+
+    Its coefficients are found once; a shift then costs six products a sample.
+
+    Parameters
+    ----------
+    values : array of shape (n_samples,)
+        The signal.
+
+    Examples
+    --------
+    >>> t = np.arange(100.0)
+    >>> moved = QuinticSpline(np.sin(t / 5)).earlier(0.25)
+    >>> bool(np.allclose(moved[10:-10], np.sin((t + 0.25) / 5)[10:-10], atol=1e-6))
+    True
+    """
+
+    def __init__(self, values: FloatArray) -> None:
+        self.values = values
+        continued = np.pad(values, _BEYOND, mode="edge")
+        self._coefficients: FloatArray = scipy.ndimage.spline_filter1d(continued, order=5)
+
+    def earlier(self, samples: float) -> FloatArray:
+        """The signal moved to an earlier time by any number of samples; negative: to a later one."""
+        whole = math.floor(samples)
+        weights = _b_spline(samples - whole - np.arange(-_REACH, _REACH + 2.0))
+        margin = max(abs(whole) + _REACH + 1 - _BEYOND, 0)
+        known = np.pad(self._coefficients, margin, mode="edge") if margin else self._coefficients
+        first = _BEYOND + margin + whole - _REACH
+        return np.correlate(known[first : first + self.values.size + weights.size - 1], weights, mode="valid")
+
+
+def _b_spline(x: FloatArray) -> FloatArray:
+    """Cardinal B-spline of fifth order, as a sum of truncated powers; 0 beyond 3 on either side."""
+    knots = np.arange(7)
+    signs = np.array([(-1) ** k * math.comb(6, k) for k in range(7)]) / math.factorial(5)
+    return np.asarray(np.maximum(x[:, None] + 3.0 - knots, 0.0) ** 5 @ signs)
