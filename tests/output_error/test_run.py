@@ -99,7 +99,7 @@ def test_standstills_are_cut_and_quick_reversals_are_not() -> None:
     for begin, end in rests:  # the filter smears their edges
         assert not run.kept[begin + 10 : end - 10].any()
     assert run.kept[900:1100].all()
-    assert 0.7 * N < run.kept.sum() < N - 400
+    assert 0.7 * N < run.kept.sum() < N - 360
     assert len(run.starts) == 3
     edges = np.flatnonzero(np.diff(run.kept.astype(int), prepend=0) == 1)
     np.testing.assert_array_equal(np.flatnonzero(run.kept)[list(run.starts)], edges)
