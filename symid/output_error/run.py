@@ -28,6 +28,8 @@ _INTERPOLATION_REACH = 24
 """Samples on either side that the band-limited interpolation of a force uses."""
 _STANDSTILL_SHARE = 0.01
 _SHORTEST_STANDSTILL = 3
+_RARE = 64
+"""Samples without another reversal on either side of one that cuts a run."""
 _EXCERPTS = 4
 
 
@@ -182,7 +184,8 @@ def run_of(
     for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
         can_hold = JointLaw(direction, tuple((1.0, term.force) for term in terms)).can_hold
         if motion is not None and can_hold and standstill != 0:
-            moving &= ~_resting(motion, standstill, margin)
+            resting = _resting(motion, standstill, margin)
+            moving &= ~resting & ~_reversing(motion, resting)
     kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))
     readings = np.stack([log[name] for name in signals], axis=1)
     return Run(
@@ -268,6 +271,17 @@ def _resting(motion: Motion, standstill: float | None, margin: int) -> BoolArray
         if end - begin >= _SHORTEST_STANDSTILL:
             resting[max(begin - margin, 0) : end + margin] = True
     return resting
+
+
+def _reversing(motion: Motion, resting: BoolArray) -> BoolArray:
+    """Samples on either side of reversals that are rare: when friction turns over between them is not known."""
+    forward = motion.v_at > 0
+    before = np.flatnonzero((forward[1:] != forward[:-1]) & ~resting[1:] & ~resting[:-1])
+    apart = np.diff(np.concatenate([[-_RARE], before, [forward.size + _RARE]]))
+    rare = before[(apart[1:] >= _RARE) & (apart[:-1] >= _RARE)]
+    reversing = np.zeros(forward.size, dtype=bool)
+    reversing[rare], reversing[rare + 1] = True, True
+    return reversing
 
 
 def _stretches(moving: BoolArray, shortest: int) -> tuple[BoolArray, tuple[int, ...]]:

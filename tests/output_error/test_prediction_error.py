@@ -159,3 +159,17 @@ def test_any_initial_state_of_a_stretch_is_projected_out() -> None:
     units = np.sqrt(np.mean(np.diff(log["q2"], 2) ** 2)), np.sqrt(np.mean(np.diff(started["q2"], 2) ** 2))
     assert units[0] == pytest.approx(units[1], rel=0.05)
     np.testing.assert_allclose(here, there, atol=0.05 * here.std())
+
+
+def test_the_noise_is_that_of_a_log_that_begins_in_motion() -> None:
+    """Initial states are projected out in the measure of the likelihood, not in that of the units."""
+    log = logged(3)
+    A, _, C, _ = matrices(TRUTH, [])
+    free = np.array([C @ np.linalg.matrix_power(A, k) @ [1e-3, 2e-3, 0.1, -0.2] for k in range(N)])
+    signals = {**log.signals, "q2": log["q2"] + free[:, 0], "ddq1": log["ddq1"] + free[:, 1]}
+    still, moving = (
+        error_of(Log.from_arrays(s, sampling_period=PERIOD), ("q2", "ddq1")) for s in (log.signals, signals)
+    )
+    nuisance = still.first_nuisance
+    here, there = still.noise(TRUTH, nuisance), moving.noise(TRUTH, nuisance)
+    assert here == pytest.approx(there, rel=0.05)
