@@ -214,12 +214,14 @@ def _starts(
     preparation: Preparation,
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
-    """Parameters to begin with: nominal ones, else those of least squares if they are possible, else rough ones."""
-    known = dict(nominal) if nominal is not None else _least_squares_start(model, logs, preparation)
+    """Parameters to begin with: nominal ones, or those of least squares and rough ones; only possible ones."""
     positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
-    if known is None or not all(known[name] > 0 for name in positive):
-        known = rigid_start(model, dynamics, logs)
-    return spread(dynamics, known, logs[0].sampling_frequency)
+    first = dict(nominal) if nominal is not None else _least_squares_start(model, logs, preparation)
+    usable = first is not None and all(first[name] > 0 for name in positive)
+    known = [first] if first is not None and usable else []
+    if nominal is None or not usable:
+        known.append(rigid_start(model, dynamics, logs))
+    return [start for values in known for start in spread(dynamics, values, logs[0].sampling_frequency)]
 
 
 def _least_squares_start(
