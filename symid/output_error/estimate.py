@@ -105,8 +105,10 @@ def fit_runs(
     Raises
     ------
     numpy.linalg.LinAlgError
-        If no start can be evaluated: the readings do not determine the state.
+        If a run holds no motion, or no start can be evaluated.
     """
+    if any(not run.starts for run in runs):
+        raise np.linalg.LinAlgError("a run holds no motion")
     nyquist = 0.5 / max(run.period for run in runs)
     excerpts = [run.excerpt(_TRIAL_SAMPLES) for run in runs]
     beginnings = [
@@ -115,7 +117,7 @@ def fit_runs(
     possible = [search for search in beginnings if np.isfinite(search.cost)]
     trials = [search for search in possible if _highest_mode(search) < nyquist] or possible
     if not trials:
-        raise np.linalg.LinAlgError("the readings do not determine the state")
+        raise np.linalg.LinAlgError("no start can be evaluated")
     trials = [trial.improved(_TRIAL_ITERATIONS) for trial in trials]
     first = min(trials, key=lambda trial: (_highest_mode(trial) >= nyquist, trial.cost))
     best = first.continued(_errors(dynamics, runs, free_timing)).weighted().improved()

@@ -215,6 +215,8 @@ def _starts(
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
     """Parameters to begin with: nominal ones, or those of least squares and rough ones; only possible ones."""
+    if nominal is not None:
+        dynamics.at(nominal)  # says what is missing or impossible
     positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
     first = dict(nominal) if nominal is not None else _least_squares_start(model, logs, preparation)
     usable = first is not None and all(first[name] > 0 for name in positive)
@@ -267,7 +269,7 @@ def _verdict(found: OutputErrorIdentification) -> tuple[Status, str]:
     if found.fit is None:
         return (
             "no_start",
-            "no start was possible: give nominal values with --nominal P.json, or measure a position",
+            "no start was possible: a log holds no lasting motion, or give nominal values with --nominal P.json",
         )
     minimum = found.fit.search.minimum
     if minimum is None or not minimum.converged:

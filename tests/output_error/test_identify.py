@@ -17,6 +17,7 @@ from symid import (
     load_axis,
     load_generated,
 )
+from symid.errors import LogError, SettingError
 from symid.output_error import OutputErrorIdentification, identify_output_error
 from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 
@@ -68,15 +69,33 @@ def deviations(found: OutputErrorIdentification, truth) -> dict[str, float]:
         ("direct_2m1s", PAPER | {"Fsm": 0.0}, ("q2",)),
         ("direct_2m1s", PAPER | {"Fsm": 0.0}, ("q2", "ddq1")),
         ("ballscrew_2m1s", SCREW | {"Fsm": 0.0}, ("qm",)),
-        ("ballscrew_2m1s", SCREW, ("qm", "ql")),
     ],
 )
 def test_a_log_almost_without_noise_gives_its_parameters_back(name, truth, measured) -> None:
-    """1e-13 m and 3e-6 N, as an exact fit has no likelihood."""
-    log = noisy(logged(load_axis(name), truth, measured[0]), 1, scale=1e-5)
-    found = identify_output_error(load_axis(name), load_generated(name, measured), log, held=True)
+    """1e-11 m and 3e-4 N, begun 2 % off: a likelihood so sharp leads nowhere from afar."""
+    log = noisy(logged(load_axis(name), truth, measured[0]), 1, scale=1e-3)
+    nominal = {key: value * (1.02 if k % 2 else 0.98) for k, (key, value) in enumerate(truth.items())}
+    found = identify_output_error(
+        load_axis(name), load_generated(name, measured), log, held=True, nominal=nominal
+    )
+    assert found.status == "ok"
     for parameter, value in found.physical_parameters.items():
-        assert value == pytest.approx(truth[parameter], rel=1e-4, abs=1e-3), parameter
+        assert value == pytest.approx(truth[parameter], rel=2e-4, abs=1e-3), parameter
+
+
+def test_without_noise_and_start_the_paper_s_axis_comes_back_exactly() -> None:
+    """Jerky moves at 250 Hz, where method 1 finds nothing."""
+    axis, truth = load_axis("direct_2m1s"), PAPER | {"Fsm": 0.0}
+    reference = trapezoids(
+        [0.3], [0.1, 0.25, 0.5], acceleration=10.0, jerk=2000.0, dwell=0.2, sampling_period=1 / 250.0
+    )
+    run = simulate(axis, truth, reference, tuned_cascade(plant_of(axis, truth), "q2", bandwidth_hz=6.0))
+    model = load_generated("direct_2m1s", ("q2",))
+    method_1 = identify(model, run.log, preparation=Preparation(late={"Fm": -0.5 / 250.0}))
+    assert abs(method_1.physical_parameters["Ks"] / truth["Ks"] - 1) > 0.5
+    found = identify_output_error(axis, model, run.log, held=True)
+    for parameter, value in found.physical_parameters.items():
+        assert value == pytest.approx(truth[parameter], rel=1e-7, abs=1e-6), parameter
 
 
 @pytest.mark.parametrize(
@@ -171,7 +190,7 @@ def test_what_the_motor_encoder_does_not_see_is_not_a_number() -> None:
     truth = {"Jm": 5e-3, "Fvm": 0.02, "Kt": 550.0, "Ft": 0.05, "Pt": 3.0, "Jl": 4.5e-3, "Fvl": 0.02}
     reference = chirp(1.0, 120.0, 4.0, 0.02, sampling_period=1e-3)
     run = simulate(axis, truth, reference, tuned_cascade(plant_of(axis, truth), "qm", bandwidth_hz=8.0))
-    found = identify_output_error(axis, model, noisy(run.log, 8), held=True)
+    found = identify_output_error(axis, model, noisy(run.log, 8, scale=1e-2), held=True)
     assert math.isnan(found.physical_parameters["Pt"])
     covariance = found.physical_covariance(corrected=False)
     place = list(found.physical_parameters).index("Pt")
@@ -179,3 +198,38 @@ def test_what_the_motor_encoder_does_not_see_is_not_a_number() -> None:
     assert np.isfinite(found.minimal_covariance(corrected=False)).all()
     for name in ("Jm", "Jl", "Kt"):
         assert found.physical_parameters[name] == pytest.approx(truth[name], rel=2e-2)
+
+
+def test_a_log_in_which_nothing_moves_has_no_start() -> None:
+    axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
+    log = logged(axis, RIGID, "q")
+    found = identify_output_error(axis, model, log, held=True, preparation=Preparation(standstill=10.0))
+    assert found.status == "no_start"
+    assert "motion" in found.message
+    assert found.physical_parameters == found.minimal_parameters == found.noise == {}
+    assert found.late == 0.0
+    assert np.isnan(found.physical_covariance(corrected=True)).all()
+
+
+def test_a_friction_that_pushes_is_not_physical() -> None:
+    axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
+    log = logged(axis, RIGID, "q")
+    pushing = log["F"] - 200.0 * np.gradient(log["q"], log.sampling_period)
+    found = identify_output_error(axis, model, replace(log, signals={**log.signals, "F": pushing}), held=True)
+    assert found.status == "not_physical"
+    assert "Fv" in found.message
+
+
+@pytest.mark.parametrize("nominal", [{"Fv": 80.0, "Fs": 40.0}, {"M": -1.0, "Fv": 80.0, "Fs": 40.0}])
+def test_impossible_nominal_values_are_a_mistake(nominal: dict[str, float]) -> None:
+    axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
+    with pytest.raises(SettingError):
+        identify_output_error(axis, model, logged(axis, RIGID, "q"), held=True, nominal=nominal)
+
+
+def test_no_log_and_missing_signals_are_a_mistake() -> None:
+    axis, model = load_axis("rigid_1m"), load_generated("rigid_1m", ("q",))
+    with pytest.raises(SettingError, match="no log"):
+        identify_output_error(axis, model, [])
+    with pytest.raises(LogError, match="F"):
+        identify_output_error(axis, model, Log.from_arrays({"q": np.zeros(100)}, sampling_period=1e-3))
