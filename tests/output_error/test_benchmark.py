@@ -30,12 +30,14 @@ def test_at_250_hz_mass_and_spring_of_the_structure_are_within_5_percent() -> No
 
 
 def test_the_bound_of_a_short_log_is_that_of_its_likelihood() -> None:
-    """Its information is the mean of squared slopes of the likelihood over draws of the readings."""
+    """For known noise and from the mean alone it is generalised least squares with a vague initial state."""
     truth, period, n = benchmark.SMOOTH, 1 / 250.0, 120
     random = np.random.default_rng(0)
     force, levels = 4000.0 * np.sign(random.standard_normal(n)), np.array([5.0, 1e-7])
     _, S, free = benchmark.moments(truth, force, levels, period)
-    factor = np.linalg.cholesky(S + 1e6 * free @ free.T * np.trace(S) / np.trace(free @ free.T))
+    vague = free[:, np.abs(free).max(axis=0) > 1e-12]  # a motor's place leaves no differences
+    vague = vague / np.linalg.norm(vague, axis=0)
+    factor = np.linalg.cholesky(S + 1e6 * np.trace(S) * vague @ vague.T)
     slopes = []
     for name in [key for key, value in truth.items() if value]:
         ahead, behind = (
@@ -46,8 +48,7 @@ def test_the_bound_of_a_short_log_is_that_of_its_likelihood() -> None:
     of_means = np.stack(slopes, axis=1)
     least = 100 * np.sqrt(np.diag(np.linalg.inv(of_means.T @ of_means)))
     bound = np.array(list(benchmark.cramer_rao(truth, force, tuple(levels), period).values()))
-    assert np.all(bound < 1.02 * least)  # the covariance tells of the parameters too
-    assert np.all(bound > 0.5 * least)
+    np.testing.assert_allclose(bound, least, rtol=0.02)  # the covariance tells hardly anything more
 
 
 @pytest.mark.parametrize("mean", [False, True])
