@@ -74,7 +74,8 @@ class PredictionError:
     def innovations(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Innovations of shape (n_samples, n_outputs), in the units of the readings."""
         raw, found = self._raw(parameters, nuisance)
-        return self._projected(raw, found, np.eye(len(self.run.signals)))
+        whitening, _ = _whitening(found)
+        return np.asarray(np.linalg.solve(whitening, self._projected(raw, found, whitening).T).T)
 
     def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Scaled innovations, the stretches one after the other, of shape (n_samples * n_outputs,)."""
@@ -86,11 +87,10 @@ class PredictionError:
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
         """Standard deviations of the noise of the force and of the readings, SI: their ratios at the level observed."""
-        errors = self.innovations(parameters, nuisance)
-        sampled = self._sampled(self.dynamics.at(parameters))
-        forces, readings = self._assumed_noise(sampled, nuisance)
-        assumed = predictor(sampled, forces, readings).covariance
-        level = float(np.sqrt(np.mean(np.diag(errors.T @ errors) / len(errors) / np.diag(assumed))))
+        raw, found = self._raw(parameters, nuisance)
+        whitening, unit = _whitening(found)
+        level = float(np.sqrt(np.mean(self._projected(raw, found, whitening) ** 2))) / unit
+        forces, readings = self._assumed_noise(self._sampled(self.dynamics.at(parameters)), nuisance)
         names = (self.dynamics.axis.drive.signal, *self.run.signals)
         return {name: level * float(std) for name, std in zip(names, (forces[0], *readings), strict=True)}
 
@@ -223,6 +223,13 @@ class PredictionError:
             remaining = beginning - bases[length] @ (bases[length].T @ beginning)
             errors[first : first + length] = remaining.reshape(length, -1)
         return errors
+
+
+def _whitening(found: Predictor) -> tuple[FloatArray, float]:
+    """What makes innovations white at a level that leaves volumes as they are, and that level for unit noise."""
+    root = np.linalg.cholesky(found.covariance)
+    level = float(np.exp(np.mean(np.log(np.diag(root)))))
+    return np.asarray(solve_triangular(root, level * np.eye(len(root)), lower=True)), level
 
 
 def _combined(weights: Sequence[float], values: Sequence[FloatArray]) -> FloatArray:

@@ -53,7 +53,7 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
     Raises
     ------
     numpy.linalg.LinAlgError
-        If the readings do not determine the state.
+        If no stationary predictor is found.
 
     Examples
     --------
@@ -113,4 +113,4 @@ def _stationary_covariance(
         H, G = (H + H.T) / 2, (G + G.T) / 2
         if np.abs(growth).max() <= _SETTLED * np.abs(H).max():
             return H
-    raise np.linalg.LinAlgError("the readings do not determine the state")
+    raise np.linalg.LinAlgError("no stationary predictor is found")
