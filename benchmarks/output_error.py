@@ -29,9 +29,8 @@ from scipy import linalg, signal
 import symid
 from symid.axis import Axis
 from symid.output_error import OutputErrorIdentification, identify_output_error
-from symid.output_error.estimate import fit_runs
-from symid.output_error.run import run_of
-from symid.output_error.starts import rigid_start, spread
+from symid.output_error.comparison import Comparison
+from symid.output_error.starts import rigid_start, spread, with_heavy_bodies
 from symid.simulation import (
     Cascade,
     Command,
@@ -279,9 +278,8 @@ def fits(
         if nominal is None:
             found.append(identify_output_error(axis, model, log, held=True))
             continue
-        dynamics = forward_dynamics(axis)
-        run = run_of(dynamics, log, ("q2",), "held", cutoff_hz=0.2 * log.sampling_frequency)
-        found.append(replace(found[0], logs=(log,), fit=fit_runs(model, dynamics, [run], [nominal])))
+        fit = found[0].comparison.fit([log], [nominal])
+        found.append(replace(found[0], logs=(log,), fit=fit))
     return found
 
 
@@ -409,9 +407,12 @@ def print_starts() -> None:
         dynamics = forward_dynamics(axis)
         for rate in (200.0, 250.0, 400.0, 500.0, 1000.0):
             log = recorded_with_noise(machine(truth, rate), QUIET, 1)
-            run = run_of(dynamics, log, ("q2",), "held", cutoff_hz=0.2 * rate)
-            starts = spread(dynamics, rigid_start(model, dynamics, [log]), rate)
-            fit = fit_runs(model, dynamics, [run], starts)
+            rough = rigid_start(model, dynamics, [log])
+            known = (rough, with_heavy_bodies(dynamics, rough))
+            starts = [start for values in known for start in spread(dynamics, values, rate)]
+            fit = Comparison(model, dynamics, symid.Preparation(), "held").fit([log], starts)
+            if fit is None:
+                raise RuntimeError(f"no start at {rate:g} Hz")
             found = fit.search.parameters
             std = np.sqrt(np.diag(fit.linear.covariance))[: len(fit.search.seen)]
             apart = [

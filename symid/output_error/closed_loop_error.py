@@ -108,6 +108,16 @@ class ClosedLoopError:
         """Their difference steps."""
         return np.full(len(self._positions), _OFFSET_STEP)
 
+    @property
+    def trials(self) -> tuple[tuple[int, int], ...]:
+        """Iterations of each round of trials of starts, and how many go on after it."""
+        return ((2, 4), (6, 2), (15, 1))
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether the log holds any motion."""
+        return bool(np.ptp(self.log[self.signals[0]]) > 0)
+
     def excerpt(self) -> ClosedLoopError:
         """The same: a loop is simulated from its beginning."""
         return self

@@ -26,8 +26,6 @@ from symid.output_error.modes import highest_mode
 from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics
 
-_TRIALS = ((2, 4), (6, 2), (15, 1))
-"""Iterations of each round of trials, and how many go on after it."""
 _PASSES = 3
 """Times that unmeasured motion and timing are brought up to date."""
 
@@ -87,15 +85,17 @@ def fit_errors(
     Raises
     ------
     numpy.linalg.LinAlgError
-        If no start can be evaluated: the readings do not determine the state, or the closed loop runs away.
+        If a run holds no motion, or no start can be evaluated.
     """
+    if not all(error.has_motion for error in errors):
+        raise np.linalg.LinAlgError("a run holds no motion")
     excerpts = [error.excerpt() for error in errors]
     limit = nyquist if any(highest_mode(dynamics, start) < nyquist for start in starts) else math.inf
     beginnings = [Search.at(dynamics, excerpts, _seen(model, start), start, limit) for start in starts]
     trials = [search for search in beginnings if np.isfinite(search.cost)]
     if not trials:
         raise np.linalg.LinAlgError("no start can be evaluated")
-    for iterations, survivors in _TRIALS:
+    for iterations, survivors in errors[0].trials:
         trials = [trial.improved(iterations) for trial in trials]
         trials = sorted(trials, key=lambda trial: trial.cost)[:survivors]
     best = trials[0].continued(errors).weighted().improved()

@@ -16,7 +16,7 @@ from symid.output_error.comparison import Comparison
 from symid.output_error.estimate import Fit
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.result import OutputErrorIdentification
-from symid.output_error.starts import plausible, rigid_start, spread
+from symid.output_error.starts import plausible, rigid_start, spread, with_heavy_bodies
 from symid.output_error.verdict import remarks_on, verdict_of
 from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
 
@@ -143,12 +143,18 @@ def _starts(
     preparation: Preparation,
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
-    """Parameters to begin with: nominal ones, else those of least squares as far as they can be true."""
-    known = nominal
-    if known is None:
-        found = _least_squares(model, logs, preparation)
-        known = plausible(model, dynamics, found, rigid_start(model, dynamics, logs))
-    return spread(dynamics, known, logs[0].sampling_frequency)
+    """Parameters to begin with: nominal ones, or rough ones and what of least squares can be true."""
+    if nominal is not None:
+        dynamics.at(nominal)  # says what is missing or impossible
+        known = [dict(nominal)]
+    else:
+        rough = rigid_start(model, dynamics, logs)
+        better = plausible(model, dynamics, _least_squares(model, logs, preparation), rough)
+        heavy = with_heavy_bodies(dynamics, rough)
+        known = [
+            values for i, values in enumerate((better, rough, heavy)) if values not in (better, rough)[:i]
+        ]
+    return [start for values in known for start in spread(dynamics, values, logs[0].sampling_frequency)]
 
 
 def _least_squares(model: GeneratedModel, logs: Sequence[Log], preparation: Preparation) -> dict[str, float]:

@@ -104,6 +104,16 @@ class PredictionError:
         readings = np.where(np.isfinite(innovations), readings, np.nan)
         return OutputErrorPrediction(log.source, log.time, readings, innovations, self.run.signals)
 
+    @property
+    def trials(self) -> tuple[tuple[int, int], ...]:
+        """Iterations of each round of trials of starts, and how many go on after it."""
+        return ((4, 8), (10, 3), (25, 1))
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether the run holds any stretch of motion."""
+        return bool(self.run.starts)
+
     def excerpt(self) -> PredictionError:
         """The same for a few parts of the run."""
         run = self.run.excerpt(_EXCERPT_SAMPLES)
@@ -229,7 +239,7 @@ def _whitening(found: Predictor) -> tuple[FloatArray, float]:
     """What makes innovations white at a level that leaves volumes as they are, and that level for unit noise."""
     root = np.linalg.cholesky(found.covariance)
     level = float(np.exp(np.mean(np.log(np.diag(root)))))
-    return np.asarray(solve_triangular(root, level * np.eye(len(root)), lower=True)), level
+    return np.asarray(scipy.linalg.solve_triangular(root, level * np.eye(len(root)), lower=True)), level
 
 
 def _combined(weights: Sequence[float], values: Sequence[FloatArray]) -> FloatArray:

@@ -189,8 +189,7 @@ def run_of(
     for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
         can_hold = JointLaw(direction, tuple((1.0, term.force) for term in terms)).can_hold
         if motion is not None and can_hold and standstill != 0:
-            resting = _resting(motion, standstill, margin)
-            moving &= ~resting & ~_reversing(motion, resting)
+            moving &= ~_resting(motion, standstill, margin)
     kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))
     readings = np.stack([log[name] for name in signals], axis=1)
     return Run(

@@ -36,6 +36,14 @@ class RunError(Protocol):
     def is_settled(self) -> bool:
         """Whether nothing in it follows from the parameters, so that `updated` changes nothing."""
 
+    @property
+    def trials(self) -> tuple[tuple[int, int], ...]:
+        """Iterations of each round of trials of starts, and how many go on after it."""
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether the axis moves in it."""
+
     def excerpt(self) -> Self:
         """A shorter run of the same kind, for trials."""
 

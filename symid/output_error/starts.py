@@ -12,7 +12,7 @@ from symid.data import Log, LowPass, derivatives
 from symid.output_error.modes import highest_mode
 from symid.simulation import ForwardDynamics
 
-_MODES = (0.01, 0.02, 0.04, 0.07, 0.11, 0.17, 0.25, 0.34, 0.42)
+_MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)
 """Frequencies of the highest mode to begin with, as shares of the sampling frequency."""
 _LOSS = 0.02
 _FARTHEST = 300.0
@@ -76,6 +76,27 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
             for name in dynamics.names(term.parameter):
                 values[name] = abs(float(coulomb))
     return values
+
+
+def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> dict[str, float]:
+    """The same parameters with bodies ten times as heavy, but for those that the drive moves as a rigid axis.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        The axis.
+    known : mapping of str to float
+        Physical parameters.
+    """
+    driven = {
+        name
+        for force, row in zip(dynamics.drive, dynamics.motion[2], strict=True)
+        if any(coefficient > 0 for coefficient, _ in force.terms)
+        for entry in row
+        for name in dynamics.names(entry)
+    }
+    heavy = dynamics.parameters_of("mass") - driven
+    return {name: 10.0 * value if name in heavy else value for name, value in known.items()}
 
 
 def plausible(

@@ -17,7 +17,7 @@ def verdict_of(found: OutputErrorIdentification) -> tuple[Status, str]:
     if found.fit is None:
         return (
             "no_start",
-            "no start was possible: give nominal values with --nominal P.json, or measure a position",
+            "no start was possible: a log holds no lasting motion, or give nominal values with --nominal P.json",
         )
     minimum = found.fit.search.minimum
     if minimum is None or not minimum.converged:

@@ -137,8 +137,8 @@ def test_the_course_of_the_force_is_found_from_the_log() -> None:
     axis, model = load_axis("direct_2m1s"), load_generated("direct_2m1s", ("q2",))
     log = logged(axis, PAPER, "q2", seed=3)
     found = identify_output_error(axis, model, log, nominal=PAPER)
-    assert found.course == "held"
-    assert not found.timing_estimated
+    assert found.comparison.force == "held"
+    assert not found.comparison.free_timing
     assert found.physical_parameters["Mm"] == pytest.approx(PAPER["Mm"], rel=1e-3)
 
 
@@ -153,12 +153,12 @@ def test_a_force_that_is_recorded_late_is_noticed() -> None:
     shifted = np.interp((times - 0.5) * 1e-4 - late, np.arange(fine.size) * 1e-4, fine)
     log = noisy(Log.from_arrays({"q": run.log["q"][times], "F": shifted}, sampling_period=1 / rate), 4)
     found = identify_output_error(axis, model, log)
-    assert found.course == "smooth"
-    assert found.timing_estimated
+    assert found.comparison.force == "smooth"
+    assert found.comparison.free_timing
     assert found.late == pytest.approx(late, abs=0.03 / rate)
     assert found.physical_parameters["M"] == pytest.approx(RIGID["M"], rel=5e-3)
     fixed = identify_output_error(axis, model, log, preparation=Preparation(late={"F": late}))
-    assert not fixed.timing_estimated
+    assert not fixed.comparison.free_timing
     assert fixed.physical_parameters["M"] == pytest.approx(RIGID["M"], rel=5e-3)
 
 

@@ -93,14 +93,14 @@ def moves_and_rests() -> tuple[np.ndarray, list[tuple[int, int]]]:
     return np.cumsum(v) * PERIOD, [(500, 800), (1400, 1500)]
 
 
-def test_standstills_are_cut_and_a_quick_reversal_costs_its_interval() -> None:
+def test_standstills_are_cut_and_a_reversal_costs_a_few_samples() -> None:
     q, rests = moves_and_rests()
     run = rigid_run(q)
     for begin, end in rests:  # the filter smears their edges
         assert not run.kept[begin + 10 : end - 10].any()
     assert 0.7 * N < run.kept.sum() < N - 360
     lost = 900 + np.flatnonzero(~run.kept[900:1100])
-    assert lost.size == 2
+    assert 2 <= lost.size <= 12
     assert abs(lost.mean() - 1000) <= 1.5
     assert len(run.starts) == 4
     edges = np.flatnonzero(np.diff(run.kept.astype(int), prepend=0) == 1)
