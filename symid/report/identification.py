@@ -184,10 +184,11 @@ def _settings_line(record: dict[str, Any]) -> str:
     settings = record["filter"]
     if record["condition_number"] is None:
         return ""
-    how = f"cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), decimation {settings['decimation']}"
     if record["method"] == "oe":
         noise = (f"{name} {n['std']:.3g} {n['unit']}" for name, n in record["noise"].items())
         how = f"no filter, noise found: {', '.join(noise)}"
+    else:
+        how = f"cutoff {settings['cutoff_hz']:g} Hz (order {settings['order']}), decimation {settings['decimation']}"
     condition = f"condition {record['condition_number']:.6g} ({record['condition_number_scaled']:.4g} scaled)"
     return f"{sum(record['rows'])} rows, {how}, {condition}\n"
 

@@ -44,7 +44,7 @@ def output_error_record(
         "physical_branches": [],
         "relations": None,
         "residual": _prediction_errors(found, found.predictions),
-        "assumptions": list(found.model.assumptions),
+        "assumptions": [],
     }
     if validation is not None:
         record["validation"] = {"log": validation.log, "residual": _prediction_errors(found, [validation])}

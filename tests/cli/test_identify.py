@@ -196,3 +196,39 @@ def test_help_of_each_command_has_an_example(capsys: pytest.CaptureFixture[str])
     for command in ("demo", "show", "generate", "identify"):
         assert run(command, "--help") == 0
         assert f"Example: symid {command}" in capsys.readouterr().out
+
+
+def test_output_error_on_the_command_line(tmp_path, capsys):
+    values = {"M": 40.0, "Fv": 30.0, "Fs": 12.0}
+    parameters, log = tmp_path / "P.json", tmp_path / "run.parquet"
+    parameters.write_text(json.dumps(values))
+    simulated = ["simulate", "rigid_1m", "--parameters", str(parameters), "-o", str(log), "--rate", "500"]
+    assert run(*simulated, "--noise", "q=1e-7", "--noise", "F=0.5", "--travel", "0.1") == 0
+    capsys.readouterr()
+    figure = tmp_path / "run.png"
+    options = [
+        "--method",
+        "oe",
+        "--held",
+        "F",
+        "--validation",
+        str(log),
+        "--plot",
+        str(figure),
+        "--json",
+        "-",
+    ]
+    assert run("identify", "rigid_1m", str(log), *options) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["status"] == "ok"
+    assert record["method"] == "oe"
+    assert record["force"]["course"] == "held"
+    for name, value in values.items():
+        found = record["physical"][name]
+        assert abs(found["value"] - value) < 5 * found["std"] + 1e-3 * value
+    assert record["noise"]["q"]["std"] == pytest.approx(1e-7, rel=0.3)
+    assert record["residual"]["q"]["unit"] == "m"
+    assert "q" in record["validation"]["residual"]
+    assert figure.stat().st_size > 10_000
+    assert run("identify", "rigid_1m", str(log), "--method", "oe", "--held", "F") == 0
+    assert "noise found" in capsys.readouterr().out
