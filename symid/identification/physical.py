@@ -63,9 +63,15 @@ class PhysicalEstimate:
 
     def negative(self, model: GeneratedModel) -> tuple[str, ...]:
         """Parameters that are negative beyond what their deviation explains, and must not be."""
-        limits = -3 * np.nan_to_num(self.standard_deviations)
-        below = zip(model.physical_units, self.parameters < limits, strict=True)
-        return tuple(name for name, is_below in below if is_below and name not in model.signed)
+        return negative_parameters(model, self.parameters, self.standard_deviations)
+
+
+def negative_parameters(
+    model: GeneratedModel, physical: FloatArray, deviations: FloatArray
+) -> tuple[str, ...]:
+    """Physical parameters that are negative beyond what their deviation (nan: none) explains, and must not be."""
+    below = zip(model.physical_units, physical < -3 * np.nan_to_num(deviations), strict=True)
+    return tuple(name for name, is_below in below if is_below and name not in model.signed)
 
 
 def jacobian(model: GeneratedModel, physical: FloatArray) -> FloatArray:

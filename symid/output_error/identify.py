@@ -78,8 +78,9 @@ def identify_output_error(
     if not runs:
         raise SettingError("there is no log: give at least one")
     prepared = preparation or Preparation()
-    for log in runs if loop else ():
-        loop.check(log)  # type: ignore[union-attr]  # there is a loop
+    if loop is not None:
+        for log in runs:
+            loop.check(log)
     declared = (
         held
         if held is not None

@@ -80,10 +80,7 @@ class PredictionError:
     def scaled(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
         """Scaled innovations, the stretches one after the other, of shape (n_samples * n_outputs,)."""
         raw, found = self._raw(parameters, nuisance)
-        root = np.linalg.cholesky(found.covariance)
-        level = np.exp(np.mean(np.log(np.diag(root))))
-        whitening = scipy.linalg.solve_triangular(root, level * np.eye(len(root)), lower=True)
-        return self._projected(raw, found, whitening).ravel()
+        return self._projected(raw, found, _whitening(found)[0]).ravel()
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
         """Standard deviations of the noise of the force and of the readings, SI: their ratios at the level observed."""
@@ -122,14 +119,14 @@ class PredictionError:
     @property
     def is_settled(self) -> bool:
         """Whether nothing follows from the parameters: the motion of all joints is measured, the timing known."""
-        return not self.free_timing and all(motion is not None for motion in self.run.motions)
+        return not self.free_timing and self.run.tells_all_motion
 
     def updated(
         self, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> tuple[PredictionError, FloatArray]:
         """What follows from the parameters: motion of joints that no sensors tell, timing; the nuisance after it."""
         motions = self.motions
-        if any(motion is None for motion in self.run.motions):
+        if not self.run.tells_all_motion:
             states, n = self.states(parameters, nuisance), len(self.dynamics.bodies)
             motions = tuple(
                 known

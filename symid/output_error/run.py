@@ -106,6 +106,11 @@ class Run:
         return int(self.drive.shape[1])
 
     @property
+    def tells_all_motion(self) -> bool:
+        """Whether sensors tell the motion of every joint with nonlinear laws."""
+        return all(motion is not None for motion in self.motions)
+
+    @property
     def known_motions(self) -> tuple[Motion, ...]:
         """Motions of all joints; one that no sensors tell is taken to rest."""
         still = np.zeros(len(self.readings))

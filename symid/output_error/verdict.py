@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from symid.identification.physical import negative_parameters
 from symid.output_error.modes import highest_mode
 from symid.output_error.result import OutputErrorIdentification, Status
 
@@ -14,6 +15,7 @@ _CORRELATED = 1.5
 
 
 def verdict_of(found: OutputErrorIdentification) -> tuple[Status, str]:
+    """Status of an estimate, and a sentence that says what it means and what to do; empty if all is well."""
     if found.fit is None:
         return (
             "no_start",
@@ -26,12 +28,8 @@ def verdict_of(found: OutputErrorIdentification) -> tuple[Status, str]:
             "the iterations did not come to rest: give nominal values with --nominal P.json",
         )
     deviations = np.sqrt(np.diag(found.physical_covariance(corrected=True)))
-    below = [
-        name
-        for (name, value), std in zip(found.physical_parameters.items(), deviations, strict=True)
-        if value < -3 * np.nan_to_num(std) and name not in found.model.signed
-    ]
-    if below:
+    values = np.array(list(found.physical_parameters.values()))
+    if below := negative_parameters(found.model, values, deviations):
         return (
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",

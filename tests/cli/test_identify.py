@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-
-from symid.cli import main
+from command_line import run
 
 DATA = Path(__file__).parents[2] / "data"
 PUBLISHED = [
@@ -24,12 +23,6 @@ PUBLISHED = [
     "--ddof",
     "1",
 ]
-
-
-def run(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as stop:
-        main(list(arguments))
-    return int(stop.value.code or 0)
 
 
 @pytest.fixture
