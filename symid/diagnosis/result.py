@@ -1,0 +1,306 @@
+"""What a diagnosis leaves: the gap, where it lies, which effects cause it, and how far it shrinks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from symid.arrays import FloatArray
+from symid.axis import Axis
+
+Verdict = Literal["no_gap", "parameters", "effect", "unexplained"]
+
+
+@dataclass(frozen=True)
+class Level:
+    """Size of an error.
+
+    Parameters
+    ----------
+    rms : float
+        Root mean square, in the unit of its signal.
+    relative : float
+        The same relative to the root mean square of the signal.
+    """
+
+    rms: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Force error of the inverse model on data that took no part in any choice.
+
+    Parameters
+    ----------
+    signal, unit : str
+        The drive force.
+    band_hz : float
+        Up to here the force error is compared: above, the noise of the position reading drowns it.
+    nominal : Level or None
+        With the nominal values; None if there are none.
+    reidentified : Level
+        Same structure, parameters identified.
+    explained : Level
+        With the effects found added, everything identified again.
+    noise_floor : Level
+        What noise alone leaves, from the noise levels of the signals.
+    steps : tuple of Level
+        With the first effect, the first two, and so on; the last is `explained`.
+    closed_fraction : float
+        Of the way from `reidentified` to `noise_floor`; nan if that way has no length.
+    closed_interval : (float, float)
+        95 % interval of it, from resampled parts of the validation data.
+    """
+
+    signal: str
+    unit: str
+    band_hz: float
+    nominal: Level | None
+    reidentified: Level
+    explained: Level
+    noise_floor: Level
+    steps: tuple[Level, ...]
+    closed_fraction: float
+    closed_interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where a share of the excess error comes from.
+
+    Parameters
+    ----------
+    at : str
+        Body, spring, ``actuator`` or sensor signal.
+    share : float
+        Of the excess error of the re-identified model.
+    band_hz : (float, float)
+        Frequency band that holds most of it.
+    regime : str
+        Regime of motion in which most of it is.
+    """
+
+    at: str
+    share: float
+    band_hz: tuple[float, float]
+    regime: str
+
+
+@dataclass(frozen=True)
+class MapCell:
+    """One cell of the map of the gap.
+
+    Parameters
+    ----------
+    label : str
+        What it holds: a band, a regime, a part of the stroke.
+    low, high : float
+        Its limits, nan where it has none.
+    samples : float
+        Share of the rows that it holds.
+    share : float
+        Of the excess error of the re-identified model.
+    before, after : float
+        Error in multiples of the noise floor: re-identified, and with the effects found; nan where there is none.
+    """
+
+    label: str
+    low: float
+    high: float
+    samples: float
+    share: float
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """A parameter of an effect that was found."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that was accepted.
+
+    Parameters
+    ----------
+    effect, at : str
+        Names of the effect and of its place.
+    probability : float
+        Among everything considered at its turn.
+    parameters : mapping of str to EffectParameter
+        Its parameters, SI.
+    gap_after : Level
+        The gap with this effect alone added to the re-identified model.
+    indistinguishable_from : tuple of (str, str)
+        Effects and places that this log does not tell from it.
+    """
+
+    effect: str
+    at: str
+    probability: float
+    parameters: Mapping[str, EffectParameter]
+    gap_after: Level
+    indistinguishable_from: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """An effect that was considered.
+
+    Parameters
+    ----------
+    effect, at : str
+        Names of the effect and of its place.
+    probability : float
+        Among everything considered.
+    log_likelihood : float
+        Gain of the logarithm of the likelihood over the re-identified model.
+    gap_after : Level or None
+        The gap with it added; None where it was screened only.
+    """
+
+    effect: str
+    at: str
+    probability: float
+    log_likelihood: float
+    gap_after: Level | None
+
+
+@dataclass(frozen=True)
+class ParameterChange:
+    """A physical parameter before and after.
+
+    Parameters
+    ----------
+    name, unit : str
+        The parameter.
+    nominal : float
+        Nominal value, nan if there is none.
+    reidentified, reidentified_std : float
+        Of the declared structure.
+    explained, explained_std : float
+        With the effects found.
+    absorbed : bool
+        Whether it left its interval when the effects were added: it had absorbed them.
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    reidentified: float
+    reidentified_std: float
+    explained: float
+    explained_std: float
+    absorbed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Signals of the validation data in the band of the gap, for plots.
+
+    Parameters
+    ----------
+    time : array of shape (n,)
+        s.
+    position, velocity : array of shape (n,)
+        Of the driven joint.
+    measured, nominal, reidentified, explained : array of shape (n,)
+        Drive force: measured, and as each model predicts it from the motion; nan where a model is missing.
+    compared : bool array of shape (n,)
+        Whether a sample is part of the gap; standstills and the ends are not.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    measured: FloatArray
+    nominal: FloatArray
+    reidentified: FloatArray
+    explained: FloatArray
+    compared: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Error density against noise density on the validation data.
+
+    Parameters
+    ----------
+    frequency : array of shape (n,)
+        Hz.
+    reidentified, explained, noise : array of shape (n,)
+        Force error of both models and noise, unit of the force / sqrt(Hz).
+    """
+
+    frequency: FloatArray
+    reidentified: FloatArray
+    explained: FloatArray
+    noise: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Why simulation and machine differ.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    measured : tuple of str
+        Sensors used.
+    logs : tuple of str
+        Sources: what was identified from, and the validation log if there is one.
+    verdict : str
+        "no_gap", "parameters", "effect" or "unexplained".
+    sentence : str
+        The verdict in one sentence.
+    gap : Gap
+        Its size before and after.
+    location : tuple of Location
+        Where it lies, largest share first.
+    maps : mapping of str to tuple of MapCell
+        The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``.
+    effects : tuple of FoundEffect
+        What was accepted, the one that closes most first.
+    alternatives : tuple of Alternative
+        Everything considered, most probable first.
+    probabilities : mapping of str to float
+        Of "no_gap", "parameters" and "unexplained".
+    parameters : tuple of ParameterChange
+        Before and after.
+    faults : tuple of str
+        Faults of the recording.
+    assumptions : tuple of str
+        What was assumed.
+    next_experiment : str
+        What to do next.
+    signals : Signals
+        For plots.
+    spectrum : Spectrum
+        For plots.
+    """
+
+    axis: Axis
+    measured: tuple[str, ...]
+    logs: tuple[str, ...]
+    verdict: Verdict
+    sentence: str
+    gap: Gap
+    location: tuple[Location, ...]
+    maps: Mapping[str, tuple[MapCell, ...]]
+    effects: tuple[FoundEffect, ...]
+    alternatives: tuple[Alternative, ...]
+    probabilities: Mapping[str, float]
+    parameters: tuple[ParameterChange, ...]
+    faults: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    next_experiment: str
+    signals: Signals
+    spectrum: Spectrum
