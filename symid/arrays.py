@@ -8,3 +8,6 @@ FloatArray = npt.NDArray[np.float64]
 
 BoolArray = npt.NDArray[np.bool_]
 """Array of truth values of any shape."""
+
+ComplexArray = npt.NDArray[np.complex128]
+"""Array of complex numbers of any shape."""

@@ -1,0 +1,75 @@
+"""The library of effects: everything that a diagnosis considers."""
+
+from symid.diagnosis.effects.base import ACTUATOR, Effect, JointEffect, LinearEffect, Placed, Pull, Shape
+from symid.diagnosis.effects.forces import (
+    Backlash,
+    Cogging,
+    FlexibleMode,
+    OffsetForce,
+    PayloadChange,
+    PeriodicDisturbance,
+    PositionStiffness,
+    StiffnessNonlinearity,
+)
+from symid.diagnosis.effects.friction import (
+    AsymmetricFriction,
+    CoulombFriction,
+    FrictionDrift,
+    LoadDependentFriction,
+    PreslidingFriction,
+    QuadraticDrag,
+    SlopedFriction,
+    StribeckFriction,
+    ViscousDrift,
+    ViscousFriction,
+    WavyFriction,
+)
+from symid.diagnosis.effects.signals import (
+    ActuatorLag,
+    Delay,
+    EncoderRipple,
+    GainAsymmetry,
+    GainNonlinearity,
+    Saturation,
+)
+
+LIBRARY: tuple[Effect, ...] = (
+    ViscousFriction(),
+    CoulombFriction(),
+    StribeckFriction(),
+    AsymmetricFriction(),
+    PreslidingFriction(),
+    LoadDependentFriction(),
+    SlopedFriction(),
+    WavyFriction(),
+    FrictionDrift(),
+    ViscousDrift(),
+    QuadraticDrag(),
+    OffsetForce(),
+    PositionStiffness(),
+    Cogging(),
+    PeriodicDisturbance(),
+    PayloadChange(),
+    Backlash(),
+    StiffnessNonlinearity(),
+    FlexibleMode(),
+    Delay(),
+    ActuatorLag(),
+    Saturation(),
+    GainNonlinearity(2),
+    GainNonlinearity(3),
+    GainAsymmetry(),
+    EncoderRipple(),
+)
+"""Everything that a diagnosis considers, unless told otherwise."""
+
+__all__ = [
+    "ACTUATOR",
+    "LIBRARY",
+    "Effect",
+    "JointEffect",
+    "LinearEffect",
+    "Placed",
+    "Pull",
+    "Shape",
+]

@@ -1,0 +1,156 @@
+"""What every effect tells the diagnosis: where it may sit, its shape and how it changes the predicted outputs."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis.axis import length_unit
+from symid.diagnosis.scene import Joint, Scene
+from symid.units import Unit
+
+Shape = tuple[float, ...]
+"""Values of the shape parameters of an effect: those in which its force is not linear."""
+
+Pull = Callable[[ComplexArray], FloatArray]
+"""For the response of the outputs to a signal: the course of the signal, on the fine grid, that the residual asks for
+(the adjoint of the weighting applied to the residual)."""
+
+ACTUATOR = "actuator"
+
+
+class Effect(ABC):
+    """An effect that a model may lack. It changes the predicted outputs by a sum of amplitude times column."""
+
+    name: ClassVar[str]
+    """Name of the effect, see `symid.diagnosis.effects`."""
+    amplitudes: ClassVar[tuple[str, ...]]
+    """Names of its amplitudes."""
+    shape_names: ClassVar[tuple[str, ...]] = ()
+    """Names of its shape parameters."""
+    positive: ClassVar[bool] = False
+    """Whether its first amplitude cannot be negative."""
+    fixed: ClassVar[bool] = False
+    """Whether its amplitude is 1, so that only the shape is free."""
+    per_log: ClassVar[bool] = False
+    """Whether its amplitudes belong to a log: time starts anew in each."""
+
+    @abstractmethod
+    def places(self, scene: Scene) -> Iterable[str]:
+        """Where it may sit."""
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        """Shapes worth a trial."""
+        return ((),)
+
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        """The nearest shape that makes sense."""
+        return shape
+
+    @abstractmethod
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        """Change of the predicted outputs for unit amplitudes, of shape (n_amplitudes, n_outputs, n_bins)."""
+
+    @abstractmethod
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        """Units of amplitudes and shape parameters."""
+
+
+class JointEffect(Effect):
+    """An effect whose force opposes the motion of a joint."""
+
+    @abstractmethod
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        """Spectra of the forces for unit amplitudes, of shape (n_amplitudes, n_bins)."""
+
+    def joint(self, scene: Scene, place: str) -> Joint:
+        """The joint that stands for a place."""
+        return scene.joints[place]
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return tuple(scene.joints)
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        joint = self.joint(scene, place)
+        return scene.column(joint, self.forces(scene, joint, shape))
+
+
+class LinearEffect(JointEffect):
+    """A joint effect that is linear in the motion: a dynamic stiffness."""
+
+    @abstractmethod
+    def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
+        """Force for a unit displacement and amplitude, of shape (n_bins,)."""
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return (self.stiffness(scene.record.omega, shape) * joint.modelled)[None]
+
+
+def sampled(scene: Scene, *forces: FloatArray) -> ComplexArray:
+    """Spectra of signals on the fine grid, one a row."""
+    return scene.record.from_fine(np.stack(forces))
+
+
+def joint_units(scene: Scene, place: str) -> tuple[Unit, Unit]:
+    """Units of force and displacement at a place."""
+    axis = scene.axis
+    element = next((body for body in axis.free_bodies if body.name == place), None)
+    if element is None:
+        at = next(e.at for e in axis.elements if getattr(e, "name", None) == place and hasattr(e, "at"))
+        return axis.force_unit(at), length_unit(at)
+    return axis.force_unit(element), length_unit(element)
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An effect at a place with values.
+
+    Parameters
+    ----------
+    effect : Effect
+        What it is.
+    at : str
+        Where it sits.
+    shape, amplitudes : tuple of float
+        Values.
+    """
+
+    effect: Effect
+    at: str
+    shape: Shape
+    amplitudes: tuple[float, ...]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Names of effect and place."""
+        return self.effect.name, self.at
+
+    @property
+    def n_free(self) -> int:
+        """Free values."""
+        return len(self.shape) + (0 if self.effect.fixed else len(self.amplitudes))
+
+    def change(self, scene: Scene) -> ComplexArray:
+        """What it adds to the predicted outputs, of shape (n_outputs, n_bins)."""
+        return np.tensordot(self.amplitudes, self.effect.columns(scene, self.at, self.shape), 1)
+
+    def values(self, scene: Scene) -> list[tuple[str, float, str]]:
+        """Name, value and unit of each amplitude and shape parameter."""
+        names = (*self.effect.amplitudes, *self.effect.shape_names)
+        return list(
+            zip(names, (*self.amplitudes, *self.shape), self.effect.units(scene, self.at), strict=True)
+        )
+
+
+def best_peaks(score: FloatArray, places: FloatArray, count: int) -> Sequence[float]:
+    """Places of the highest local maxima of a score."""
+    inner = np.flatnonzero((score[1:-1] >= score[:-2]) & (score[1:-1] > score[2:])) + 1
+    if not inner.size:
+        inner = np.array([int(np.argmax(score))])
+    chosen = inner[np.argsort(-score[inner])[:count]]
+    return [float(places[i]) for i in chosen]

@@ -1,0 +1,259 @@
+"""Forces, springs and masses that a model may lack."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.effects.base import (
+    JointEffect,
+    LinearEffect,
+    Pull,
+    Shape,
+    best_peaks,
+    joint_units,
+    sampled,
+)
+from symid.diagnosis.scene import Joint, Scene
+from symid.units import Unit
+
+LEAST_PITCH = 1e-3
+"""Shortest pitch of what repeats along the stroke, m (or rad)."""
+_LEAST_STROKE = 5e-3
+_TRIALS = 4
+_DEPTHS = np.geomspace(0.02, 0.9, 10)
+_SHARE_OF_BAND = 0.6
+_LOWEST_MODE = 3.0
+_SHARE_OF_MOTION = 0.9
+_MODES = 40
+_DAMPINGS = (0.01, 0.05, 0.2)
+
+
+class OffsetForce(JointEffect):
+    """A constant force."""
+
+    name = "offset_force"
+    amplitudes = ("F0",)
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, 1.0 * scene.record.in_log)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return (str(joint_units(scene, place)[0]),)
+
+
+class PositionStiffness(LinearEffect):
+    """k q: cable chain, bellows."""
+
+    name = "position_stiffness"
+    amplitudes = ("k",)
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return [name for name in scene.joints if name not in scene.springs]
+
+    def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
+        return np.ones(omega.size, dtype=complex)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return (str(force / length),)
+
+
+class Cogging(JointEffect):
+    """As sin(2 pi q/p) + Ac cos(2 pi q/p): force ripple along the stroke."""
+
+    name = "cogging"
+    amplitudes = ("As", "Ac")
+    shape_names = ("pitch",)
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return [name for name, joint in scene.joints.items() if joint.stroke > _LEAST_STROKE]
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        joint = scene.joints[place]
+        response = -scene.response.of_force(joint.direction)
+        return repeating_pitches(scene, joint, pull(response), response)
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, *ripple(scene, joint, shape[0]))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force), str(force), str(length)
+
+
+def ripple(scene: Scene, joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
+    """Sine and cosine along the stroke, without what lies above the band."""
+    below = np.abs(joint.v) < 0.95 * pitch * scene.record.band_hz
+    phase = 2 * math.pi / pitch * joint.q
+    return np.sin(phase) * below, np.cos(phase) * below
+
+
+def repeating_pitches(
+    scene: Scene, joint: Joint, pull: FloatArray, response: ComplexArray
+) -> Iterable[Shape]:
+    """Pitches at which a signal that repeats along the stroke would explain most of the residual.
+
+    All correlations come from one Fourier transform of the residual's pull, summed over the stroke.
+    """
+    low, high = joint.range
+    inside = scene.record.in_log
+    n = max(256, math.ceil(8 * (high - low) / LEAST_PITCH))
+    place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
+    along = np.bincount(place, weights=pull[inside], minlength=n)
+    padded = 4 * n
+    waves = np.fft.rfftfreq(padded, d=(high - low) / n)
+    strength = np.abs(np.fft.rfft(along, padded)) ** 2
+    used = (waves > 1.0 / (high - low)) & (waves < 1 / LEAST_PITCH)
+    speeds, edges = np.histogram(np.abs(joint.v[inside]), bins=48)
+    middle = (edges[1:] + edges[:-1]) / 2
+    power = np.sum(np.abs(response * scene.density) ** 2, axis=0)
+    frequency = scene.record.omega / (2 * math.pi)
+    energy = np.interp(np.outer(waves[used], middle), frequency, power, right=0.0) @ speeds
+    score = strength[used] / (energy + 1e-3 * energy.max())
+    return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
+
+
+class PeriodicDisturbance(JointEffect):
+    """As sin(2 pi f t) + Ac cos(2 pi f t)."""
+
+    name = "periodic_disturbance"
+    amplitudes = ("As", "Ac")
+    shape_names = ("f",)
+    per_log = True
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        response = -scene.response.of_force(scene.joints[place].direction)
+        record = scene.record
+        wanted = pull(response) * record.in_log
+        padded = 4 * wanted.size
+        frequency = np.fft.rfftfreq(padded, d=record.fine_time[1])
+        strength = np.abs(np.fft.rfft(wanted, padded)) ** 2
+        used = (frequency > 1.5 / record.duration) & (frequency < _SHARE_OF_BAND * record.band_hz)
+        power = np.sum(np.abs(response * scene.density) ** 2, axis=0)
+        energy = np.interp(frequency[used], record.omega / (2 * math.pi), power)
+        return [(f,) for f in best_peaks(strength[used] / energy, frequency[used], _TRIALS)]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        phase = 2 * math.pi * shape[0] * scene.record.fine_time
+        inside = scene.record.in_log
+        return sampled(scene, np.sin(phase) * inside, np.cos(phase) * inside)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force = str(joint_units(scene, place)[0])
+        return force, force, "Hz"
+
+
+class PayloadChange(JointEffect):
+    """dm a from a moment on."""
+
+    name = "payload_change"
+    amplitudes = ("dm",)
+    shape_names = ("t0",)
+    per_log = True
+
+    def joint(self, scene: Scene, place: str) -> Joint:
+        return scene.bodies[place]
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        body = self.joint(scene, place)
+        response = -scene.response.of_force(body.direction)
+        record = scene.record
+        felt = record.from_fine(body.a)
+        energy = np.sum(record.fine(response * scene.density * felt) ** 2, axis=0) * record.in_log
+        later = np.cumsum((pull(response) * body.a * record.in_log)[::-1])[::-1]
+        after = np.cumsum(energy[::-1])[::-1] / energy.sum()
+        score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
+        step = max(1, score.size // 400)
+        return [(t,) for t in best_peaks(score[::step], record.fine_time[::step], _TRIALS) if t > 0]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        time = scene.record.fine_time
+        smooth = np.clip(0.5 + (time - shape[0]) / (4 * time[1]), 0, 1)
+        return sampled(scene, joint.a * smooth * scene.record.in_log)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force * Unit.of("s") ** 2 / length), "s"
+
+
+class Backlash(JointEffect):
+    """-Kb clip(d, -b/2, b/2): a dead zone of width b in a spring of stiffness Kb."""
+
+    name = "backlash"
+    amplitudes = ("Kb",)
+    shape_names = ("b",)
+    positive = True
+
+    def joint(self, scene: Scene, place: str) -> Joint:
+        return scene.springs[place]
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return tuple(scene.springs)
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        low, high = scene.springs[place].range
+        return [(float(2 * x * max(abs(low), abs(high))),) for x in _DEPTHS]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, -np.clip(joint.q, -shape[0] / 2, shape[0] / 2))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force / length), str(length)
+
+
+class StiffnessNonlinearity(JointEffect):
+    """k3 d^3: a spring that hardens or softens."""
+
+    name = "stiffness_nonlinearity"
+    amplitudes = ("k3",)
+
+    def joint(self, scene: Scene, place: str) -> Joint:
+        return scene.springs[place]
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return tuple(scene.springs)
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, joint.q**3)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return (str(force / length**3),)
+
+
+class FlexibleMode(LinearEffect):
+    """One more body on a spring: m s^2 (1 + ...) hung on a body, told by its frequency and damping ratio.
+
+    A body of mass m on a spring of frequency f and damping ratio D pulls with
+    m s^2 (2 D wa s + wa^2) / (s^2 + 2 D wa s + wa^2), wa = 2 pi f; what it adds to m s^2 is the effect, so that the
+    declared mass stays the total one.
+    """
+
+    name = "flexible_mode"
+    amplitudes = ("m",)
+    shape_names = ("f", "D")
+    positive = True
+
+    def joint(self, scene: Scene, place: str) -> Joint:
+        return scene.bodies[place]
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        highest = _SHARE_OF_MOTION * scene.record.motion_hz
+        return [(float(f), d) for f in np.geomspace(_LOWEST_MODE, highest, _MODES) for d in _DAMPINGS]
+
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        highest = _SHARE_OF_MOTION * scene.record.motion_hz
+        return float(np.clip(shape[0], 0.5 * _LOWEST_MODE, highest)), float(np.clip(shape[1], 1e-3, 1.0))
+
+    def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
+        own, s = 2 * math.pi * shape[0], 1j * omega
+        return -(s**4) / (s**2 + 2 * shape[1] * own * s + own**2)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force * Unit.of("s") ** 2 / length), "Hz", "1"

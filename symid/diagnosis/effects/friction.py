@@ -1,0 +1,229 @@
+"""Friction that a model may lack."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import ClassVar
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import CoulombFriction as DeclaredCoulomb
+from symid.axis import ViscousFriction as DeclaredViscous
+from symid.diagnosis.effects.base import JointEffect, LinearEffect, Pull, Shape, joint_units, sampled
+from symid.diagnosis.scene import Joint, Scene
+from symid.units import Unit
+
+_SPEEDS = np.geomspace(0.006, 0.6, 12)
+_REACHES = np.geomspace(2e-6, 6e-4, 10)
+_STROKES = np.geomspace(0.15, 2.0, 12)
+_WARM_UPS = (0.08, 0.2, 0.5, 3.0)
+
+
+def _declared(scene: Scene, kind: type) -> set[str]:
+    return {law.at.name for law in scene.axis.laws if isinstance(law, kind) and hasattr(law.at, "name")}
+
+
+class ViscousFriction(LinearEffect):
+    """Fv v where the model has none."""
+
+    name = "viscous_friction"
+    amplitudes = ("Fv",)
+    positive = True
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return [name for name in scene.joints if name not in _declared(scene, DeclaredViscous)]
+
+    def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
+        return 1j * omega
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return (str(force * Unit.of("s") / length),)
+
+
+class CoulombFriction(JointEffect):
+    """Fs sign(v) where the model has none."""
+
+    name = "coulomb_friction"
+    amplitudes = ("Fs",)
+    positive = True
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return [name for name in scene.joints if name not in _declared(scene, DeclaredCoulomb)]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, np.sign(joint.v))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return (str(joint_units(scene, place)[0]),)
+
+
+class StribeckFriction(JointEffect):
+    """dF sign(v) exp(-(v/vs)^2): friction is higher at low speed."""
+
+    name = "stribeck_friction"
+    amplitudes = ("dF",)
+    shape_names = ("vs",)
+    positive = True
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [(float(x * scene.joints[place].top_speed),) for x in _SPEEDS]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, np.sign(joint.v) * np.exp(-((joint.v / shape[0]) ** 2)))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force), str(length / Unit.of("s"))
+
+
+class AsymmetricFriction(JointEffect):
+    """Half the difference of the Coulomb and viscous coefficients of both directions: dFs + dFv abs(v)."""
+
+    name = "asymmetric_friction"
+    amplitudes = ("dFs", "dFv")
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, 1.0 * scene.record.in_log, np.abs(joint.v))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force), str(force * Unit.of("s") / length)
+
+
+class PreslidingFriction(JointEffect):
+    """Fs (z - sign(v)), z(1) = (v - abs(v) z) / reach: Coulomb friction that builds up over a displacement (Dahl)."""
+
+    name = "presliding_friction"
+    amplitudes = ("Fs",)
+    shape_names = ("reach",)
+    positive = True
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [(float(x),) for x in _REACHES]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, dahl_state(joint.q, shape[0]) - np.sign(joint.v))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force), str(length)
+
+
+def dahl_state(q: FloatArray, reach: float) -> FloatArray:
+    """State of Dahl's model for a course of displacements, from 0; exact where the motion between points is monotone.
+
+    Examples
+    --------
+    >>> dahl_state(np.array([0.0, 1.0, 2.0, 1.0]), 1.0).round(3).tolist()
+    [0.0, 0.632, 0.865, -0.314]
+    """
+    z, state = [], 0.0
+    decays = np.exp(-np.abs(np.diff(q, prepend=q[0])) / reach).tolist()
+    for forward, decay in zip((np.diff(q, prepend=q[0]) >= 0).tolist(), decays, strict=True):
+        state = 1 - (1 - state) * decay if forward else (1 + state) * decay - 1
+        z.append(state)
+    return np.array(z)
+
+
+class LoadDependentFriction(JointEffect):
+    """mu abs(drive force) sign(v)."""
+
+    name = "load_dependent_friction"
+    amplitudes = ("mu",)
+    positive = True
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        drive = scene.record.fine(scene.record.measured[0])
+        return sampled(scene, np.abs(drive) * np.sign(joint.v))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return ("1",)
+
+
+class SlopedFriction(JointEffect):
+    """sign(v) (dF1 x + dF2 x^2), x from 0 to 1 over the stroke."""
+
+    name = "position_dependent_friction"
+    amplitudes = ("dF1", "dF2")
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        low, high = joint.range
+        x, sign = (joint.q - low) / (high - low), np.sign(joint.v)
+        return sampled(scene, sign * x, sign * x**2)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return (str(joint_units(scene, place)[0]),) * 2
+
+
+class WavyFriction(JointEffect):
+    """sign(v) (dFs sin(2 pi q/p) + dFc cos(2 pi q/p))."""
+
+    name = "position_dependent_friction"
+    amplitudes = ("dFs", "dFc")
+    shape_names = ("pitch",)
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [(float(x * scene.joints[place].stroke),) for x in _STROKES]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        phase, sign = 2 * math.pi / shape[0] * joint.q, np.sign(joint.v)
+        return sampled(scene, sign * np.sin(phase), sign * np.cos(phase))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force), str(force), str(length)
+
+
+class FrictionDrift(JointEffect):
+    """dF sign(v) exp(-t/T): the Coulomb level changes while the axis warms up."""
+
+    name = "friction_drift"
+    amplitudes: ClassVar[tuple[str, ...]] = ("dF",)
+    shape_names = ("T",)
+    per_log = True
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [(x * scene.record.duration,) for x in _WARM_UPS]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, np.sign(joint.v) * _fading(scene, shape[0]))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return str(joint_units(scene, place)[0]), "s"
+
+
+class ViscousDrift(FrictionDrift):
+    """exp(-t/T) (dF sign(v) + dFv v): both coefficients change while the axis warms up."""
+
+    amplitudes = ("dF", "dFv")
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        fading = _fading(scene, shape[0])
+        return sampled(scene, np.sign(joint.v) * fading, joint.v * fading)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return str(force), str(force * Unit.of("s") / length), "s"
+
+
+def _fading(scene: Scene, time: float) -> FloatArray:
+    """exp(-t/T) within the log."""
+    return np.where(scene.record.in_log, np.exp(-scene.record.fine_time / time), 0.0)
+
+
+class QuadraticDrag(JointEffect):
+    """c v abs(v)."""
+
+    name = "quadratic_drag"
+    amplitudes = ("c",)
+    positive = True
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, joint.v * np.abs(joint.v))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return (str(force * Unit.of("s") ** 2 / length**2),)

@@ -1,0 +1,163 @@
+"""Effects in the drive and in the readings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from symid.arrays import ComplexArray
+from symid.diagnosis.effects.base import ACTUATOR, Effect, Pull, Shape
+from symid.diagnosis.effects.forces import repeating_pitches, ripple
+from symid.diagnosis.scene import Joint, Scene
+
+_DELAYS = np.array([-4.0, -2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0])
+_LIMITS = (0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
+
+
+class DriveEffect(Effect):
+    """An effect between the force that is logged and the one that acts."""
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return (ACTUATOR,)
+
+    def _force(self, scene: Scene, *changes: ComplexArray) -> ComplexArray:
+        """Changes of the predicted force, none of the further readings."""
+        columns = np.zeros((len(changes), *scene.record.measured.shape), dtype=complex)
+        columns[:, 0] = changes
+        return columns
+
+
+class Delay(DriveEffect):
+    """The force acts later than it is logged: u(t - T)."""
+
+    name = "delay"
+    amplitudes = ("share",)
+    shape_names = ("T",)
+    fixed = True
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [(float(x * scene.record.log.sampling_period),) for x in _DELAYS]
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        return self._force(scene, np.expm1(1j * scene.record.omega * shape[0]) * scene.predicted[0])
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return "1", "s"
+
+
+class ActuatorLag(DriveEffect):
+    """The force follows the logged one like a first-order system: T u(1) + u = logged."""
+
+    name = "actuator_lag"
+    amplitudes = ("T",)
+    positive = True
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        return self._force(scene, 1j * scene.record.omega * scene.predicted[0])
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return ("s",)
+
+
+class Saturation(DriveEffect):
+    """The force does not exceed a limit."""
+
+    name = "saturation"
+    amplitudes = ("share",)
+    shape_names = ("limit",)
+    fixed = True
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [(share * _top_force(scene),) for share in _LIMITS]
+
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        return (float(np.clip(shape[0], _LIMITS[0] * _top_force(scene), _top_force(scene))),)
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        force = scene.record.whole_force
+        return self._force(scene, scene.record.from_samples(force - np.clip(force, -shape[0], shape[0])))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return "1", _drive_unit(scene)
+
+
+class GainNonlinearity(DriveEffect):
+    """The force is not proportional to the logged one: a term in its square (with sign) or cube."""
+
+    name = "gain_nonlinearity"
+    amplitudes = ("bend",)
+
+    def __init__(self, power: int) -> None:
+        self.power = power
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        force = scene.record.whole_force
+        relative = np.abs(force / _top_force(scene))
+        return self._force(scene, scene.record.from_samples(force * relative ** (self.power - 1)))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return ("1",)
+
+
+class GainAsymmetry(DriveEffect):
+    """The gain differs by the direction of the force."""
+
+    name = "gain_nonlinearity"
+    amplitudes = ("difference",)
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        return self._force(scene, scene.record.from_samples(np.abs(scene.record.whole_force)))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return ("1",)
+
+
+class EncoderRipple(Effect):
+    """A position reading with an error As sin(2 pi q/p) + Ac cos(2 pi q/p)."""
+
+    name = "encoder_ripple"
+    amplitudes = ("As", "Ac")
+    shape_names = ("pitch",)
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        sensors = scene.record.dynamics.sensors
+        return [name for name in scene.record.signals if sensors[name][1] == 0]
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        response = self._response(scene, place)
+        return repeating_pitches(scene, _reading(scene, place), pull(response), response)
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        waves = scene.record.from_fine(np.stack(ripple(scene, _reading(scene, place), shape[0])))
+        return self._response(scene, place) * waves[:, None, :]
+
+    def _response(self, scene: Scene, place: str) -> ComplexArray:
+        """Outputs as predicted, for an error of the reading."""
+        if place == scene.record.signals[0]:
+            return -scene.response.of_position
+        response = np.zeros_like(scene.response.of_position)
+        response[scene.record.signals.index(place)] = 1.0
+        return response
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return (str(scene.axis.signal_units[place]),) * 3
+
+
+def _reading(scene: Scene, signal: str) -> Joint:
+    record = scene.record
+    if signal == record.signals[0]:
+        spectrum = record.motion
+    else:
+        spectrum = record.measured[record.signals.index(signal)]
+    return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
+
+
+def _drive_unit(scene: Scene) -> str:
+    return str(scene.axis.signal_units[scene.axis.drive.signal])
+
+
+def _top_force(scene: Scene) -> float:
+    """Largest force of the log; its last samples, where a log may end in the middle of a blow, do not count."""
+    force = np.abs(scene.record.whole_force[: scene.record.log.n_samples])
+    return float(force[: -max(1, force.size // 100)].max())

@@ -1,0 +1,253 @@
+"""A log in the frequency domain: what the sensors and the drive say, up to the frequency at which motion ends.
+
+The log is continued smoothly from its end to its beginning, so that it is periodic; differentiation, hidden motion and
+missing forces are then products with frequency responses, and every comparison is made on a coarser grid of *rows*
+that holds the band and nothing else. Laws, which are not linear, are evaluated on a grid twice as fine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.data import Log
+from symid.errors import LogError
+from symid.simulation import ForwardDynamics
+
+_CONTINUATION = 0.5
+_HIGH = 0.35
+"""Share of the sampling frequency above which nothing but noise is taken to be left."""
+_ABOVE_NOISE = 3.0
+_BAND_OF_MOTION = 2.0
+_WIDEST = 0.3
+_SEGMENT = 4096
+_END_SECONDS = 0.01
+_LEAST_SAMPLES = 400
+_FLAT = 0.65
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A log of an axis, continued periodically, in the frequency domain.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        The axis.
+    log : Log
+        The run.
+    signals : tuple of str
+        Position sensor from whose motion everything is predicted, then the other sensors.
+    motion_hz : float
+        Highest frequency at which the position moves by more than its noise.
+    """
+
+    dynamics: ForwardDynamics
+    log: Log
+    signals: tuple[str, ...]
+    motion_hz: float
+
+    @cached_property
+    def n_extended(self) -> int:
+        """Samples of a period."""
+        pad = int(_CONTINUATION * self.log.sampling_frequency)
+        return scipy.fft.next_fast_len(self.log.n_samples + max(pad, 64), real=True)
+
+    @property
+    def duration(self) -> float:
+        """Of the log, s."""
+        return self.log.n_samples * self.log.sampling_period
+
+    @property
+    def period(self) -> float:
+        """Of the continued log, s."""
+        return self.n_extended * self.log.sampling_period
+
+    @property
+    def band_hz(self) -> float:
+        """Highest frequency that is used."""
+        return min(_BAND_OF_MOTION * self.motion_hz, _WIDEST * self.log.sampling_frequency)
+
+    @cached_property
+    def n_bins(self) -> int:
+        """Frequencies used."""
+        return max(int(self.band_hz * self.period), 8)
+
+    @cached_property
+    def n_rows(self) -> int:
+        """Rows of a period."""
+        return scipy.fft.next_fast_len(2 * self.n_bins, real=True)
+
+    @property
+    def n_fine(self) -> int:
+        """Points of the grid on which laws are evaluated."""
+        return 2 * self.n_rows
+
+    @cached_property
+    def omega(self) -> FloatArray:
+        """Angular frequencies, rad/s; the first is small instead of zero, where free bodies have no response."""
+        omega = 2 * np.pi / self.period * np.arange(self.n_bins)
+        omega[0] = 1e-3 * omega[1]
+        return omega
+
+    @cached_property
+    def taper(self) -> FloatArray:
+        """Falls from 1 to 0 towards the end of the band, so that jumps of friction do not ring through the rows."""
+        place = np.linspace(0, 1, self.n_bins)
+        return 0.5 + 0.5 * np.cos(np.pi * np.clip((place - _FLAT) / (1 - _FLAT), 0, 1))
+
+    @cached_property
+    def freedom(self) -> float:
+        """Independent values in a row: less than 1 because of the taper."""
+        return float(np.mean(self.taper**2))
+
+    @cached_property
+    def row_time(self) -> FloatArray:
+        """Time of the rows, s."""
+        return np.arange(self.n_rows) * (self.period / self.n_rows)
+
+    @cached_property
+    def fine_time(self) -> FloatArray:
+        """Time of the fine grid, s."""
+        return np.arange(self.n_fine) * (self.period / self.n_fine)
+
+    @cached_property
+    def in_log(self) -> BoolArray:
+        """Points of the fine grid within the log."""
+        return np.asarray(self.fine_time < self.duration)
+
+    @cached_property
+    def motion(self) -> ComplexArray:
+        """Spectrum of the driven position, of shape (n_bins,)."""
+        return self._spectrum(self._continued(self.log[self.signals[0]], smoothly=True))
+
+    @cached_property
+    def measured(self) -> ComplexArray:
+        """Spectra of the drive force and of the other sensors, of shape (n_outputs, n_bins)."""
+        others = [self._spectrum(self._continued(self.log[name], smoothly=True)) for name in self.signals[1:]]
+        return np.stack([self._spectrum(self.whole_force), *others])
+
+    @cached_property
+    def whole_force(self) -> FloatArray:
+        """Drive force at all samples of a period."""
+        return self._continued(self.log[self.dynamics.axis.drive.signal], smoothly=False)
+
+    @cached_property
+    def noise(self) -> FloatArray:
+        """Standard deviations of the noise of position, force and other sensors, from the band above the dynamics."""
+        names = (self.signals[0], self.dynamics.axis.drive.signal, *self.signals[1:])
+        return np.array([_high_noise(self.log[name], self.log.sampling_frequency) for name in names])
+
+    def from_samples(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at all samples of a period."""
+        return self._spectrum(values)
+
+    def from_fine(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given on the fine grid."""
+        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins])
+        return whole * (self.n_extended / self.n_fine)
+
+    def fine(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal on the fine grid."""
+        return self._signal(spectrum, self.n_fine)
+
+    def rows(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal at the rows."""
+        return self._signal(spectrum, self.n_rows)
+
+    def from_rows(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at the rows."""
+        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins])
+        return whole * (self.n_extended / self.n_rows)
+
+    def _signal(self, spectrum: ComplexArray, n: int) -> FloatArray:
+        padded = np.zeros((*spectrum.shape[:-1], n // 2 + 1), dtype=complex)
+        padded[..., : self.n_bins] = spectrum
+        return np.asarray(scipy.fft.irfft(padded, n)) * (n / self.n_extended)
+
+    def _spectrum(self, values: FloatArray) -> ComplexArray:
+        return np.asarray(scipy.fft.rfft(values)[: self.n_bins])
+
+    def _continued(self, x: FloatArray, *, smoothly: bool) -> FloatArray:
+        """A signal and its way back from its end to its beginning: with the velocities of both ends if `smoothly`."""
+        n = self.n_extended - x.size
+        u = np.arange(1, n + 1) / (n + 1)
+        if not smoothly:
+            return np.concatenate([x, x[-1] * (1 - u) + x[0] * u])
+        m = max(8, int(_END_SECONDS * self.log.sampling_frequency))
+        (v0, x0), (v1, x1) = (
+            np.polyfit(k, part, 2)[1:] for k, part in ((np.arange(1 - m, 1), x[-m:]), (np.arange(m), x[:m]))
+        )
+        v0, v1, way = v0 * (n + 1), v1 * (n + 1), x1 - x0
+        cubic, quartic, quintic = (
+            10 * way - 6 * v0 - 4 * v1,
+            -15 * way + 8 * v0 + 7 * v1,
+            6 * way - 3 * v0 - 3 * v1,
+        )
+        return np.concatenate([x, x0 + v0 * u + cubic * u**3 + quartic * u**4 + quintic * u**5])
+
+
+def record_of(dynamics: ForwardDynamics, log: Log, motion_hz: float | None = None) -> Record:
+    """A log in the frequency domain.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        The axis.
+    log : Log
+        A run of it, with its force and at least one position.
+    motion_hz : float, optional
+        Highest frequency of its motion; by default where the spectrum of the position sinks into its noise.
+
+    Raises
+    ------
+    LogError
+        If the log is too short or holds no position.
+    """
+    present = [name for name in dynamics.sensors if name in log.signals]
+    positions = [name for name in present if dynamics.sensors[name][1] == 0]
+    if not positions:
+        raise LogError(
+            f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
+        )
+    if log.n_samples < _LEAST_SAMPLES:
+        raise LogError(
+            f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
+        )
+    driven = max(positions, key=lambda name: _collocation(dynamics, name))
+    signals = (driven, *(name for name in present if name != driven))
+    return Record(dynamics, log, signals, motion_hz or _motion_band(log[driven], log.sampling_frequency))
+
+
+def _first_position(dynamics: ForwardDynamics) -> str:
+    return next((name for name, (_, order) in dynamics.sensors.items() if order == 0), "one")
+
+
+def _collocation(dynamics: ForwardDynamics, signal: str) -> float:
+    """How well a sensor moves with the drive: the cosine of both directions."""
+    drive = np.array([p.at(np.ones(len(dynamics.parameters))) for p in dynamics.drive])
+    row = dynamics.sensors[signal][0]
+    return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))
+
+
+def _motion_band(position: FloatArray, sampling_frequency: float) -> float:
+    frequency, density = _density(np.diff(position), sampling_frequency)
+    density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
+    floor = np.median(density[frequency > _HIGH * sampling_frequency])
+    above = frequency[(density > _ABOVE_NOISE * floor) & (frequency < _WIDEST * sampling_frequency)]
+    return float(max(above.max(initial=0.0), 8 * frequency[1]))
+
+
+def _high_noise(x: FloatArray, sampling_frequency: float) -> float:
+    frequency, density = _density(x, sampling_frequency)
+    level = np.median(density[frequency > _HIGH * sampling_frequency])
+    return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:
+    frequency, density = scipy.signal.welch(x, sampling_frequency, nperseg=min(_SEGMENT, x.size // 4))
+    return np.asarray(frequency), np.asarray(density)

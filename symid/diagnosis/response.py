@@ -1,0 +1,101 @@
+"""The axis driven by its measured motion: hidden motion, drive force and further readings as frequency responses.
+
+With Z = -w^2 M + j w C + K, the drive's effect B and the row r of the driven position q,
+
+    [ Z  -B ] [ x ]   [ f ]
+    [ r   0 ] [ u ] = [ q ]
+
+gives at each frequency the displacements x and the drive force u that belong to a motion q and to forces f on the
+bodies. Eliminating x by hand leads to the rational functions of the paper: [14] for direct_2m1s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.record import Record
+from symid.simulation import Plant
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Frequency responses of an axis at parameter values.
+
+    Parameters
+    ----------
+    plant : Plant
+        The axis.
+    motion : array of shape (n_bins, n_bodies, n_bodies + 1)
+        Displacements for forces on the bodies and for the driven position.
+    outputs : array of shape (n_outputs, n_bins, n_bodies + 1)
+        Drive force and further readings for the same.
+    """
+
+    plant: Plant
+    motion: ComplexArray
+    outputs: ComplexArray
+
+    @property
+    def of_position(self) -> ComplexArray:
+        """Outputs for the driven position, of shape (n_outputs, n_bins)."""
+        return self.outputs[:, :, -1]
+
+    def of_force(self, direction: FloatArray) -> ComplexArray:
+        """Outputs for a force along a direction over the bodies, of shape (n_outputs, n_bins)."""
+        return np.asarray(self.outputs[:, :, :-1] @ direction)
+
+    def of_forces(self, forces: ComplexArray) -> ComplexArray:
+        """Outputs for forces on the bodies of shape (n_bins, n_bodies)."""
+        return np.einsum("okj,kj->ok", self.outputs[:, :, :-1], forces)
+
+    def displacements(self, position: ComplexArray, forces: ComplexArray) -> ComplexArray:
+        """Displacements of shape (n_bodies, n_bins) for the driven position and forces on the bodies."""
+        moved = self.motion[:, :, -1] * position[:, None]
+        return np.asarray((moved + np.einsum("kij,kj->ki", self.motion[:, :, :-1], forces)).T)
+
+
+def response_of(
+    record: Record,
+    parameters: Mapping[str, float],
+    impedances: Sequence[tuple[FloatArray, ComplexArray]] = (),
+) -> Response:
+    """Frequency responses at parameter values.
+
+    Parameters
+    ----------
+    record : Record
+        Says the frequencies, the driven position and the other sensors.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    impedances : sequence of (array, array)
+        Direction over the bodies and dynamic stiffness, of shape (n_bins,), of what hangs on the axis besides.
+    """
+    plant = record.dynamics.at(parameters)
+    n, s = len(plant.bodies), 1j * record.omega
+    matrix = np.zeros((record.n_bins, n + 1, n + 1), dtype=complex)
+    matrix[:, :n, :n] = (
+        s[:, None, None] ** 2 * plant.mass + s[:, None, None] * plant.damping + plant.stiffness
+    )
+    for direction, stiffness in impedances:
+        matrix[:, :n, :n] += stiffness[:, None, None] * np.outer(direction, direction)
+    matrix[:, :n, n] = -plant.drive
+    matrix[:, n, :n] = plant.sensors[record.signals[0]][0]
+    inverse = np.linalg.inv(matrix)
+    outputs = [inverse[:, n, :]]
+    for name in record.signals[1:]:
+        row, order = plant.sensors[name]
+        outputs.append((s**order)[:, None] * np.einsum("i,kij->kj", row, inverse[:, :n, :]))
+    return Response(plant, inverse[:, :n, :], np.stack(outputs))
+
+
+def noise_weights(record: Record, response: Response) -> FloatArray:
+    """What makes noise alone white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
+
+    S = sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of the driven position comes through G.
+    """
+    spread = record.noise[1:, None] ** 2 + np.abs(response.of_position) ** 2 * record.noise[0] ** 2
+    return np.asarray(1 / np.sqrt(spread * 2 * record.n_bins / record.n_extended * record.freedom))

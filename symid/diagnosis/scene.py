@@ -1,0 +1,236 @@
+"""The axis under a record at given parameters: motion of every joint, and what the model predicts.
+
+A scene is what effects look at when they are asked for their missing force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Axis, Between, Body, Spring
+from symid.diagnosis.record import Record
+from symid.diagnosis.response import Response, noise_weights, response_of
+
+Impedance = tuple[FloatArray, ComplexArray]
+"""Direction over the bodies and dynamic stiffness."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A place at which a force may act, and its motion on the fine grid.
+
+    Parameters
+    ----------
+    name : str
+        The body whose joint it is, or the spring.
+    direction : array of shape (n_bodies,)
+        Its displacement is the product with those of the bodies.
+    spectrum : array of shape (n_bins,)
+        Its displacement, as sensors tell it where they do.
+    modelled : array of shape (n_bins,)
+        Its displacement as it follows from the driven position.
+    record : Record
+        The log.
+    """
+
+    name: str
+    direction: FloatArray
+    spectrum: ComplexArray
+    modelled: ComplexArray
+    record: Record
+
+    @cached_property
+    def q(self) -> FloatArray:
+        """Displacement on the fine grid."""
+        return self.record.fine(self.spectrum)
+
+    @cached_property
+    def v(self) -> FloatArray:
+        """Velocity."""
+        return self.record.fine(1j * self.record.omega * self.spectrum)
+
+    @cached_property
+    def a(self) -> FloatArray:
+        """Acceleration, as it follows from the driven position: readings would bring their noise."""
+        return self.record.fine(-(self.record.omega**2) * self.modelled)
+
+    @cached_property
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest displacement within the log."""
+        inside = self.q[self.record.in_log]
+        return float(inside.min()), float(inside.max())
+
+    @property
+    def stroke(self) -> float:
+        """Difference of both."""
+        return self.range[1] - self.range[0]
+
+    @cached_property
+    def top_speed(self) -> float:
+        """Highest speed within the log."""
+        return float(np.abs(self.v[self.record.in_log]).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """See the module.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    response : Response
+        The axis at them.
+    displacements : array of shape (n_bodies, n_bins)
+        Motion of the bodies as it follows from the driven position.
+    observed : array of shape (n_bodies, n_bins)
+        The same, corrected to what further position sensors read; laws are evaluated at it.
+    forces : array of shape (n_bins, n_bodies)
+        Forces of effects on the bodies.
+    density : array of shape (n_outputs, n_bins)
+        Weights of the outputs over frequency.
+    """
+
+    record: Record
+    parameters: Mapping[str, float]
+    response: Response
+    displacements: ComplexArray
+    observed: ComplexArray
+    forces: ComplexArray
+    density: FloatArray
+
+    @cached_property
+    def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
+        """Direction of each joint with nonlinear laws, and the spectra of their expressions."""
+        found = []
+        for direction, terms in self.record.dynamics.laws:
+            joint = self._joint("", direction)
+            spectra = tuple(self.record.from_fine(term.forces(joint.q, joint.v)) for term in terms)
+            found.append((direction, spectra))
+        return tuple(found)
+
+    @cached_property
+    def law_forces(self) -> ComplexArray:
+        """Forces of the laws and of constants on the bodies, of shape (n_bins, n_bodies)."""
+        total = np.zeros((self.record.n_bins, len(self.response.plant.bodies)), dtype=complex)
+        for (direction, spectra), law in zip(self.laws, self.response.plant.laws, strict=True):
+            force = sum(weight * x for (weight, _), x in zip(law.terms, spectra, strict=True))
+            total -= np.multiply.outer(force, direction)
+        total[0] += self.response.plant.constant * self.record.n_extended
+        return total
+
+    @cached_property
+    def predicted(self) -> ComplexArray:
+        """Drive force and further readings without effects of the drive and of sensors, shape (n_outputs, n_bins)."""
+        of_motion = self.response.of_position * self.record.motion
+        return of_motion + self.response.of_forces(self.law_forces + self.forces)
+
+    @cached_property
+    def hidden(self) -> tuple[ComplexArray, ...]:
+        """Outputs for forces on what moves without the driven position, of shape (n_outputs, n_bins) each."""
+        row = self.response.plant.sensors[self.record.signals[0]][0]
+        free = np.linalg.svd(row[None])[2][1:]
+        return tuple(self.response.of_force(direction) for direction in free)
+
+    @cached_property
+    def joints(self) -> Mapping[str, Joint]:
+        """Joints of the bodies."""
+        bodies = self.response.plant.bodies
+        found = {}
+        for body in self.record.dynamics.axis.free_bodies:
+            found[body.name] = self._joint(body.name, _direction(body, bodies))
+        return found
+
+    @cached_property
+    def springs(self) -> Mapping[str, Joint]:
+        """Joints with a spring: a spring between bodies by its own name, one in a body's joint by the body's."""
+        bodies = self.response.plant.bodies
+        return {
+            place_of(element): self._joint(place_of(element), _direction(element.at, bodies))
+            for element in self.axis.elements
+            if isinstance(element, Spring)
+        }
+
+    @cached_property
+    def bodies(self) -> Mapping[str, Joint]:
+        """Absolute motion of the bodies, along which inertia acts."""
+        names = self.response.plant.bodies
+        return {name: self._joint(name, row) for name, row in zip(names, np.eye(len(names)), strict=True)}
+
+    @property
+    def axis(self) -> Axis:
+        """The declared axis."""
+        return self.record.dynamics.axis
+
+    def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
+        """What a force that opposes the motion of a joint does to the predicted outputs; spectra of any number."""
+        return -self.response.of_force(joint.direction) * force[..., None, :]
+
+    def _joint(self, name: str, direction: FloatArray) -> Joint:
+        observed, modelled = direction @ self.observed, direction @ self.displacements
+        return Joint(name, direction, observed, modelled, self.record)
+
+
+def place_of(spring: Spring) -> str:
+    """Name of the place of a spring."""
+    return spring.name if isinstance(spring.at, Between) else spring.at.name
+
+
+def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:
+    direction = np.zeros(len(bodies))
+    first, second = (at.first, at.second) if isinstance(at, Between) else (at, at.on)
+    for body, sign in ((first, 1.0), (second, -1.0)):
+        if getattr(body, "name", None) in bodies:
+            direction[bodies.index(body.name)] += sign
+    return direction
+
+
+def scene_of(
+    record: Record,
+    parameters: Mapping[str, float],
+    *,
+    before: Scene | None = None,
+    forces: ComplexArray | None = None,
+    impedances: Sequence[Impedance] = (),
+) -> Scene:
+    """The axis under a record.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    before : Scene, optional
+        An earlier scene, whose law forces move joints that no sensor sees; without it they are taken to be moved by
+        the linear part alone.
+    forces : array of shape (n_bins, n_bodies), optional
+        Forces of effects on the bodies.
+    impedances : sequence of Impedance
+        What hangs on the axis besides.
+    """
+    response = response_of(record, parameters, impedances)
+    n = len(response.plant.bodies)
+    of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
+    acting = of_effects if before is None else of_effects + before.law_forces
+    moved = response.displacements(record.motion, acting)
+    observed = _as_measured(record, response, moved)
+    return Scene(record, parameters, response, moved, observed, of_effects, noise_weights(record, response))
+
+
+def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
+    """Displacements of the bodies, corrected to those that position sensors tell."""
+    sensors = response.plant.sensors
+    positions = [i for i, name in enumerate(record.signals) if i and sensors[name][1] == 0]
+    if not positions:
+        return displacements
+    rows = np.stack([sensors[record.signals[i]][0] for i in (0, *positions)])
+    read = np.concatenate([record.motion[None], record.measured[positions]])
+    return np.asarray(displacements + np.linalg.pinv(rows) @ (read - rows @ displacements))
