@@ -21,14 +21,17 @@ ROW = 7  # law, joint and five numbers
 (VISCOUS, DRAG, OFFSET, STIFFNESS, COGGING, PERIODIC, PRESLIDING) = range(10, 17)
 (OUTSIDE, COUPLING, ACCELERATION) = range(20, 23)
 
+# Without counting references to the arrays that are handed on: three times as fast.
+_inner = njit(cache=True, error_model="numpy", _nrt=False)
 
-@njit(cache=True, error_model="numpy")
+
+@_inner
 def _between(values, plus, minus):
     """Value of the body `plus` relative to that of `minus`."""
     return values[plus] - (values[minus] if minus >= 0 else 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@_inner
 def _push(a, mass, plus, minus, force):
     """A force along a joint, as accelerations of its two bodies."""
     a[plus] += force / mass[plus]
@@ -36,76 +39,74 @@ def _push(a, mass, plus, minus, force):
         a[minus] -= force / mass[minus]
 
 
-@njit(cache=True, error_model="numpy")
-def _inertia(mass, plus, minus):
-    """Mass that a force along each joint has to move."""
-    inertia = np.zeros(plus.size)
+@_inner
+def _weigh(inertia, mass, plus, minus):
+    """Mass that a force along each joint has to move, written to `inertia`."""
     for j in range(plus.size):
         inertia[j] = 1 / (1 / mass[plus[j]] + (1 / mass[minus[j]] if minus[j] >= 0 else 0.0))
-    return inertia
 
 
-@njit(cache=True, error_model="numpy")
+@_inner
 def _level(j, sign, x, w, t, F, coulomb, rows):
     """Coulomb level of joint j for motion in the direction of `sign`."""
     level = coulomb[j]
     for i in range(rows.shape[0]):
         if int(rows[i, 1]) != j:
             continue
-        law, p = int(rows[i, 0]), rows[i, 2:]
+        law = int(rows[i, 0])
         if law == COULOMB:
-            level += p[0] if sign > 0 else p[1]
+            level += rows[i, 2] if sign > 0 else rows[i, 3]
         elif law == STRIBECK:
-            level += p[0] * np.exp(-((w / p[1]) ** 2))
+            level += rows[i, 2] * np.exp(-((w / rows[i, 3]) ** 2))
         elif law == LOAD_DEPENDENT:
-            level += p[0] * abs(F)
+            level += rows[i, 2] * abs(F)
         elif law == POSITION_DEPENDENT:
-            level += p[3] + p[0] * np.sin(2 * np.pi * x / p[1] + p[2])
+            level += rows[i, 5] + rows[i, 2] * np.sin(2 * np.pi * x / rows[i, 3] + rows[i, 4])
         elif law == DRIFT:
-            level += p[0] * coulomb[j] * (1 - np.exp(-t / p[1]))
-        elif law == STICKY_ZONE and abs(x - p[1]) < p[2]:
-            level += p[0]
+            level += rows[i, 2] * coulomb[j] * (1 - np.exp(-t / rows[i, 3]))
+        elif law == STICKY_ZONE and abs(x - rows[i, 3]) < rows[i, 4]:
+            level += rows[i, 2]
     return max(level, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@_inner
 def _bristle(z, w, reach, dt):
     """Dahl's state after dt at the velocity w: z' = w - |w| z / reach."""
     end = reach if w > 0 else -reach
     return end + (z - end) * np.exp(-abs(w) * dt / reach)
 
 
-@njit(cache=True, error_model="numpy")
-def _law(law, p, x, w, a, t, z, viscous, outside):
+@_inner
+def _law(law, rows, i, x, w, a, t, z, viscous, outside):
     """Force along a joint by the laws that are no Coulomb level."""
     if law == VISCOUS:
-        return -p[0] * w
+        return -rows[i, 2] * w
     if law == DRAG:
-        return -p[0] * w * abs(w)
+        return -rows[i, 2] * w * abs(w)
     if law == OFFSET:
-        return p[0]
+        return rows[i, 2]
     if law == STIFFNESS:
-        return -p[0] * x
+        return -rows[i, 2] * x
     if law == COGGING:
-        return p[0] * np.sin(2 * np.pi * x / p[1] + p[2])
+        return rows[i, 2] * np.sin(2 * np.pi * x / rows[i, 3] + rows[i, 4])
     if law == PERIODIC:
-        return p[0] * np.sin(2 * np.pi * p[1] * t + p[2])
+        return rows[i, 2] * np.sin(2 * np.pi * rows[i, 3] * t + rows[i, 4])
     if law == PRESLIDING:
-        return -p[0] * z / p[1]
+        return -rows[i, 2] * z / rows[i, 3]
     if law == DRIFT:
-        return -p[0] * viscous * w * (1 - np.exp(-t / p[1]))
+        return -rows[i, 2] * viscous * w * (1 - np.exp(-t / rows[i, 3]))
     if law == OUTSIDE:
         place = t * CONTROL_HZ / LOG_TICKS
         k = min(int(place), outside.size - 2)
-        return p[0] * (outside[k] + (place - k) * (outside[k + 1] - outside[k]))
+        return rows[i, 2] * (outside[k] + (place - k) * (outside[k + 1] - outside[k]))
     if law == COUPLING:
-        return -p[0] * x * w
+        return -rows[i, 2] * x * w
     if law == ACCELERATION:
-        return -p[0] * a * abs(a)
+        return -rows[i, 2] * a * abs(a)
     return 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@_inner
 def _accelerations(x, v, last, t, dt, F, mass, plus, minus, viscous, coulomb, springs, rows, rubbing, inertia, sweeps, z, outside, mode, held, a):
     """Accelerations `a`; `held` receives the Coulomb forces. `mode`: sign of sliding, 0 for a joint that stands."""
     for i in range(springs.shape[0]):
@@ -124,7 +125,7 @@ def _accelerations(x, v, last, t, dt, F, mass, plus, minus, viscous, coulomb, sp
             if int(rows[i, 1]) == j:
                 state = _bristle(z[i], w, rows[i, 3], dt) if int(rows[i, 0]) == PRESLIDING else 0.0
                 acceleration = _between(last, plus[j], minus[j])
-                force += _law(int(rows[i, 0]), rows[i, 2:], d, w, acceleration, t, state, viscous[j], outside)
+                force += _law(int(rows[i, 0]), rows, i, d, w, acceleration, t, state, viscous[j], outside)
         _push(a, mass, plus[j], minus[j], force)
     held[:] = 0.0
     for _ in range(sweeps):
@@ -140,7 +141,7 @@ def _accelerations(x, v, last, t, dt, F, mass, plus, minus, viscous, coulomb, sp
             held[j] = force
 
 
-@njit(cache=True, error_model="numpy")
+@_inner
 def _settle(v, mass, plus, minus, rubbing, inertia, mode):
     """Joints whose sliding has changed its sign stand; a joint that stands has no velocity."""
     for j in range(plus.size):
@@ -152,15 +153,15 @@ def _settle(v, mass, plus, minus, rubbing, inertia, mode):
 
 
 @njit(cache=True, error_model="numpy")
-def loop(mass, plus, minus, viscous, coulomb, springs, rows, payload, drive, actuator, ripple, outside, gains, motion, noise):
+def loop(masses, plus, minus, viscous, coulomb, springs, rows, payload, drive, actuator, ripple, outside, gains, motion, noise):
     """Positions and accelerations of the bodies at 4 kHz and the commanded force at 16 kHz.
 
-    mass (bodies,), springs (n, 6: plus, minus, k, c, k3, half the gap), rows (n, ROW), payload (body, mass, time), drive
+    masses (bodies,), springs (n, 6: plus, minus, k, c, k3, half the gap), rows (n, ROW), payload (body, mass, time), drive
     (plus, minus), actuator (delay in substeps, lag in s, limit, quadratic, cubic), ripple (amplitude, pitch, phase), gains
     (Kpp, Kpv, Kiv, low-pass of the velocity 0 to 1), motion (3, ticks: reference, its velocity, added force), noise (2,
     ticks: of the reading that the controller takes; its step, in the first element).
     """
-    mass = mass.copy()
+    mass = masses.copy()
     bodies, ticks = mass.size, motion.shape[1]
     x, v, a, last = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies), np.zeros(bodies)
     xs, vs, moved, gained = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies), np.zeros(bodies)
@@ -172,7 +173,8 @@ def loop(mass, plus, minus, viscous, coulomb, springs, rows, payload, drive, act
     step, period = noise[1, 0], 1 / CONTROL_HZ
     h, lagged, late = STEP, actuator[1], int(actuator[0])
     decay_half, decay = (np.exp(-h / 2 / lagged), np.exp(-h / lagged)) if lagged > 0 else (0.0, 0.0)
-    rubbing, inertia = coulomb > 0, _inertia(mass, plus, minus)
+    rubbing, inertia = coulomb > 0, np.zeros(plus.size)
+    _weigh(inertia, mass, plus, minus)
     for r in range(rows.shape[0]):
         rubbing[int(rows[r, 1])] |= rows[r, 0] < VISCOUS
     sweeps = 4 if rubbing.sum() > 1 else 1
@@ -181,7 +183,8 @@ def loop(mass, plus, minus, viscous, coulomb, springs, rows, payload, drive, act
         t = k * period
         if payload[0] >= 0 and not changed and t >= payload[2]:
             mass[int(payload[0])] += payload[1]
-            inertia, changed = _inertia(mass, plus, minus), True
+            _weigh(inertia, mass, plus, minus)
+            changed = True
         reading = _between(x, drive[0], drive[1])
         reading += ripple[0] * np.sin(2 * np.pi * reading / ripple[1] + ripple[2]) + noise[0, k]
         if step > 0:
