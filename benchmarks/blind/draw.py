@@ -59,11 +59,8 @@ def draw_setting(axis: str, sensors: tuple[str, ...], rng: np.random.Generator) 
     lowpass, noisy = float(rng.uniform(0.1, 0.4)), bool(rng.random() < 1 / 3)
     controller = axes.draw_controller(axis, true, rng)
     setting = Setting(axis, sensors, true, controller, lowpass, noisy, motions, noise, int(rng.integers(1 << 31)))
-    plain = [simulate(setting, (), log, disturbed=False) for log in SECONDS]
-    travel = {
-        "force": max(float(np.abs(run.readings["F"]).max()) for run in plain),
-        "deflection": max(float(np.abs(run.deflection).max()) for run in plain),
-    }
+    plain = simulate(setting, (), "identification", disturbed=False)
+    travel = {"force": float(np.abs(plain.readings["F"]).max()), "deflection": float(np.abs(plain.deflection).max())}
     return replace(setting, travel=travel)
 
 
@@ -79,16 +76,21 @@ def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, di
         noise[0], noise[1, 0] = setting.noise["position"] * rng.standard_normal(ticks), setting.noise["step"]
     gains = np.array([*(setting.controller[name] for name in ("Kpp", "Kpv", "Kiv")), setting.lowpass])
     x, a, command = engine.loop(*plant.arguments(), gains, setting.motions[log], noise)
-    if not (np.isfinite(x).all() and np.abs(x).max() < 1):
-        raise ArithmeticError(f"the loop of {setting.axis} with {effects} is unstable")
+    _stable(setting, x, command, motor := _joint(plant, x, kind.bodies.index("motor")), log)
     readings = {"F": _held(command)}
     for sensor in setting.sensors:
         body = kind.bodies.index(kind.position.get(sensor, "structure"))
         readings[sensor] = a[:, body] if sensor == "ddq1" else _rippled(_joint(plant, x, body), sensor, effects)
-    motor = _joint(plant, x, kind.bodies.index("motor"))
     spring = plant.springs[0, :2].astype(int) if kind.springs else (0, 0)
     deflection = x[:, spring[0]] - (x[:, spring[1]] if spring[1] >= 0 else 0)
     return Run(readings, setting.motions[log][0, :: engine.LOG_TICKS], np.gradient(motor) * gap.RATE, deflection)
+
+
+def _stable(setting: Setting, x: np.ndarray, command: np.ndarray, motor: np.ndarray, log: str) -> None:
+    """A loop that has left its reference, or shakes with several times the usual force, is no log of a machine."""
+    error = np.abs(motor - setting.motions[log][0, :: engine.LOG_TICKS]).max() if np.isfinite(x).all() else np.inf
+    if error > 0.02 or np.abs(command).max() > 4 * setting.travel.get("force", np.inf):
+        raise ArithmeticError(f"{setting.axis}: the closed loop is unstable")
 
 
 def _held(command: np.ndarray) -> np.ndarray:
@@ -130,9 +132,9 @@ def gap_ratio(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
     return gap.ratio(setting.axis, setting.true, run.readings, noise, run.velocity)
 
 
-def sized(setting: Setting, effect: laws.Effect, target: float) -> tuple[laws.Effect, float]:
-    """The effect with the size that gives about the target ratio, and the ratio that it gives."""
-    size, best = effect.numbers[effect.size], (np.inf, effect, 0.0)
+def sized(setting: Setting, effect: laws.Effect, target: float) -> laws.Effect:
+    """The effect with the size that gives about the target ratio."""
+    size, best = effect.numbers[effect.size], (np.inf, effect)
     for _ in range(6):
         size = min(size, effect.most)
         trial = effect.sized(size)
@@ -141,19 +143,28 @@ def sized(setting: Setting, effect: laws.Effect, target: float) -> tuple[laws.Ef
         except ArithmeticError:
             size /= 3
             continue
-        best = min(best, (abs(np.log(found / target)), trial, found), key=lambda item: item[0])
+        best = min(best, (abs(np.log(found / target)), trial), key=lambda item: item[0])
         if best[0] < 0.2 or (size == effect.most and found < target):
             break
         size *= np.clip(target / found, 1 / 20, 20)
-    return best[1], best[2]
+    return best[1]
 
 
-def write(folder: Path, setting: Setting, effects: tuple[laws.Effect, ...], nominal: dict[str, float]) -> None:
+def tamed(setting: Setting, effects: tuple[laws.Effect, ...]) -> tuple[tuple[laws.Effect, ...], dict[str, Run]]:
+    """Effects, made weaker by a quarter until the loop is stable in both logs, and the runs with them."""
+    for _ in range(20):
+        try:
+            return effects, {log: simulate(setting, effects, log, disturbed=True) for log in SECONDS}
+        except ArithmeticError:
+            effects = tuple(effect.sized(0.75 * effect.numbers[effect.size]) for effect in effects)
+    raise ArithmeticError(f"{setting.axis}: the closed loop stays unstable with {effects}")
+
+
+def write(folder: Path, setting: Setting, runs: dict[str, Run], nominal: dict[str, float]) -> None:
     """The logs and what a diagnosis may know of the axis."""
     folder.mkdir(parents=True)
     force = axes.KINDS[setting.axis].drive
-    for log in SECONDS:
-        run = simulate(setting, effects, log, disturbed=True)
+    for log, run in runs.items():
         noise = measuring_noise(setting, run.readings, log)
         t = np.arange(run.reference.size) / gap.RATE
         columns = {"t": t, "reference": run.reference}

@@ -217,7 +217,8 @@ def loop(masses, plus, minus, viscous, coulomb, springs, rows, payload, drive, a
                 if s == 0:
                     last[:] = a
                     for j in range(plus.size):
-                        sign, d = -np.sign(held[j]), _between(x, plus[j], minus[j])
+                        d, pull = _between(x, plus[j], minus[j]), _between(a, plus[j], minus[j])
+                        sign = -np.sign(held[j]) if held[j] != 0 else np.sign(pull)
                         if rubbing[j] and mode[j] == 0 and abs(held[j]) >= _level(j, sign, d, 0.0, t, f, coulomb, rows):
                             mode[j] = sign  # breaks loose
                     if i == 0 and k % LOG_TICKS == 0 and k // LOG_TICKS < samples:

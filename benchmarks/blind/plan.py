@@ -75,14 +75,14 @@ def draw_case(plan: Plan, folder: Path) -> dict[str, Any]:
     rng = np.random.default_rng(plan.seed)
     setting = draw.draw_setting(plan.axis, plan.sensors, rng)
     low, high = (15.0, 120.0) if plan.group == "two" else draw.RATIOS
-    effects, ratios = [], []
+    wanted = []
     for effect, at in plan.effects:
         target = float(np.exp(rng.uniform(np.log(low), np.log(high))))
-        found, ratio = draw.sized(setting, laws.draw(effect, at, rng), target)
-        effects.append(found)
-        ratios.append(ratio)
+        wanted.append(draw.sized(setting, laws.draw(effect, at, rng), target))
+    effects, runs = draw.tamed(setting, tuple(wanted))
     nominal = draw_nominal(setting.true, OFF.get(plan.group, (0.0, 0.12)), rng)
-    draw.write(folder / plan.name, setting, tuple(effects), nominal)
+    draw.write(folder / plan.name, setting, runs, nominal)
+    alone = [draw.gap_ratio(setting, (effect,)) for effect in effects]
     return {
         "group": plan.group,
         "class": plan.sensor_class,
@@ -90,8 +90,8 @@ def draw_case(plan: Plan, folder: Path) -> dict[str, Any]:
         "sensors": list(plan.sensors),
         "true": setting.true,
         "effects": [{"effect": e.effect, "at": e.at, "numbers": e.numbers} for e in effects],
-        "ratios": ratios,
-        "ratio": draw.gap_ratio(setting, tuple(effects)) if len(effects) > 1 else (ratios or [0.0])[0],
+        "ratios": alone,
+        "ratio": draw.gap_ratio(setting, effects) if len(effects) > 1 else (alone or [0.0])[0],
     }
 
 
