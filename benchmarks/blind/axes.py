@@ -85,10 +85,15 @@ def draw_parameters(axis: str, rng: np.random.Generator) -> dict[str, float]:
     return motor | {"Kt": Ml * w**2, "Ft": 2 * damping * Ml * w, "Ml": Ml, "Fvl": between(50, 200)}
 
 
-def draw_nominal(true: dict[str, float], error: tuple[float, float], rng: np.random.Generator) -> dict[str, float]:
+def draw_nominal(
+    true: dict[str, float], error: tuple[float, float], rng: np.random.Generator
+) -> dict[str, float]:
     """Values wrong by a relative error between the two given ones, up or down; exact for (0, 0)."""
     sign = rng.choice([-1.0, 1.0], len(true))
-    return {name: value * (1 + s * rng.uniform(*error)) for (name, value), s in zip(true.items(), sign, strict=True)}
+    return {
+        name: value * (1 + s * rng.uniform(*error))
+        for (name, value), s in zip(true.items(), sign, strict=True)
+    }
 
 
 def draw_controller(axis: str, true: dict[str, float], rng: np.random.Generator) -> dict[str, float]:

@@ -33,7 +33,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Run:
-    """Motions of a simulated log, free of measuring noise, at 4 kHz: what each column would read, and the motor's velocity."""
+    """A simulated log at 4 kHz before its noise: what each column would read, and the motor's velocity."""
 
     readings: dict[str, np.ndarray]
     reference: np.ndarray
@@ -58,9 +58,14 @@ def draw_setting(axis: str, sensors: tuple[str, ...], rng: np.random.Generator) 
     }
     lowpass, noisy = float(rng.uniform(0.1, 0.4)), bool(rng.random() < 1 / 3)
     controller = axes.draw_controller(axis, true, rng)
-    setting = Setting(axis, sensors, true, controller, lowpass, noisy, motions, noise, int(rng.integers(1 << 31)))
+    setting = Setting(
+        axis, sensors, true, controller, lowpass, noisy, motions, noise, int(rng.integers(1 << 31))
+    )
     plain = simulate(setting, (), "identification", disturbed=False)
-    travel = {"force": float(np.abs(plain.readings["F"]).max()), "deflection": float(np.abs(plain.deflection).max())}
+    travel = {
+        "force": float(np.abs(plain.readings["F"]).max()),
+        "deflection": float(np.abs(plain.deflection).max()),
+    }
     return replace(setting, travel=travel)
 
 
@@ -80,15 +85,21 @@ def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, di
     readings = {"F": _held(command)}
     for sensor in setting.sensors:
         body = kind.bodies.index(kind.position.get(sensor, "structure"))
-        readings[sensor] = a[:, body] if sensor == "ddq1" else _rippled(_joint(plant, x, body), sensor, effects)
+        readings[sensor] = (
+            a[:, body] if sensor == "ddq1" else _rippled(_joint(plant, x, body), sensor, effects)
+        )
     spring = plant.springs[0, :2].astype(int) if kind.springs else (0, 0)
     deflection = x[:, spring[0]] - (x[:, spring[1]] if spring[1] >= 0 else 0)
-    return Run(readings, setting.motions[log][0, :: engine.LOG_TICKS], np.gradient(motor) * gap.RATE, deflection)
+    return Run(
+        readings, setting.motions[log][0, :: engine.LOG_TICKS], np.gradient(motor) * gap.RATE, deflection
+    )
 
 
 def _stable(setting: Setting, x: np.ndarray, command: np.ndarray, motor: np.ndarray, log: str) -> None:
     """A loop that has left its reference, or shakes with several times the usual force, is no log of a machine."""
-    error = np.abs(motor - setting.motions[log][0, :: engine.LOG_TICKS]).max() if np.isfinite(x).all() else np.inf
+    error = (
+        np.abs(motor - setting.motions[log][0, :: engine.LOG_TICKS]).max() if np.isfinite(x).all() else np.inf
+    )
     if error > 0.02 or np.abs(command).max() > 4 * setting.travel.get("force", np.inf):
         raise ArithmeticError(f"{setting.axis}: the closed loop is unstable")
 
@@ -111,24 +122,22 @@ def _rippled(position: np.ndarray, sensor: str, effects: tuple[laws.Effect, ...]
     return position
 
 
-def measuring_noise(setting: Setting, readings: dict[str, np.ndarray], log: str) -> dict[str, np.ndarray]:
-    """What the sensors add to each reading, rounding included."""
+def measured(setting: Setting, readings: dict[str, np.ndarray], log: str) -> dict[str, np.ndarray]:
+    """The readings as a log holds them: with noise, positions rounded to the encoder's step."""
     rng, step = np.random.default_rng([setting.seed, len(log), 1]), setting.noise["step"]
-    added = {}
+    found = {}
     for name, values in readings.items():
-        white = rng.standard_normal(values.size)
-        if name in ("F", "ddq1"):
-            added[name] = setting.noise[name] * white
-        else:
-            noisy = values + setting.noise["position"] * white
-            added[name] = np.round(noisy / step) * step - values
-    return added
+        position = name not in ("F", "ddq1")
+        noisy = values + setting.noise["position" if position else name] * rng.standard_normal(values.size)
+        found[name] = np.round(noisy / step) * step if position else noisy
+    return found
 
 
 def gap_ratio(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
     """Gap-to-noise ratio on the validation log, see `gap`."""
     run = simulate(setting, effects, "validation", disturbed=False)
-    noise = measuring_noise(setting, run.readings, "validation")
+    log = measured(setting, run.readings, "validation")
+    noise = {name: log[name] - values for name, values in run.readings.items()}
     return gap.ratio(setting.axis, setting.true, run.readings, noise, run.velocity)
 
 
@@ -150,7 +159,9 @@ def sized(setting: Setting, effect: laws.Effect, target: float) -> laws.Effect:
     return best[1]
 
 
-def tamed(setting: Setting, effects: tuple[laws.Effect, ...]) -> tuple[tuple[laws.Effect, ...], dict[str, Run]]:
+def tamed(
+    setting: Setting, effects: tuple[laws.Effect, ...]
+) -> tuple[tuple[laws.Effect, ...], dict[str, Run]]:
     """Effects, made weaker by a quarter until the loop is stable in both logs, and the runs with them."""
     for _ in range(20):
         try:
@@ -165,10 +176,10 @@ def write(folder: Path, setting: Setting, runs: dict[str, Run], nominal: dict[st
     folder.mkdir(parents=True)
     force = axes.KINDS[setting.axis].drive
     for log, run in runs.items():
-        noise = measuring_noise(setting, run.readings, log)
         t = np.arange(run.reference.size) / gap.RATE
         columns = {"t": t, "reference": run.reference}
-        columns |= {force if name == "F" else name: values + noise[name] for name, values in run.readings.items()}
+        readings = measured(setting, run.readings, log)
+        columns |= {force if name == "F" else name: values for name, values in readings.items()}
         pl.DataFrame(columns).write_parquet(folder / f"{log}.parquet")
     units = {"t": "s", "reference": "m", force: "N", "ddq1": "m/s^2"}
     record = {

@@ -107,7 +107,29 @@ def _law(law, rows, i, x, w, a, t, z, viscous, outside):
 
 
 @_inner
-def _accelerations(x, v, last, t, dt, F, mass, plus, minus, viscous, coulomb, springs, rows, rubbing, inertia, sweeps, z, outside, mode, held, a):
+def _accelerations(
+    x,
+    v,
+    last,
+    t,
+    dt,
+    F,
+    mass,
+    plus,
+    minus,
+    viscous,
+    coulomb,
+    springs,
+    rows,
+    rubbing,
+    inertia,
+    sweeps,
+    z,
+    outside,
+    mode,
+    held,
+    a,
+):
     """Accelerations `a`; `held` receives the Coulomb forces. `mode`: sign of sliding, 0 for a joint that stands."""
     for i in range(springs.shape[0]):
         p, m = int(springs[i, 0]), int(springs[i, 1])
@@ -153,13 +175,29 @@ def _settle(v, mass, plus, minus, rubbing, inertia, mode):
 
 
 @njit(cache=True, error_model="numpy")
-def loop(masses, plus, minus, viscous, coulomb, springs, rows, payload, drive, actuator, ripple, outside, gains, motion, noise):
+def loop(
+    masses,
+    plus,
+    minus,
+    viscous,
+    coulomb,
+    springs,
+    rows,
+    payload,
+    drive,
+    actuator,
+    ripple,
+    outside,
+    gains,
+    motion,
+    noise,
+):
     """Positions and accelerations of the bodies at 4 kHz and the commanded force at 16 kHz.
 
-    masses (bodies,), springs (n, 6: plus, minus, k, c, k3, half the gap), rows (n, ROW), payload (body, mass, time), drive
-    (plus, minus), actuator (delay in substeps, lag in s, limit, quadratic, cubic), ripple (amplitude, pitch, phase), gains
-    (Kpp, Kpv, Kiv, low-pass of the velocity 0 to 1), motion (3, ticks: reference, its velocity, added force), noise (2,
-    ticks: of the reading that the controller takes; its step, in the first element).
+    masses (bodies,), springs (n, 6: plus, minus, k, c, k3, half the gap), rows (n, ROW), payload (body, mass, time),
+    drive (plus, minus), actuator (delay in substeps, lag in s, limit, quadratic, cubic), ripple (amplitude, pitch,
+    phase), gains (Kpp, Kpv, Kiv, low-pass of the velocity 0 to 1), motion (3, ticks: reference, its velocity, added
+    force), noise (2, ticks: of the reading that the controller takes; its step, in the first element).
     """
     mass = masses.copy()
     bodies, ticks = mass.size, motion.shape[1]
@@ -211,15 +249,38 @@ def loop(masses, plus, minus, viscous, coulomb, springs, rows, payload, drive, a
                     a[b] = 0.0
                 _push(a, mass, drive[0], drive[1], f)
                 _accelerations(
-                    xs, vs, last, t + dt, dt, f, mass, plus, minus, viscous, coulomb, springs, rows,
-                    rubbing, inertia, sweeps, z, outside, mode, held, a
+                    xs,
+                    vs,
+                    last,
+                    t + dt,
+                    dt,
+                    f,
+                    mass,
+                    plus,
+                    minus,
+                    viscous,
+                    coulomb,
+                    springs,
+                    rows,
+                    rubbing,
+                    inertia,
+                    sweeps,
+                    z,
+                    outside,
+                    mode,
+                    held,
+                    a,
                 )
                 if s == 0:
                     last[:] = a
                     for j in range(plus.size):
                         d, pull = _between(x, plus[j], minus[j]), _between(a, plus[j], minus[j])
                         sign = -np.sign(held[j]) if held[j] != 0 else np.sign(pull)
-                        if rubbing[j] and mode[j] == 0 and abs(held[j]) >= _level(j, sign, d, 0.0, t, f, coulomb, rows):
+                        if (
+                            rubbing[j]
+                            and mode[j] == 0
+                            and abs(held[j]) >= _level(j, sign, d, 0.0, t, f, coulomb, rows)
+                        ):
                             mode[j] = sign  # breaks loose
                     if i == 0 and k % LOG_TICKS == 0 and k // LOG_TICKS < samples:
                         positions[k // LOG_TICKS], accelerations[k // LOG_TICKS] = x, a

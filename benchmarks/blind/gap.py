@@ -6,8 +6,8 @@ The gap-to-noise ratio of a case, from the motions of its validation log as they
    position measured the hidden body enters through its own second-order filter, whose two coefficients are fitted too.
    direct_2m1s: F = Mm (q2'' + q1'') + Fvm q2' + Fsm sign(q2'), with q1 from q2'' by that filter, or from the
    accelerometer. ballscrew_2m1s: F = Mm qm'' + Fvm qm' + Fsm sign(qm') + filter; with the load measured, the spring and
-   the load instead. A second sensor adds a second equation: the structure's acceleration from the motor's by the filter,
-   brought to force by Mm + Ms, and the load driven through the spring.
+   the load instead. A second sensor adds a second equation: the structure's acceleration from the motor's by the
+   filter, brought to force by Mm + Ms, and the load driven through the spring.
 2. Everything passes a zero-phase low-pass filter of 100 Hz. Samples within 20 ms of standstill (|v| < 2 mm/s) are left
    out. The rms error that remains is the missing force that no parameter can stand for.
 3. The noise of the sensors passes through the same columns with the same coefficients, plus the noise of the force: its
@@ -60,7 +60,9 @@ def start(axis: str, true: dict[str, float]) -> tuple[float, float] | None:
     if axis == "rigid_1m":
         return None
     mass = true["Mm"] + true["Ms"] if axis == "direct_2m1s" else true["Ml"]
-    stiffness, damping = (true["Ks"], true["Fvs"]) if axis == "direct_2m1s" else (true["Kt"], true["Ft"] + true["Fvl"])
+    stiffness, damping = (
+        (true["Ks"], true["Fvs"]) if axis == "direct_2m1s" else (true["Kt"], true["Ft"] + true["Fvl"])
+    )
     w = np.sqrt(stiffness / mass)
     return float(np.log(w)), float(np.log(damping / mass / 2 / w))
 
@@ -88,7 +90,10 @@ def ratio(axis: str, true: dict[str, float], clean: Signals, noise: Signals, mov
     rows = np.flatnonzero(keep)[::KEEP]
     signals["sign"] = sosfiltfilt(_LOW, np.sign(moving))
     disturbed["sign"] = np.zeros(moving.size)
-    return max(_one(equation, start(axis, true), signals, disturbed, rows) for equation in equations(axis, sensors, true))
+    return max(
+        _one(equation, start(axis, true), signals, disturbed, rows)
+        for equation in equations(axis, sensors, true)
+    )
 
 
 def _near_standstill(velocity: np.ndarray, margin: int = RATE // 50) -> np.ndarray:
@@ -96,7 +101,9 @@ def _near_standstill(velocity: np.ndarray, margin: int = RATE // 50) -> np.ndarr
     return np.convolve(near, np.ones(2 * margin + 1), "same") > 0.5
 
 
-def _one(equation: Equation, mode: tuple[float, float] | None, signals: Signals, noise: Signals, rows: np.ndarray) -> float:
+def _one(
+    equation: Equation, mode: tuple[float, float] | None, signals: Signals, noise: Signals, rows: np.ndarray
+) -> float:
     def columns(source: Signals, shape: np.ndarray) -> np.ndarray:
         plain = [source[name] for name in equation.columns] + ([source["sign"]] if equation.sign else [])
         return np.stack(plain + [_through_mode(source[name], shape) for name in equation.hidden], axis=1)

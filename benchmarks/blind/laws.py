@@ -63,34 +63,60 @@ LAWS = {
     "asymmetric_friction": Law("difference", 20.0, 120, lambda r: {"side": float(r.choice([-1, 1]))}),
     "presliding_friction": Law("reach", 2e-5, 4e-4, _none),
     "load_dependent_friction": Law("mu", 0.02, 0.3, _none),
-    "position_dependent_friction": Law("dF", 15.0, 100, lambda r: {"pitch": _log(r, 0.05, 0.4), "phase": _turn(r)}),
+    "position_dependent_friction": Law(
+        "dF", 15.0, 100, lambda r: {"pitch": _log(r, 0.05, 0.4), "phase": _turn(r)}
+    ),
     "friction_drift": Law("relative", 0.2, 2.0, lambda r: {"time": _log(r, 1.0, 8.0)}),
     "quadratic_drag": Law("c", 100.0, 1e7, _none),
     "offset_force": Law("force", 10.0, 400, lambda r: {"side": float(r.choice([-1, 1]))}),
     "position_stiffness": Law("k", 100.0, 5000, _none),
     "cogging": Law("force", 10.0, 200, lambda r: {"pitch": _log(r, 0.008, 0.06), "phase": _turn(r)}),
-    "periodic_disturbance": Law("force", 10.0, 200, lambda r: {"frequency": _log(r, 0.6, 60), "phase": _turn(r)}),
+    "periodic_disturbance": Law(
+        "force", 10.0, 200, lambda r: {"frequency": _log(r, 0.6, 60), "phase": _turn(r)}
+    ),
     "payload_change": Law("mass", 0.05, 0.7, lambda r: {"time": float(r.uniform(1.2, 4.8))}),
     "backlash": Law("gap", 5e-6, 4e-4, _none),
     "stiffness_nonlinearity": Law("bend", 0.05, 3.0, _none),
-    "flexible_mode": Law("mass", 0.1, 0.6, lambda r: {"frequency": _log(r, 20, 90), "damping": _log(r, 0.01, 0.05)}),
+    "flexible_mode": Law(
+        "mass", 0.1, 0.6, lambda r: {"frequency": _log(r, 20, 90), "damping": _log(r, 0.01, 0.05)}
+    ),
     "delay": Law("time", 2e-4, 4e-3, _none),
     "actuator_lag": Law("time", 2e-4, 4e-3, _none),
     "saturation": Law("cut", 0.1, 0.5, _none),
     "gain_nonlinearity": Law("bend", 0.03, 0.35, lambda r: {"cubic": float(r.random() < 0.5)}),
-    "encoder_ripple": Law("amplitude", 3e-7, 3e-5, lambda r: {"pitch": _log(r, 0.002, 0.03), "phase": _turn(r)}),
+    "encoder_ripple": Law(
+        "amplitude", 3e-7, 3e-5, lambda r: {"pitch": _log(r, 0.002, 0.03), "phase": _turn(r)}
+    ),
 }
 FOREIGN = {
-    "relay_chatter": Law("force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": _log(r, 2, 20)}),
-    "random_walk_force": Law("force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": _log(r, 0.3, 3)}),
-    "sticky_zone": Law("force", 20.0, 200, lambda r: {"place": float(r.uniform(-0.06, 0.06)), "half": _log(r, 0.01, 0.05)}),
+    "relay_chatter": Law(
+        "force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": _log(r, 2, 20)}
+    ),
+    "random_walk_force": Law(
+        "force", 10.0, 150, lambda r: {"seed": float(r.integers(1 << 31)), "rate": _log(r, 0.3, 3)}
+    ),
+    "sticky_zone": Law(
+        "force", 20.0, 200, lambda r: {"place": float(r.uniform(-0.06, 0.06)), "half": _log(r, 0.01, 0.05)}
+    ),
     "quadratic_coupling": Law("force", 100.0, 5000, lambda r: {"side": float(r.choice([-1, 1]))}),
     "acceleration_squared": Law("force", 0.5, 12, lambda r: {"side": float(r.choice([-1, 1]))}),
 }
 
-_ANYWHERE = {"load_dependent_friction", "stribeck_friction", "presliding_friction", "friction_drift", "payload_change"}
+_ANYWHERE = {
+    "load_dependent_friction",
+    "stribeck_friction",
+    "presliding_friction",
+    "friction_drift",
+    "payload_change",
+}
 _ANYWHERE |= {"quadratic_drag", "periodic_disturbance", "flexible_mode"}
-_SLIDING = {"asymmetric_friction", "position_dependent_friction", "offset_force", "position_stiffness", "cogging"}
+_SLIDING = {
+    "asymmetric_friction",
+    "position_dependent_friction",
+    "offset_force",
+    "position_stiffness",
+    "cogging",
+}
 ACTUATOR = ("delay", "actuator_lag", "saturation", "gain_nonlinearity")
 
 
@@ -198,7 +224,13 @@ def _along_joint(plant: Machine, effect: Effect, joint: int) -> Machine:
         "stribeck_friction": (engine.STRIBECK, size, n.get("vs", 0)),
         "asymmetric_friction": (engine.COULOMB, max(size * side, 0), max(-size * side, 0)),
         "load_dependent_friction": (engine.LOAD_DEPENDENT, size),
-        "position_dependent_friction": (engine.POSITION_DEPENDENT, wave, n.get("pitch", 0), n.get("phase", 0), mean),
+        "position_dependent_friction": (
+            engine.POSITION_DEPENDENT,
+            wave,
+            n.get("pitch", 0),
+            n.get("phase", 0),
+            mean,
+        ),
         "friction_drift": (engine.DRIFT, size, n.get("time", 0)),
         "quadratic_drag": (engine.DRAG, size),
         "offset_force": (engine.OFFSET, size * side),

@@ -24,12 +24,22 @@ def draw_reference(seconds: float, style: dict[str, float], rng: np.random.Gener
     while sum(part.size for part in parts) < ticks:
         slow, fast = [(0.008, 0.05), (0.1, 0.25), (0.25, style["speed"])][rng.choice(3, p=[0.35, 0.25, 0.4])]
         speed = float(np.exp(rng.uniform(np.log(slow), np.log(fast))))
-        goal = rng.choice([-1, 1]) * style["stroke"] if rng.random() < 0.3 else rng.uniform(-1, 1) * style["stroke"]
+        goal = (
+            rng.choice([-1, 1]) * style["stroke"]
+            if rng.random() < 0.3
+            else rng.uniform(-1, 1) * style["stroke"]
+        )
         distance = np.clip(goal - place, -speed * 1.7, speed * 1.7)
         if abs(distance) < 0.003:
             continue
-        parts.append(velocity_profile(distance, speed, style["acceleration"] * rng.uniform(0.4, 1), style["rounding"]))
-        parts.append(np.zeros(int(rng.choice([0.01, 0.05, 0.3], p=[0.3, 0.5, 0.2]) * rng.uniform(0.8, 1.5) * CONTROL_HZ)))
+        parts.append(
+            velocity_profile(distance, speed, style["acceleration"] * rng.uniform(0.4, 1), style["rounding"])
+        )
+        parts.append(
+            np.zeros(
+                int(rng.choice([0.01, 0.05, 0.3], p=[0.3, 0.5, 0.2]) * rng.uniform(0.8, 1.5) * CONTROL_HZ)
+            )
+        )
         place += distance
     v = np.concatenate(parts)[:ticks]
     return np.stack([np.cumsum(v) / CONTROL_HZ, v])
@@ -47,7 +57,7 @@ def draw_style(axis: str, rng: np.random.Generator) -> dict[str, float]:
 
 
 def draw_multisine(axis: str, mass: float, seconds: float, rng: np.random.Generator) -> np.ndarray:
-    """Force of about 0.2 to 0.5 m/s^2 times the mass from 6 to 90 Hz (rigid) or 120 Hz, for some 3.5 s, faded in and out."""
+    """Force of 0.2 to 0.45 m/s^2 (rms) times the mass, from 6 to 90 Hz (rigid) or 120 Hz, for some 3.5 s."""
     t = np.arange(int(seconds * CONTROL_HZ)) / CONTROL_HZ
     frequencies = np.geomspace(6, 90 if axis == "rigid_1m" else 120, 38)
     phases = rng.uniform(0, 2 * np.pi, frequencies.size)

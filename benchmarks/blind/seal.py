@@ -1,4 +1,4 @@
-"""Labels closed up before a diagnosis runs, and opened after it: compressed JSON with a random nonce, named by its hash."""
+"""Labels closed up before a diagnosis runs and opened after it: compressed JSON with a nonce, named by its hash."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ def open_labels(folder: Path) -> dict[str, Any]:
     cases = {path.name for path in folder.glob("case*") if path.is_dir()}
     answered = {path.stem for path in (folder / "answers").glob("case*.json")}
     if cases - answered:
-        raise PermissionError(f"labels stay sealed: {len(cases - answered)} cases of {folder} have no answer yet; diagnose them")
+        raise PermissionError(
+            f"labels stay sealed: {len(cases - answered)} cases of {folder} have no answer yet; diagnose them"
+        )
     return read(folder)
 
 
