@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .engine import ROW
+
 GROUND = -1
 
 
@@ -56,11 +58,11 @@ class Machine:
     coulomb: np.ndarray
     springs: np.ndarray
     rows: np.ndarray
+    outside: np.ndarray
     payload: np.ndarray
     drive: np.ndarray
     actuator: np.ndarray
     ripple: np.ndarray
-    outside: np.ndarray
 
     def arguments(self) -> tuple[np.ndarray, ...]:
         """In the order of `engine.loop`."""
@@ -124,17 +126,17 @@ def machine(axis: str, true: dict[str, float]) -> Machine:
         np.array(viscous),
         np.array(coulomb),
         springs,
-        np.zeros((0, 7)),
+        np.zeros((0, ROW)),
+        np.zeros(2),
         np.array([-1.0, 0, 0]),
         joints[kind.bodies.index("motor")],
         np.array([0.0, 0, np.inf, 0, 0]),
         np.array([0.0, 1, 0]),
-        np.zeros(2),
     )
 
 
 def with_row(plant: Machine, law: int, joint: int, *numbers: float) -> Machine:
     """One more law along a joint."""
-    row = np.zeros((1, 7))
+    row = np.zeros((1, ROW))
     row[0, : 2 + len(numbers)] = (law, joint, *numbers)
     return replace(plant, rows=np.vstack([plant.rows, row]))

@@ -80,7 +80,7 @@ def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, di
         rng = np.random.default_rng([setting.seed, len(log)])
         noise[0], noise[1, 0] = setting.noise["position"] * rng.standard_normal(ticks), setting.noise["step"]
     gains = np.array([*(setting.controller[name] for name in ("Kpp", "Kpv", "Kiv")), setting.lowpass])
-    x, a, command = engine.loop(*plant.arguments(), gains, setting.motions[log], noise)
+    x, a, command = engine.loop(plant.arguments(), gains, setting.motions[log], noise)
     _stable(setting, x, command, motor := _joint(plant, x, kind.bodies.index("motor")), log)
     readings = {"F": _held(command)}
     for sensor in setting.sensors:

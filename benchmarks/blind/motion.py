@@ -47,11 +47,11 @@ def draw_reference(seconds: float, style: dict[str, float], rng: np.random.Gener
 
 def draw_style(axis: str, rng: np.random.Generator) -> dict[str, float]:
     """Stroke, top speed, acceleration and rounding of the corners, of one axis."""
-    top = 0.45 if axis == "rigid_1m" else 0.75
+    top = 0.6 if axis == "rigid_1m" else 0.8
     return {
         "stroke": rng.uniform(0.12, 0.24),
         "speed": rng.uniform(0.6, 1) * top,
-        "acceleration": rng.uniform(4, 9),
+        "acceleration": rng.uniform(5, 11),
         "rounding": rng.uniform(0.012, 0.035),
     }
 

@@ -19,7 +19,7 @@ def pushed(plant: Machine, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions and accelerations at 4 kHz under a force at 16 kHz, without a controller."""
     motion = np.vstack([np.zeros((2, force.size)), force])
     positions, accelerations, command = engine.loop(
-        *plant.arguments(), OPEN, motion, np.zeros((2, force.size))
+        plant.arguments(), OPEN, motion, np.zeros((2, force.size))
     )
     assert np.array_equal(command, force)
     return positions, accelerations
@@ -102,7 +102,7 @@ def test_controller_by_its_own_recursion():
     motion = np.vstack([reference, np.gradient(reference) * engine.CONTROL_HZ, np.zeros(ticks)])
     noise = np.zeros((2, ticks))
     noise[0], noise[1, 0] = 3e-6 * np.random.default_rng(1).standard_normal(ticks), step
-    x, _, command = engine.loop(*rigid(10, 30, 1e9).arguments(), gains, motion, noise)
+    x, _, command = engine.loop(rigid(10, 30, 1e9).arguments(), gains, motion, noise)
     assert not x.any()
     reading = np.round(noise[0] / step) * step
     speed, integral, expected = 0.0, 0.0, np.zeros(ticks)
