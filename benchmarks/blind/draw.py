@@ -61,10 +61,10 @@ def draw_setting(axis: str, sensors: tuple[str, ...], rng: np.random.Generator) 
     setting = Setting(
         axis, sensors, true, controller, lowpass, noisy, motions, noise, int(rng.integers(1 << 31))
     )
-    plain = simulate(setting, (), "identification", disturbed=False)
+    plain = [simulate(setting, (), log, disturbed=False) for log in SECONDS]
     travel = {
-        "force": float(np.abs(plain.readings["F"]).max()),
-        "deflection": float(np.abs(plain.deflection).max()),
+        "force": max(float(np.abs(run.readings["F"]).max()) for run in plain),
+        "deflection": max(float(np.abs(run.deflection).max()) for run in plain),
     }
     return replace(setting, travel=travel)
 
@@ -148,7 +148,7 @@ def sized(setting: Setting, effect: laws.Effect, target: float) -> laws.Effect:
         size = min(size, effect.most)
         trial = effect.sized(size)
         try:
-            found = gap_ratio(setting, (trial,))
+            found = max(gap_ratio(setting, (trial,)), 1e-3)
         except ArithmeticError:
             size /= 3
             continue

@@ -59,7 +59,7 @@ def _none(rng: np.random.Generator) -> dict[str, float]:
 LAWS = {
     "viscous_friction": Law("Fv", 100.0, 1e5, _none),
     "coulomb_friction": Law("Fs", 20.0, 300, _none),
-    "stribeck_friction": Law("dF", 20.0, 150, lambda r: {"vs": _log(r, 0.006, 0.05)}),
+    "stribeck_friction": Law("dF", 20.0, 100, lambda r: {"vs": _log(r, 0.006, 0.05)}),
     "asymmetric_friction": Law("difference", 20.0, 120, lambda r: {"side": float(r.choice([-1, 1]))}),
     "presliding_friction": Law("reach", 2e-5, 4e-4, _none),
     "load_dependent_friction": Law("mu", 0.02, 0.3, _none),
@@ -78,7 +78,7 @@ LAWS = {
     "backlash": Law("gap", 5e-6, 4e-4, _none),
     "stiffness_nonlinearity": Law("bend", 0.05, 3.0, _none),
     "flexible_mode": Law(
-        "mass", 0.1, 0.6, lambda r: {"frequency": _log(r, 20, 90), "damping": _log(r, 0.01, 0.05)}
+        "mass", 0.1, 0.6, lambda r: {"frequency": _log(r, 12, 60), "damping": _log(r, 0.01, 0.05)}
     ),
     "delay": Law("time", 2e-4, 4e-3, _none),
     "actuator_lag": Law("time", 2e-4, 4e-3, _none),
@@ -117,6 +117,13 @@ _SLIDING = {
     "position_stiffness",
     "cogging",
 }
+_RELATIVE = {
+    "payload_change",
+    "flexible_mode",
+    "load_dependent_friction",
+    "backlash",
+    "stiffness_nonlinearity",
+}
 ACTUATOR = ("delay", "actuator_lag", "saturation", "gain_nonlinearity")
 
 
@@ -124,15 +131,20 @@ def places(axis: str, sensors: tuple[str, ...]) -> list[tuple[str, str]]:
     """All (effect, place) of the library that an axis can have and that its sensors can see.
 
     The structure moves by micrometres about one place: what depends on position along a stroke, acts constantly or
-    is a linear spring there is no effect of its own. A constant force on the load is one on the motor where only
-    the motor is measured. Viscous and Coulomb friction are hidden where the model has none.
+    is a linear spring there is no effect of its own, and its own weak damping hides whatever changes in it. A constant
+    force on the load is one on the motor where only the motor is measured. Viscous and Coulomb friction are hidden
+    where the model has none.
     """
     kind = KINDS[axis]
     found = [(effect, "actuator") for effect in ACTUATOR]
     found += [("encoder_ripple", sensor) for sensor in sensors if sensor in kind.position]
     found += [(effect, place) for place in kind.springs for effect in ("backlash", "stiffness_nonlinearity")]
     for body in kind.bodies:
-        found += [(effect, body) for effect in sorted(_ANYWHERE)]
+        found += [
+            (effect, body)
+            for effect in sorted(_ANYWHERE)
+            if (effect, body) != ("friction_drift", "structure")
+        ]
         if body != "structure":
             found += [(effect, body) for effect in sorted(_SLIDING)]
         if body != "motor":
@@ -147,7 +159,7 @@ def draw(effect: str, at: str, rng: np.random.Generator) -> Effect:
     foreign = effect in FOREIGN
     law = FOREIGN[effect] if foreign else LAWS[effect]
     numbers = {law.size: law.guess} | law.shape(rng)
-    most, size = law.most * (10 if at == "structure" else 1), law.size
+    most, size = law.most * (10 if at == "structure" and effect not in _RELATIVE else 1), law.size
     if at == "structure":  # it moves by micrometres, and needs larger forces to be felt
         numbers |= {"vs": _log(rng, 3e-4, 3e-3)} if effect == "stribeck_friction" else {}
         numbers |= {"c": 1e6} if effect == "quadratic_drag" else {}
@@ -159,7 +171,7 @@ def draw(effect: str, at: str, rng: np.random.Generator) -> Effect:
 
 
 def enter(plant: Machine, effect: Effect, axis: str, travel: dict[str, float]) -> Machine:
-    """The plant with the effect; `travel` holds the largest drive force and spring deflection without it."""
+    """The plant with the effect; `travel` holds the peaks of drive force and spring deflection without it."""
     n, at = effect.numbers, effect.at
     if at == "actuator":
         return replace(plant, actuator=_actuator(plant.actuator.copy(), effect, travel["force"]))

@@ -22,7 +22,8 @@ def draw_reference(seconds: float, style: dict[str, float], rng: np.random.Gener
     """Position and velocity at 16 kHz, shape (2, ticks): starts at rest at zero, may end while it moves."""
     ticks, parts, place = int(seconds * CONTROL_HZ), [np.zeros(CONTROL_HZ * 3 // 16)], 0.0
     while sum(part.size for part in parts) < ticks:
-        slow, fast = [(0.008, 0.05), (0.1, 0.25), (0.25, style["speed"])][rng.choice(3, p=[0.35, 0.25, 0.4])]
+        pace = 2 if len(parts) == 5 else rng.choice(3, p=[0.35, 0.25, 0.4])  # the third is always a fast one
+        slow, fast = [(0.008, 0.05), (0.1, 0.25), (0.25, style["speed"])][pace]
         speed = float(np.exp(rng.uniform(np.log(slow), np.log(fast))))
         goal = (
             rng.choice([-1, 1]) * style["stroke"]

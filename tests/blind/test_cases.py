@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from click.testing import CliRunner
 
 from benchmarks.blind import answers, draw, laws, plan, score, seal, table
+from benchmarks.blind.__main__ import blind
 from benchmarks.blind.axes import KINDS
 
 ROOT = Path(__file__).parents[2]
@@ -163,3 +165,17 @@ def test_scores_of_made_up_answers():
     printed = table.text(verdicts)
     assert "Without an answer: 1 of 13" in printed
     assert json.loads(json.dumps(table.record(verdicts, "0" * 64)))["no_answer"] == 1
+
+
+def test_the_command_scores_once_all_is_answered(drawn: tuple[Path, dict], tmp_path: Path):
+    folder, runner = drawn[0], CliRunner()
+    refused = runner.invoke(blind, ["score", str(folder)])
+    assert refused.exit_code == 1
+    assert "stay sealed" in refused.output
+    given = json.dumps(answer("effect", ("offset_force", "motor"), p=0.98)["answer"])
+    found = answers.diagnose_set(folder, 1, 20.0, (sys.executable, "-c", f"print({given!r})"))
+    assert [record["case"] for record in found] == ["case000"]
+    scored = runner.invoke(blind, ["score", str(folder), "--json", str(tmp_path / "score.json")])
+    assert "offset_force at motor" in scored.output or drawn[1]["ratio"] < score.CLEAR
+    assert json.loads((tmp_path / "score.json").read_text())["sha256"] == seal.fingerprint(folder)
+    assert "offset_force at motor" in runner.invoke(blind, ["peek", str(folder)]).output
