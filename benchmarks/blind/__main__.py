@@ -1,0 +1,79 @@
+"""Draw, diagnose and score sealed cases: `python -m benchmarks.blind COMMAND --help`, from the root of the repository.
+
+python -m benchmarks.blind draw /a/new/folder --cases 300
+python -m benchmarks.blind diagnose /a/new/folder
+python -m benchmarks.blind score /a/new/folder --json score.json
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+from pathlib import Path
+
+import click
+
+from . import answers, plan, score, seal, table
+
+FOLDER = click.argument("folder", type=click.Path(path_type=Path))
+JOBS = click.option("--jobs", default=2, show_default=True, help="Processes at a time.")
+
+
+@click.group()
+def blind() -> None:
+    """Axes with one hidden effect, diagnosed from their logs alone."""
+
+
+@blind.command()
+@FOLDER
+@click.option("--cases", default=300, show_default=True)
+@click.option("--seed", type=int, help="Fresh unless given; printed.")
+@click.option("--group", type=click.Choice(list(plan.SHARES)), help="Cases of one group only.")
+@JOBS
+def draw(folder: Path, cases: int, seed: int | None, group: str | None, jobs: int) -> None:
+    """Simulate cases into a new FOLDER and seal their labels."""
+    seed = secrets.randbelow(1 << 31) if seed is None else seed
+    print(f"seed {seed}", flush=True)
+    print(f"SHA-256 of the sealed labels {plan.draw_set(folder, cases, seed, jobs, group)}")
+
+
+@blind.command()
+@FOLDER
+@click.option("--timeout", default=60.0, show_default=True, help="Seconds a case.")
+@JOBS
+def diagnose(folder: Path, timeout: float, jobs: int) -> None:
+    """Diagnose every case of FOLDER as a process of its own; labels, if there are any, stay sealed."""
+    if (folder / seal.SEALED).exists():
+        print(f"SHA-256 of the sealed labels {seal.fingerprint(folder)}", flush=True)
+    found = answers.diagnose_set(folder, jobs, timeout)
+    print(f"{len(found)} answers, {sum(record['answer'] is None for record in found)} of them none")
+
+
+@blind.command("score")
+@FOLDER
+@click.option("--json", "target", type=click.Path(path_type=Path), help="Write the score here.")
+def print_score(folder: Path, target: Path | None) -> None:
+    """Open the labels of FOLDER, once every case is answered, and print the table."""
+    try:
+        labels = seal.open_labels(folder)
+    except PermissionError as closed:
+        raise click.ClickException(str(closed)) from None
+    given, sha256 = answers.read(folder), seal.fingerprint(folder)
+    verdicts = [score.verdict(label, given[name]) for name, label in labels.items()]
+    print(f"SHA-256 of the sealed labels {sha256}\n\n{table.text(verdicts)}")
+    if target:
+        target.write_text(json.dumps(table.record(verdicts, sha256), indent=1))
+
+
+@blind.command()
+@FOLDER
+def peek(folder: Path) -> None:
+    """Print the labels of a FOLDER that serves development, not a score."""
+    for name, label in seal.read(folder).items():
+        axis, sensors = label["axis"], "+".join(label["sensors"])
+        effects = ", ".join(f"{e['effect']} at {e['at']}" for e in label["effects"])
+        print(f"{name}  {axis:15} {sensors:8} {label['group']:10} {label['ratio']:7.1f}  {effects}")
+
+
+if __name__ == "__main__":
+    blind()

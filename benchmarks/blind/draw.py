@@ -1,0 +1,193 @@
+"""A case: axis, hidden effect, motions and noise drawn; simulated; the effect sized to a gap-to-noise ratio."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from . import axes, engine, gap, laws, motion
+
+RATIOS = (2.0, 200.0)
+SECONDS = {"identification": 10.0, "validation": 6.0}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """All of a case but its effects: what the simulator runs and what the sensors add."""
+
+    axis: str
+    sensors: tuple[str, ...]
+    true: dict[str, float]
+    controller: dict[str, float]
+    lowpass: float  # weight of the newest difference in the controller's velocity
+    noisy_controller: bool
+    motions: dict[str, np.ndarray]
+    noise: dict[str, float]
+    seed: int
+    travel: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A simulated log at 4 kHz before its noise: what each column would read, and the motor's velocity."""
+
+    readings: dict[str, np.ndarray]
+    reference: np.ndarray
+    velocity: np.ndarray
+    deflection: np.ndarray
+
+
+def draw_setting(axis: str, sensors: tuple[str, ...], rng: np.random.Generator) -> Setting:
+    """Everything but the effect."""
+    true = axes.draw_parameters(axis, rng)
+    moved = {"rigid_1m": ("M",), "direct_2m1s": ("Mm",), "ballscrew_2m1s": ("Mm", "Ml")}[axis]
+    style, motions = motion.draw_style(axis, rng), {}
+    for log, seconds in SECONDS.items():
+        path = motion.draw_reference(seconds, style, rng)
+        force = motion.draw_multisine(axis, sum(true[m] for m in moved), seconds, rng)
+        motions[log] = np.vstack([path, force if log == "identification" else 0 * force])
+    noise = {
+        "F": float(np.exp(rng.uniform(np.log(0.4), np.log(4)))),
+        "position": float(np.exp(rng.uniform(np.log(3e-8), np.log(2.5e-7)))),
+        "step": float(np.exp(rng.uniform(np.log(2e-8), np.log(2e-7)))),
+        "ddq1": float(rng.uniform(0.006, 0.015)),
+    }
+    lowpass, noisy = float(rng.uniform(0.1, 0.4)), bool(rng.random() < 1 / 3)
+    controller = axes.draw_controller(axis, true, rng)
+    setting = Setting(
+        axis, sensors, true, controller, lowpass, noisy, motions, noise, int(rng.integers(1 << 31))
+    )
+    plain = [simulate(setting, (), log, disturbed=False) for log in SECONDS]
+    travel = {
+        "force": max(float(np.abs(run.readings["F"]).max()) for run in plain),
+        "deflection": max(float(np.abs(run.deflection).max()) for run in plain),
+    }
+    return replace(setting, travel=travel)
+
+
+def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, disturbed: bool) -> Run:
+    """One log by the engine; `disturbed`: the controller sees the encoder's noise and step, if it does in this case."""
+    kind, plant = axes.KINDS[setting.axis], axes.machine(setting.axis, setting.true)
+    for effect in effects:
+        plant = laws.enter(plant, effect, setting.axis, setting.travel)
+    ticks = setting.motions[log].shape[1]
+    noise = np.zeros((2, ticks))
+    if disturbed and setting.noisy_controller:
+        rng = np.random.default_rng([setting.seed, len(log)])
+        noise[0], noise[1, 0] = setting.noise["position"] * rng.standard_normal(ticks), setting.noise["step"]
+    gains = np.array([*(setting.controller[name] for name in ("Kpp", "Kpv", "Kiv")), setting.lowpass])
+    x, a, command = engine.loop(plant.arguments(), gains, setting.motions[log], noise)
+    _stable(setting, x, command, motor := _joint(plant, x, kind.bodies.index("motor")), log)
+    readings = {"F": _held(command)}
+    for sensor in setting.sensors:
+        body = kind.bodies.index(kind.position.get(sensor, "structure"))
+        readings[sensor] = (
+            a[:, body] if sensor == "ddq1" else _rippled(_joint(plant, x, body), sensor, effects)
+        )
+    spring = plant.springs[0, :2].astype(int) if kind.springs else (0, 0)
+    deflection = x[:, spring[0]] - (x[:, spring[1]] if spring[1] >= 0 else 0)
+    return Run(
+        readings, setting.motions[log][0, :: engine.LOG_TICKS], np.gradient(motor) * gap.RATE, deflection
+    )
+
+
+def _stable(setting: Setting, x: np.ndarray, command: np.ndarray, motor: np.ndarray, log: str) -> None:
+    """A loop that has left its reference, or shakes with several times the usual force, is no log of a machine."""
+    error = (
+        np.abs(motor - setting.motions[log][0, :: engine.LOG_TICKS]).max() if np.isfinite(x).all() else np.inf
+    )
+    if error > 0.02 or np.abs(command).max() > 4 * setting.travel.get("force", np.inf):
+        raise ArithmeticError(f"{setting.axis}: the closed loop is unstable")
+
+
+def _held(command: np.ndarray) -> np.ndarray:
+    """The held force averaged over the sample centred on each log instant."""
+    padded = np.pad(command, (2, 2), mode="edge")
+    return padded[: command.size].reshape(-1, 4).mean(axis=1)
+
+
+def _joint(plant: axes.Machine, x: np.ndarray, body: int) -> np.ndarray:
+    return x[:, body] - (x[:, plant.minus[body]] if plant.minus[body] >= 0 else 0)
+
+
+def _rippled(position: np.ndarray, sensor: str, effects: tuple[laws.Effect, ...]) -> np.ndarray:
+    for effect in effects:
+        if effect.effect == "encoder_ripple" and effect.at == sensor:
+            n = effect.numbers
+            position = position + n["amplitude"] * np.sin(2 * np.pi * position / n["pitch"] + n["phase"])
+    return position
+
+
+def measured(setting: Setting, readings: dict[str, np.ndarray], log: str) -> dict[str, np.ndarray]:
+    """The readings as a log holds them: with noise, positions rounded to the encoder's step."""
+    rng, step = np.random.default_rng([setting.seed, len(log), 1]), setting.noise["step"]
+    found = {}
+    for name, values in readings.items():
+        position = name not in ("F", "ddq1")
+        noisy = values + setting.noise["position" if position else name] * rng.standard_normal(values.size)
+        found[name] = np.round(noisy / step) * step if position else noisy
+    return found
+
+
+def gap_ratio(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
+    """Gap-to-noise ratio on the validation log, see `gap`."""
+    run = simulate(setting, effects, "validation", disturbed=False)
+    log = measured(setting, run.readings, "validation")
+    noise = {name: log[name] - values for name, values in run.readings.items()}
+    return gap.ratio(setting.axis, setting.true, run.readings, noise, run.velocity)
+
+
+def sized(setting: Setting, effect: laws.Effect, target: float) -> laws.Effect:
+    """The effect with the size that gives about the target ratio."""
+    size, best = effect.numbers[effect.size], (np.inf, effect)
+    for _ in range(6):
+        size = min(size, effect.most)
+        trial = effect.sized(size)
+        try:
+            found = max(gap_ratio(setting, (trial,)), 1e-3)
+        except ArithmeticError:
+            size /= 3
+            continue
+        best = min(best, (abs(np.log(found / target)), trial), key=lambda item: item[0])
+        if best[0] < 0.2 or (size == effect.most and found < target):
+            break
+        size *= np.clip(target / found, 1 / 20, 20)
+    return best[1]
+
+
+def tamed(
+    setting: Setting, effects: tuple[laws.Effect, ...]
+) -> tuple[tuple[laws.Effect, ...], dict[str, Run]]:
+    """Effects, made weaker by a quarter until the loop is stable in both logs, and the runs with them."""
+    for _ in range(20):
+        try:
+            return effects, {log: simulate(setting, effects, log, disturbed=True) for log in SECONDS}
+        except ArithmeticError:
+            effects = tuple(effect.sized(0.75 * effect.numbers[effect.size]) for effect in effects)
+    raise ArithmeticError(f"{setting.axis}: the closed loop stays unstable with {effects}")
+
+
+def write(folder: Path, setting: Setting, runs: dict[str, Run], nominal: dict[str, float]) -> None:
+    """The logs and what a diagnosis may know of the axis."""
+    folder.mkdir(parents=True)
+    force = axes.KINDS[setting.axis].drive
+    for log, run in runs.items():
+        t = np.arange(run.reference.size) / gap.RATE
+        columns = {"t": t, "reference": run.reference}
+        readings = measured(setting, run.readings, log)
+        columns |= {force if name == "F" else name: values for name, values in readings.items()}
+        pl.DataFrame(columns).write_parquet(folder / f"{log}.parquet")
+    units = {"t": "s", "reference": "m", force: "N", "ddq1": "m/s^2"}
+    record = {
+        "model": setting.axis,
+        "sampling_frequency_hz": float(gap.RATE),
+        "nominal": nominal,
+        "controller": setting.controller,
+        "columns": {name: units.get(name, "m") for name in columns},
+    }
+    (folder / "case.json").write_text(json.dumps(record, indent=1))
+    (folder / "nominal.json").write_text(json.dumps(nominal, indent=1))

@@ -1,0 +1,130 @@
+"""How far a plant's motion is from its plain model, in multiples of what noise alone would leave.
+
+The gap-to-noise ratio of a case, from the motions of its validation log as they were before noise and rounding:
+
+1. Each force equation of the plain axis is fitted to them by least squares, as drive force = sum of columns: with one
+   position measured the hidden body enters through its own second-order filter, whose two coefficients are fitted too.
+   direct_2m1s: F = Mm (q2'' + q1'') + Fvm q2' + Fsm sign(q2'), with q1 from q2'' by that filter, or from the
+   accelerometer. ballscrew_2m1s: F = Mm qm'' + Fvm qm' + Fsm sign(qm') + filter; with the load measured, the spring and
+   the load instead. A second sensor adds a second equation: the structure's acceleration from the motor's by the
+   filter, brought to force by Mm + Ms, and the load driven through the spring.
+2. Everything passes a zero-phase low-pass filter of 100 Hz. Samples within 20 ms of standstill (|v| < 2 mm/s) are left
+   out. The rms error that remains is the missing force that no parameter can stand for.
+3. The noise of the sensors passes through the same columns with the same coefficients, plus the noise of the force: its
+   rms over the same samples is the in-band noise. With two equations the larger ratio counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import bilinear, butter, lfilter, sosfiltfilt
+
+RATE, BAND_HZ, KEEP = 4000, 100, 8
+_LOW = butter(4, BAND_HZ, fs=RATE, output="sos")
+
+Signals = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Equation:
+    """y = columns @ parameters; `hidden` are columns that pass 1/(s^2 + d s + w^2) or s^2/(...) first."""
+
+    y: str
+    columns: tuple[str, ...]
+    sign: str | None = None
+    hidden: tuple[str, ...] = ()
+    scale: float = 1.0
+
+
+def equations(axis: str, sensors: tuple[str, ...], true: dict[str, float]) -> list[Equation]:
+    """The equations of an axis with these sensors; the names are those of `_differentiated`."""
+    if axis == "rigid_1m":
+        return [Equation("F", ("q.a", "q.v"), "q.v")]
+    if axis == "direct_2m1s" and len(sensors) == 1:
+        return [Equation("F", ("q2.a", "q2.v"), "q2.v", ("q2.v", "q2.a"))]
+    if axis == "direct_2m1s":
+        drive = Equation("F", ("q2.a", "q2.v", "ddq1"), "q2.v")
+        return [drive, Equation("ddq1", ("q2.a",), None, ("q2.v", "q2.a"), true["Mm"] + true["Ms"])]
+    if len(sensors) == 1:
+        return [Equation("F", ("qm.a", "qm.v"), "qm.v", ("qm.v", "qm.a"))]
+    through = ("stretch", "stretch.v")
+    load = Equation("ql.a", (*through, "ql.v"), None, (), true["Ml"])
+    return [Equation("F", ("qm.a", "qm.v", *through), "qm.v"), load]
+
+
+def start(axis: str, true: dict[str, float]) -> tuple[float, float] | None:
+    """Log of the frequency (rad/s) and of the damping ratio of the hidden body."""
+    if axis == "rigid_1m":
+        return None
+    mass = true["Mm"] + true["Ms"] if axis == "direct_2m1s" else true["Ml"]
+    stiffness, damping = (
+        (true["Ks"], true["Fvs"]) if axis == "direct_2m1s" else (true["Kt"], true["Ft"] + true["Fvl"])
+    )
+    w = np.sqrt(stiffness / mass)
+    return float(np.log(w)), float(np.log(damping / mass / 2 / w))
+
+
+def differentiated(signals: Signals) -> Signals:
+    """Low-passed signals with velocities `.v` and accelerations `.a` of the positions, and the stretch of the screw."""
+    found = {}
+    if "ql" in signals:
+        signals = signals | {"stretch": signals["qm"] - signals["ql"]}
+    for name, values in signals.items():
+        x = sosfiltfilt(_LOW, values)
+        found[name] = x
+        if name.startswith("q") or name == "stretch":
+            found[name + ".v"] = np.gradient(x) * RATE
+            found[name + ".a"] = np.gradient(found[name + ".v"]) * RATE
+    return found
+
+
+def ratio(axis: str, true: dict[str, float], clean: Signals, noise: Signals, moving: np.ndarray) -> float:
+    """The gap-to-noise ratio; `moving`: velocity of the motor at each sample, free of noise."""
+    sensors = tuple(name for name in clean if name != "F")
+    signals, disturbed = differentiated(clean), differentiated(noise)
+    keep = ~_near_standstill(moving)
+    keep[: RATE // 10] = keep[-RATE // 10 :] = False
+    rows = np.flatnonzero(keep)[::KEEP]
+    signals["sign"] = sosfiltfilt(_LOW, np.sign(moving))
+    disturbed["sign"] = np.zeros(moving.size)
+    return max(
+        _one(equation, start(axis, true), signals, disturbed, rows)
+        for equation in equations(axis, sensors, true)
+    )
+
+
+def _near_standstill(velocity: np.ndarray, margin: int = RATE // 50) -> np.ndarray:
+    near = (np.abs(velocity) < 2e-3).astype(float)
+    return np.convolve(near, np.ones(2 * margin + 1), "same") > 0.5
+
+
+def _one(
+    equation: Equation, mode: tuple[float, float] | None, signals: Signals, noise: Signals, rows: np.ndarray
+) -> float:
+    def columns(source: Signals, shape: np.ndarray) -> np.ndarray:
+        plain = [source[name] for name in equation.columns] + ([source["sign"]] if equation.sign else [])
+        return np.stack(plain + [_through_mode(source[name], shape) for name in equation.hidden], axis=1)
+
+    def fit(shape: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        W, y = columns(signals, shape)[rows], signals[equation.y][rows]
+        norm = np.linalg.norm(W, axis=0)
+        X = np.linalg.lstsq(W / norm, y, rcond=1e-12)[0] / norm
+        return y - W @ X, X
+
+    shape = np.array(mode if mode and equation.hidden else (0.0, 0.0))
+    if equation.hidden:
+        scale = np.std(signals[equation.y][rows])
+        shape = least_squares(lambda s: fit(s)[0] / scale, shape, x_scale=(0.05, 0.5), max_nfev=12).x
+    error, X = fit(shape)
+    left = (noise[equation.y] - columns(noise, shape) @ X)[rows]
+    return float(np.sqrt(np.mean(error**2) / np.mean(left**2)))
+
+
+def _through_mode(x: np.ndarray, shape: np.ndarray) -> np.ndarray:
+    """x through 1/(s^2 + 2 D w s + w^2), from rest."""
+    w, damping = np.exp(np.clip(shape, -8, 9))
+    b, a = bilinear([w**2], [1, 2 * damping * w, w**2], RATE)
+    return lfilter(b, a, x)

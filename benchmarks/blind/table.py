@@ -1,0 +1,88 @@
+"""The score as text and as a record."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+from . import score
+from .score import Verdict
+
+
+def record(verdicts: list[Verdict], sha256: str) -> dict[str, Any]:
+    """All that is printed, for a file; figures without a case are null."""
+    return {
+        "sha256": sha256,
+        "cases": len(verdicts),
+        "aims": [
+            {
+                "name": a.name,
+                "aim": a.aim,
+                "value": None if math.isnan(a.value) else a.value,
+                "cases": a.cases,
+                "met": a.met,
+            }
+            for a in score.aims(verdicts)
+        ],
+        "by_ratio": {"bins": [str(b) for b in score.BINS], **score.by_ratio(verdicts)},
+        "confusion": score.confusion(verdicts),
+        "calibration": score.calibration(verdicts),
+        "seconds": score.time_quantiles(verdicts),
+        "no_answer": _silent(verdicts),
+    }
+
+
+def _silent(verdicts: list[Verdict]) -> int:
+    return sum(v.verdict == "no answer" for v in verdicts)
+
+
+def text(verdicts: list[Verdict]) -> str:
+    """Aims first, then where the answers went."""
+    return "\n\n".join(
+        [_aims(verdicts), _ratios(verdicts), _confusion(verdicts), _calibration(verdicts), _rest(verdicts)]
+    )
+
+
+def _aims(verdicts: list[Verdict]) -> str:
+    lines = [
+        f"Aims (one effect, two, left out: gap at least {score.CLEAR:g} times the noise)",
+        f"{'':48}    aim  reached  cases",
+    ]
+    for a in score.aims(verdicts):
+        bound = f"<= {a.aim:g}" if a.at_most else f">= {a.aim:g}"
+        verdict = "" if not a.cases else "met" if a.met else "missed"
+        lines.append(f"{a.name:46} {bound:>8}  {a.value:7.3f}  {a.cases:5}  {verdict}")
+    return "\n".join(lines)
+
+
+def _ratios(verdicts: list[Verdict]) -> str:
+    heads = "".join(f"{f'{low:g}-{high:g}':>10}" for low, high in pairwise(score.BINS))
+    lines = ["One effect, right first, by gap-to-noise ratio", f"{'':14}{heads}"]
+    for name, bins in score.by_ratio(verdicts).items():
+        lines.append(f"{name:14}" + "".join(f"{f'{right}/{n}' if n else '-':>10}" for right, n in bins))
+    return "\n".join(lines)
+
+
+def _confusion(verdicts: list[Verdict]) -> str:
+    lines = ["What was answered, where the gap is clear"]
+    for truth, answers in score.confusion(verdicts).items():
+        told = ", ".join(
+            f"{'right' if answered == truth else answered} {n}" for answered, n in answers.items()
+        )
+        lines.append(f"{truth:45}  {told}")
+    return "\n".join(lines)
+
+
+def _calibration(verdicts: list[Verdict]) -> str:
+    lines = ["Probability of the first effect: cases, mean, share that was right"]
+    lines += [
+        f"{lo:5.2f} to {hi:4.2f} {n:6} {mean:7.3f} {share:7.3f}"
+        for lo, hi, n, mean, share in score.calibration(verdicts)
+    ]
+    return "\n".join(lines)
+
+
+def _rest(verdicts: list[Verdict]) -> str:
+    seconds = ", ".join(f"{name} {value:.1f}" for name, value in score.time_quantiles(verdicts).items())
+    return f"Seconds a case: {seconds}\nWithout an answer: {_silent(verdicts)} of {len(verdicts)}"

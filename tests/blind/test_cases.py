@@ -1,0 +1,181 @@
+"""Drawing, sealing, answering and scoring of benchmarks/blind."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+from click.testing import CliRunner
+
+from benchmarks.blind import answers, draw, laws, plan, score, seal, table
+from benchmarks.blind.__main__ import blind
+from benchmarks.blind.axes import KINDS
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
+    """A set of one case, an offset on a rigid axis, with its label."""
+    folder = tmp_path_factory.mktemp("drawn")
+    one = plan.Plan("case000", "single", "rigid", "rigid_1m", ("q",), (("offset_force", "motor"),), (1, 2))
+    label = plan.draw_case(one, folder)
+    seal.close(folder, {"case000": label})
+    return folder, label
+
+
+def test_the_simulator_shares_nothing_with_symid():
+    code = (
+        "import sys, benchmarks.blind.__main__; print([m for m in sys.modules if m.split('.')[0] == 'symid'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_kind_at_every_place_comes_in_turn():
+    plans = [p for p in plan.plans(600, seed=3) if p.group == "single"]
+    drawn = {(p.axis, p.sensors, *p.effects[0]) for p in plans}
+    expected = {(a, s, *place) for a in KINDS for s in KINDS[a].sensors for place in laws.places(a, s)}
+    assert drawn == expected
+    assert {effect for _, _, effect, _ in expected} == set(laws.LAWS) - {"viscous_friction"}
+    assert {p.group for p in plan.plans(40, seed=3)} == set(plan.SHARES)
+    assert plan.plans(40, seed=3) == plan.plans(40, seed=3) != plan.plans(40, seed=4)
+
+
+def test_a_case_is_written_without_its_label(drawn: tuple[Path, dict]):
+    folder, label = drawn
+    case = folder / "case000"
+    assert {path.name for path in case.iterdir()} == {*answers.LOGS, "case.json", "nominal.json"}
+    record = json.loads((case / "case.json").read_text())
+    assert set(record) == {"model", "sampling_frequency_hz", "nominal", "controller", "columns"}
+    log = pl.read_parquet(case / "identification.parquet")
+    assert log.columns == list(record["columns"]) == ["t", "reference", "F", "q"]
+    assert (log.height, pl.read_parquet(case / "validation.parquet").height) == (40_000, 24_000)
+    assert np.abs(log["reference"].to_numpy() - log["q"].to_numpy()).max() < 5e-3
+    errors = [abs(record["nominal"][name] / value - 1) for name, value in label["true"].items()]
+    assert 0 < max(errors) <= 0.12
+    assert label["effects"][0]["numbers"]["force"] > 0
+
+
+def test_the_missing_force_by_hand_is_the_gap(drawn: tuple[Path, dict]):
+    """A constant force on one mass: the ratio by a straight fit, differences and a running mean in place of `gap`."""
+    setting = draw.draw_setting("rigid_1m", ("q",), np.random.default_rng(5))
+    offset = laws.draw("offset_force", "motor", np.random.default_rng(1)).sized(20.0)
+    run = draw.simulate(setting, (offset,), "validation", disturbed=False)
+    v = run.velocity
+    moving = np.convolve(np.abs(v) < 2e-3, np.ones(161), "same") == 0
+    W = np.stack([np.gradient(v) * 4000, v, np.sign(v)], axis=1)[moving]
+    missing = np.full(v.size, 20.0)[moving]
+    left = missing - W @ np.linalg.lstsq(W, missing, rcond=None)[0]
+    assert draw.gap_ratio(setting, (offset,)) == pytest.approx(
+        2 * draw.gap_ratio(setting, (offset.sized(10),)), rel=0.02
+    )
+    noise = np.sqrt(np.mean(left**2)) / draw.gap_ratio(setting, (offset,))
+    band = setting.noise["F"] * np.sqrt(2 * 100 / 4000)
+    assert band < noise < 3 * band + setting.true["M"] * (2 * np.pi * 100) ** 2 * 3e-7
+    assert draw.gap_ratio(setting, ()) < 0.2
+
+
+def test_labels_stay_sealed_until_all_is_answered(drawn: tuple[Path, dict], tmp_path: Path):
+    labels = {"case000": drawn[1]}
+    (tmp_path / "case000").mkdir()
+    first = seal.close(tmp_path, labels)
+    assert b"offset" not in (tmp_path / seal.SEALED).read_bytes()
+    assert seal.close(tmp_path, labels) != first, "the nonce is fresh"
+    with pytest.raises(PermissionError, match="1 cases"):
+        seal.open_labels(tmp_path)
+    (tmp_path / "answers").mkdir()
+    (tmp_path / "answers" / "case000.json").write_text("{}")
+    assert seal.open_labels(tmp_path) == labels
+
+
+@pytest.mark.parametrize(
+    ("code", "ended"),
+    [
+        ("import os, json; print(json.dumps(sorted(os.listdir())))", "exit 0"),
+        ("import sys; sys.exit('no such thing')", "exit 1 no such thing"),
+        ("print('{')", "exit 0"),
+        ("import time; time.sleep(30)", "stopped after 1 s"),
+    ],
+)
+def test_a_diagnosis_sees_logs_and_nominal_values_only(drawn: tuple[Path, dict], code: str, ended: str):
+    found = answers.diagnose(drawn[0] / "case000", 1.0, (sys.executable, "-c", code))
+    assert found["ended"] == ended
+    seen = ["identification.parquet", "nominal.json", "validation.parquet"]
+    assert found["answer"] == (seen if "listdir" in code else None)
+
+
+def label(group: str, sensor_class: str, ratio: float, *effects: tuple[str, str]) -> dict:
+    named = [{"effect": effect, "at": at, "numbers": {}} for effect, at in effects]
+    return {"group": group, "class": sensor_class, "axis": "rigid_1m", "ratio": ratio, "effects": named}
+
+
+def answer(
+    verdict: str, *effects: tuple[str, str], p: float = 1.0, twins: tuple[tuple[str, str], ...] = ()
+) -> dict:
+    others = [{"effect": effect, "at": at} for effect, at in twins]
+    named = [{"effect": e, "at": at, "probability": p, "indistinguishable_from": others} for e, at in effects]
+    return {
+        "answer": {"verdict": verdict, "effects": named, "gap": {"closed_fraction": 0.96}},
+        "seconds": 2.0,
+    }
+
+
+LAG, DELAY, DRAG = ("actuator_lag", "actuator"), ("delay", "actuator"), ("quadratic_drag", "motor")
+
+
+def test_scores_of_made_up_answers():
+    pairs = [
+        (label("single", "rigid", 20, LAG), answer("effect", LAG, p=0.9)),
+        (label("single", "rigid", 20, LAG), answer("effect", DELAY, p=0.6, twins=(LAG,))),
+        (label("single", "rigid", 20, LAG), answer("effect", DELAY, p=0.4, twins=(LAG, DRAG))),
+        (label("single", "rigid", 20, LAG), {"answer": None, "seconds": 9.0}),
+        (label("single", "rigid", 3, LAG), answer("no_gap")),
+        (label("none", "motor only", 0), answer("no_gap")),
+        (label("none", "motor only", 0), answer("parameters")),
+        (label("parameters", "rigid", 0), answer("parameters")),
+        (label("parameters", "rigid", 0), answer("unexplained")),
+        (label("two", "rigid", 30, LAG, DRAG), answer("effect", DRAG, LAG, p=1.0)),
+        (label("two", "rigid", 30, LAG, DRAG), answer("effect", LAG, DELAY, p=1.0)),
+        (label("foreign", "rigid", 30, ("sticky_zone", "motor")), answer("unexplained")),
+        (label("foreign", "rigid", 30, ("sticky_zone", "motor")), answer("effect", DRAG, p=0.8)),
+    ]
+    verdicts = [score.verdict(*pair) for pair in pairs]
+    reached = {aim.name: (aim.value, aim.cases, aim.met) for aim in score.aims(verdicts)}
+    assert reached["rigid: right effect and place first"] == (0.25, 4, False)
+    assert reached["rigid: in the stated set"] == (0.5, 4, False)
+    assert reached["motor only: in the stated set"][1:] == (0, False)
+    assert reached["false alarms on exact axes and wrong values"] == (0.25, 4, False)
+    assert reached["both of two effects"] == (0.5, 2, False)
+    assert reached["kinds left out: unexplained or unsure"] == (0.5, 2, False)
+    assert reached["median closed fraction"] == (0.96, 4, True)
+    expected = (0.1**2 + 0.6**2 + 0.4**2 + 0.8**2) / 6
+    assert reached["Brier score of the first effect"][:2] == (pytest.approx(expected), 6)
+    assert [v.right for v in verdicts[5:9]] == [True, True, True, False]
+    assert score.by_ratio(verdicts) == {"rigid": [(0, 0), (0, 1), (0, 0), (0, 0), (1, 4), (0, 0)]}
+    counts = score.confusion(verdicts)["actuator_lag at actuator"]
+    assert counts == {"delay at actuator": 2, "actuator_lag at actuator": 1, "no answer": 1}
+    assert score.calibration(verdicts)[-1] == (0.99, 1.0, 2, 1.0, 1.0)
+    assert score.time_quantiles(verdicts)["longest"] == 9.0
+    printed = table.text(verdicts)
+    assert "Without an answer: 1 of 13" in printed
+    assert json.loads(json.dumps(table.record(verdicts, "0" * 64)))["no_answer"] == 1
+
+
+def test_the_command_scores_once_all_is_answered(drawn: tuple[Path, dict], tmp_path: Path):
+    folder, runner = drawn[0], CliRunner()
+    refused = runner.invoke(blind, ["score", str(folder)])
+    assert refused.exit_code == 1
+    assert "stay sealed" in refused.output
+    given = json.dumps(answer("effect", ("offset_force", "motor"), p=0.98)["answer"])
+    found = answers.diagnose_set(folder, 1, 20.0, (sys.executable, "-c", f"print({given!r})"))
+    assert [record["case"] for record in found] == ["case000"]
+    scored = runner.invoke(blind, ["score", str(folder), "--json", str(tmp_path / "score.json")])
+    assert "offset_force at motor" in scored.output or drawn[1]["ratio"] < score.CLEAR
+    assert json.loads((tmp_path / "score.json").read_text())["sha256"] == seal.fingerprint(folder)
+    assert "offset_force at motor" in runner.invoke(blind, ["peek", str(folder)]).output
