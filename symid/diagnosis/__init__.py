@@ -1,5 +1,7 @@
 """Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks."""
 
+from symid.diagnosis.diagnose import diagnose
+from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
@@ -15,8 +17,10 @@ from symid.diagnosis.result import (
 )
 
 __all__ = [
+    "LIBRARY",
     "Alternative",
     "Diagnosis",
+    "Effect",
     "EffectParameter",
     "FoundEffect",
     "Gap",
@@ -26,4 +30,5 @@ __all__ = [
     "ParameterChange",
     "Signals",
     "Spectrum",
+    "diagnose",
 ]

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
 from symid.diagnosis.record import Record
 from symid.diagnosis.scene import Scene, scene_of
@@ -128,11 +128,23 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(columns / scale, error, rcond=_RANK)[0] / scale)
 
 
-def first_state(record: Record, parameters: Mapping[str, float]) -> tuple[State, Weighting]:
-    """The axis at given parameters, and the weighting that goes with them."""
+def first_state(
+    record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
+) -> tuple[State, Weighting]:
+    """The axis at given parameters, and the weighting that goes with them.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    """
     scene = scene_of(record, parameters)
     scene = scene_of(record, parameters, before=scene)
-    weighting = _weighting(scene)
+    weighting = _weighting(scene, allowed)
     return _state(scene, (), record.measured - scene.predicted, weighting), weighting
 
 
@@ -141,12 +153,12 @@ def _state(scene: Scene, placed: tuple[Placed, ...], errors: ComplexArray, weigh
     return State(scene, placed, errors, nothing, nothing).weighted(weighting)
 
 
-def _weighting(scene: Scene) -> Weighting:
+def _weighting(scene: Scene, allowed: BoolArray | None) -> Weighting:
     """Weights of a scene: all joints that take part in the drive's motion must move."""
     driven = scene.record.fine(scene.record.motion)[scene.record.in_log]
     least = _TAKES_PART * np.ptp(driven)
     speeds = [joint.v for joint in scene.joints.values() if joint.stroke > least]
-    return weighting_of(scene.record, scene.density, speeds)
+    return weighting_of(scene.record, scene.density, speeds, allowed)
 
 
 def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
@@ -185,22 +197,13 @@ def refitted(fit: Fit, iterations: int = 3) -> Fit:
     if fit.mean_square > _CREDIBLE:
         return fit
     scene = fit.state.scene
-    weighting = with_restarts(_weighting(scene), scene.hidden)
+    weighting = with_restarts(_weighting(scene, fit.weighting.allowed), scene.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 
 
 def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State:
     """The same parameters with other effects."""
     return _evaluated(state, weighting, state.scene.parameters, placed)
-
-
-def on_record(fit: Fit, record: Record, placed: tuple[Placed, ...] | None = None) -> tuple[State, Weighting]:
-    """The fitted model under another record."""
-    state, weighting = first_state(record, fit.parameters)
-    effects = fit.state.placed if placed is None else placed
-    for _ in range(3 if effects else 0):
-        state = with_effects(state, weighting, effects)
-    return state, weighting
 
 
 def _evaluated(

@@ -138,9 +138,15 @@ class Record:
 
     @cached_property
     def noise(self) -> FloatArray:
-        """Standard deviations of the noise of position, force and other sensors, from the band above the dynamics."""
-        names = (self.signals[0], self.dynamics.axis.drive.signal, *self.signals[1:])
-        return np.array([_high_noise(self.log[name], self.log.sampling_frequency) for name in names])
+        """Standard deviations of the noise of position, force and other sensors, from the band above the dynamics.
+
+        Of the force, the least density of that band counts: a controller makes forces out of the noise of the encoder,
+        more the higher the frequency, and these act on the axis.
+        """
+        names = (self.signals[0], *self.signals[1:])
+        found = [_high_noise(self.log[name], self.log.sampling_frequency) for name in names]
+        force = self.log[self.dynamics.axis.drive.signal]
+        return np.array([found[0], _least_noise(force, self.log.sampling_frequency, self.band_hz), *found[1:]])
 
     def from_samples(self, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal given at all samples of a period."""
@@ -246,6 +252,13 @@ def _high_noise(x: FloatArray, sampling_frequency: float) -> float:
     frequency, density = _density(x, sampling_frequency)
     level = np.median(density[frequency > _HIGH * sampling_frequency])
     return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def _least_noise(x: FloatArray, sampling_frequency: float, above_hz: float) -> float:
+    frequency, density = _density(x, sampling_frequency)
+    width = max(4, int(np.sum(frequency > above_hz)) // 12)
+    smooth = np.convolve(density[frequency > above_hz], np.ones(width) / width, "valid")
+    return float(np.sqrt(max(smooth.min() * sampling_frequency / 2, np.finfo(float).tiny)))
 
 
 def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:

@@ -137,7 +137,7 @@ class FoundEffect:
     parameters : mapping of str to EffectParameter
         Its parameters, SI.
     gap_after : Level
-        The gap with this effect alone added to the re-identified model.
+        The gap with this effect and those before it added to the re-identified model.
     indistinguishable_from : tuple of (str, str)
         Effects and places that this log does not tell from it.
     """
@@ -163,7 +163,7 @@ class Alternative:
     log_likelihood : float
         Gain of the logarithm of the likelihood over the re-identified model.
     gap_after : Level or None
-        The gap with it added; None where it was screened only.
+        Error on the identification data with it added; None where it was screened only.
     """
 
     effect: str

@@ -13,6 +13,8 @@ from symid.diagnosis.fit import Fit
 from symid.diagnosis.weighting import Autoregression, autoregression, unweighted
 
 AR_ORDER = 6
+PRICE = 4.5
+"""Price of a free value, of the logarithm of the likelihood: half the logarithm of 8000 rows (Schwarz)."""
 _BATCH = 64
 _BLIND = 1e-4
 
@@ -34,6 +36,16 @@ class Candidate:
     placed: Placed
     gain: float
     white_gain: float
+
+    @property
+    def worth(self) -> float:
+        """The gain, less what its free values would gain in noise."""
+        return self.gain - PRICE * self.placed.n_free
+
+    @property
+    def white_worth(self) -> float:
+        """The same after an autoregressive model."""
+        return self.white_gain - PRICE * self.placed.n_free
 
 
 def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:

@@ -9,16 +9,16 @@ import numpy as np
 
 from symid.diagnosis.effects import Effect
 from symid.diagnosis.fit import Fit, fitted, refitted, with_effects
-from symid.diagnosis.screening import Candidate, screened
+from symid.diagnosis.screening import PRICE, Candidate, screened
 from symid.diagnosis.weighting import Weighting
 from symid.errors import SettingError
 
-LEAST_GAIN = 30.0
-"""Gain of the logarithm of the likelihood that an effect must bring: the best of all places and shapes in noise alone
-gains 5 to 20."""
+LEAST_WORTH = 20.0
+"""Gain of the logarithm of the likelihood, less its price, that an effect must bring: the best of all places and shapes
+brings less in noise alone."""
 LEAST_SHARE = 0.02
 """Share of the mean square that it must take away."""
-_SHARE_OF_FIRST = 0.003
+_LEAST_POWER = 0.06
 _CONFIRMED = 5
 _CONFIRMED_WHITE = 3
 _MOST_EFFECTS = 3
@@ -39,6 +39,11 @@ class Confirmed:
 
     fit: Fit
     gain: float
+
+    @property
+    def worth(self) -> float:
+        """The gain, less what its free values would gain in noise."""
+        return self.gain - PRICE * self.fit.state.placed[-1].n_free
 
     @property
     def key(self) -> tuple[str, str]:
@@ -71,11 +76,18 @@ class Turn:
             return False
         best = self.confirmed[0]
         closed = 1 - best.fit.mean_square / self.before.mean_square
-        return best.gain - 3 * best.fit.state.placed[-1].n_free > LEAST_GAIN and closed > LEAST_SHARE
+        return best.worth > LEAST_WORTH and closed > LEAST_SHARE
+
+    @property
+    def is_worth_another(self) -> bool:
+        """Whether the best candidate is worth being accepted besides others."""
+        if not self.accepts:
+            return False
+        return self.before.mean_square - self.confirmed[0].fit.mean_square > _LEAST_POWER
 
 
 def search(fit: Fit, library: Sequence[Effect]) -> tuple[Turn, ...]:
-    """Turns of the search; all but the last accept their best candidate, and the last may.
+    """Turns of the search: the first, and those that accept their best candidate after it.
 
     Parameters
     ----------
@@ -88,8 +100,10 @@ def search(fit: Fit, library: Sequence[Effect]) -> tuple[Turn, ...]:
     current = fit
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library)
+        if turns and not turn.is_worth_another:
+            break
         turns.append(turn)
-        if not turn.accepts or turn.confirmed[0].gain < _SHARE_OF_FIRST * turns[0].confirmed[0].gain:
+        if not turn.accepts:
             break
         current = turn.confirmed[0].fit
     return tuple(turns)
@@ -97,10 +111,10 @@ def search(fit: Fit, library: Sequence[Effect]) -> tuple[Turn, ...]:
 
 def _turn(fit: Fit, library: Sequence[Effect]) -> Turn:
     found = screened(fit, library)
-    white = sorted(found, key=lambda c: -c.white_gain)[:_CONFIRMED_WHITE]
+    white = sorted(found, key=lambda c: -c.white_worth)[:_CONFIRMED_WHITE]
     chosen = [*found[:_CONFIRMED], *(c for c in white if c not in found[:_CONFIRMED])]
     confirmed = [c for c in (_confirmed(fit, candidate) for candidate in chosen) if c is not None]
-    return Turn(fit, tuple(sorted(confirmed, key=lambda c: -c.gain)), tuple(found))
+    return Turn(fit, tuple(sorted(confirmed, key=lambda c: -c.worth)), tuple(found))
 
 
 def _confirmed(fit: Fit, candidate: Candidate) -> Confirmed | None:

@@ -43,6 +43,8 @@ class Weighting:
         1 / sqrt(S), scaled for the band.
     restarts : array of shape (n_restarts, n_outputs, n_rows)
         What unknown states at the beginning of each stretch of motion make of the rows.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
     """
 
     record: Record
@@ -50,6 +52,7 @@ class Weighting:
     kept: BoolArray
     density: FloatArray
     restarts: FloatArray
+    allowed: BoolArray | None = None
 
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
@@ -89,7 +92,9 @@ class Weighting:
         return np.asarray(self.density[0] / self.density[0].max())
 
 
-def weighting_of(record: Record, density: FloatArray, speeds: Iterable[FloatArray]) -> Weighting:
+def weighting_of(
+    record: Record, density: FloatArray, speeds: Iterable[FloatArray], allowed: BoolArray | None = None
+) -> Weighting:
     """Weighting of a record for an axis.
 
     Parameters
@@ -100,9 +105,11 @@ def weighting_of(record: Record, density: FloatArray, speeds: Iterable[FloatArra
         1 / sqrt(S), as `noise_weights`.
     speeds : iterable of array of shape (n_fine,)
         Velocities of the joints that must move.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
     """
     share = np.sqrt(2 * record.n_bins / record.n_extended)
-    moving = record.in_log.copy()
+    moving = record.in_log & (True if allowed is None else allowed)
     velocity_noise = record.noise[0] * record.omega[-1] * share / np.sqrt(3)
     for speed in speeds:
         least = max(_SLOW_SHARE * np.abs(speed[record.in_log]).max(), _NOISE_MARGIN * velocity_noise)
@@ -114,7 +121,7 @@ def weighting_of(record: Record, density: FloatArray, speeds: Iterable[FloatArra
     moving[last - ends :] = False
     window = _window(moving, round(_MARGIN / step), max(2, round(_TAPER / step)))[::2]
     kept = np.asarray(window > 1 - 1e-9)
-    return Weighting(record, window, kept, density, np.zeros((0, len(density), record.n_rows)))
+    return Weighting(record, window, kept, density, np.zeros((0, len(density), record.n_rows)), allowed)
 
 
 def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weighting:

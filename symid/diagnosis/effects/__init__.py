@@ -13,6 +13,7 @@ from symid.diagnosis.effects.forces import (
 )
 from symid.diagnosis.effects.friction import (
     AsymmetricFriction,
+    CoulombAsymmetry,
     CoulombFriction,
     FrictionDrift,
     LoadDependentFriction,
@@ -20,7 +21,6 @@ from symid.diagnosis.effects.friction import (
     QuadraticDrag,
     SlopedFriction,
     StribeckFriction,
-    ViscousDrift,
     ViscousFriction,
     WavyFriction,
 )
@@ -38,12 +38,14 @@ LIBRARY: tuple[Effect, ...] = (
     CoulombFriction(),
     StribeckFriction(),
     AsymmetricFriction(),
+    CoulombAsymmetry(),
     PreslidingFriction(),
     LoadDependentFriction(),
     SlopedFriction(),
     WavyFriction(),
-    FrictionDrift(),
-    ViscousDrift(),
+    FrictionDrift(coulomb=True, viscous=False),
+    FrictionDrift(coulomb=False, viscous=True),
+    FrictionDrift(coulomb=True, viscous=True),
     QuadraticDrag(),
     OffsetForce(),
     PositionStiffness(),

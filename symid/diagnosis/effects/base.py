@@ -29,7 +29,7 @@ class Effect(ABC):
 
     name: ClassVar[str]
     """Name of the effect, see `symid.diagnosis.effects`."""
-    amplitudes: ClassVar[tuple[str, ...]]
+    amplitudes: tuple[str, ...]
     """Names of its amplitudes."""
     shape_names: ClassVar[tuple[str, ...]] = ()
     """Names of its shape parameters."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import ClassVar
-
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
@@ -93,6 +91,18 @@ class AsymmetricFriction(JointEffect):
         return str(force), str(force * Unit.of("s") / length)
 
 
+class CoulombAsymmetry(AsymmetricFriction):
+    """Half the difference of the Coulomb levels of both directions: while the axis moves, a constant force."""
+
+    amplitudes = ("dFs",)
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, 1.0 * scene.record.in_log)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return (str(joint_units(scene, place)[0]),)
+
+
 class PreslidingFriction(JointEffect):
     """Fs (z - sign(v)), z(1) = (v - abs(v) z) / reach: Coulomb friction that builds up over a displacement (Dahl)."""
 
@@ -178,35 +188,42 @@ class WavyFriction(JointEffect):
 
 
 class FrictionDrift(JointEffect):
-    """dF sign(v) exp(-t/T): the Coulomb level changes while the axis warms up."""
+    """exp(-t/T) (dFs sign(v) + dFv v): coefficients of declared friction change while the axis warms up.
+
+    Parameters
+    ----------
+    coulomb, viscous : bool
+        Which coefficients change.
+    """
 
     name = "friction_drift"
-    amplitudes: ClassVar[tuple[str, ...]] = ("dF",)
     shape_names = ("T",)
     per_log = True
+
+    def __init__(self, *, coulomb: bool, viscous: bool) -> None:
+        self.coulomb, self.viscous = coulomb, viscous
+        self.amplitudes = ("dFs",) * coulomb + ("dFv",) * viscous
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        both = _declared(scene, DeclaredCoulomb), _declared(scene, DeclaredViscous)
+        wanted = [names for names, changes in zip(both, (self.coulomb, self.viscous), strict=True) if changes]
+        return [name for name in scene.joints if all(name in names for names in wanted)]
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         return [(x * scene.record.duration,) for x in _WARM_UPS]
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, np.sign(joint.v) * _fading(scene, shape[0]))
-
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return str(joint_units(scene, place)[0]), "s"
-
-
-class ViscousDrift(FrictionDrift):
-    """exp(-t/T) (dF sign(v) + dFv v): both coefficients change while the axis warms up."""
-
-    amplitudes = ("dF", "dFv")
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        return (float(np.clip(shape[0], 0.02 * scene.record.duration, 20 * scene.record.duration)),)
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         fading = _fading(scene, shape[0])
-        return sampled(scene, np.sign(joint.v) * fading, joint.v * fading)
+        parts = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
+        return sampled(scene, *(part * fading for part in parts))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
-        return str(force), str(force * Unit.of("s") / length), "s"
+        of_viscous = str(force * Unit.of("s") / length)
+        return (*[str(force)] * self.coulomb, *[of_viscous] * self.viscous, "s")
 
 
 def _fading(scene: Scene, time: float) -> FloatArray:

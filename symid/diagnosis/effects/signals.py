@@ -93,11 +93,11 @@ class GainNonlinearity(DriveEffect):
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         force = scene.record.whole_force
-        relative = np.abs(force / _top_force(scene))
-        return self._force(scene, scene.record.from_samples(force * relative ** (self.power - 1)))
+        return self._force(scene, scene.record.from_samples(force * np.abs(force) ** (self.power - 1)))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return ("1",)
+        unit = scene.axis.signal_units[scene.axis.drive.signal]
+        return (str(unit ** (1 - self.power)),)
 
 
 class GainAsymmetry(DriveEffect):

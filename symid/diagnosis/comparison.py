@@ -1,0 +1,206 @@
+"""Models compared on data that took no part in any choice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.fit import Fit, State, derivatives, first_state, solved, with_effects
+from symid.diagnosis.record import Record
+from symid.diagnosis.result import Gap, Level, Signals, Spectrum
+from symid.diagnosis.weighting import Weighting, with_restarts
+
+_BLOCKS = 24
+_DRAWS = 400
+_SEGMENT = 1024
+_USED = 0.65
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Errors of several models on one record, with the same weights.
+
+    Parameters
+    ----------
+    weighting : Weighting
+        Of the record.
+    states : tuple of State or None
+        Models, simplest first: nominal, re-identified, with the first effect, the first two, ...
+    errors : tuple of array of shape (n_outputs, n_rows) or None
+        Their weighted errors, in multiples of the noise; nan where no row is kept.
+    """
+
+    weighting: Weighting
+    states: tuple[State | None, ...]
+    errors: tuple[FloatArray | None, ...]
+
+    @property
+    def record(self) -> Record:
+        """The log."""
+        return self.weighting.record
+
+    def squares(self, model: int) -> FloatArray:
+        """Squares of the weighted force error in the kept rows."""
+        errors = self.errors[model]
+        return np.full(int(self.weighting.kept.sum()), np.nan) if errors is None else errors[0, self.weighting.kept] ** 2
+
+    @cached_property
+    def unit(self) -> float:
+        """Force that a weighted error of 1 stands for: the force noise in the band."""
+        return float(1 / self.weighting.density[0].max())
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square of the measured force over the kept rows, with the same weights."""
+        force = self.record.rows(self.record.measured[0] * self.weighting.force_density * self.record.taper)
+        return float(np.sqrt(np.mean(force[self.weighting.kept] ** 2)))
+
+    def level(self, model: int) -> Level:
+        """Force error of a model."""
+        return self._level(float(np.sqrt(np.mean(self.squares(model)))))
+
+    def _level(self, multiple: float) -> Level:
+        return Level(multiple * self.unit, multiple * self.unit / self.size)
+
+    def gap(self) -> Gap:
+        """The gap before and after."""
+        axis = self.record.dynamics.axis
+        re, explained = self.squares(1), self.squares(len(self.errors) - 1)
+        return Gap(
+            signal=axis.drive.signal,
+            unit=str(axis.signal_units[axis.drive.signal]),
+            band_hz=self.half_power_hz,
+            nominal=None if self.errors[0] is None else self.level(0),
+            reidentified=self.level(1),
+            explained=self.level(len(self.errors) - 1),
+            noise_floor=self._level(1.0),
+            steps=tuple(self.level(i) for i in range(2, len(self.errors))),
+            closed_fraction=closed_fraction(re, explained),
+            closed_interval=_resampled(re, explained),
+        )
+
+    @cached_property
+    def half_power_hz(self) -> float:
+        """Frequency at which the weight of the force error has fallen to 0.7."""
+        fallen = np.flatnonzero(self.weighting.force_density < np.sqrt(0.5))
+        bins = fallen[fallen > 8]
+        return float(self.record.omega[bins[0]] / (2 * np.pi)) if bins.size else self.record.band_hz
+
+    def signals(self) -> Signals:
+        """Forces in the band of the gap."""
+        record, inside = self.record, self.record.row_time < self.record.duration
+        measured = record.rows(record.measured[0] * record.taper)[inside]
+
+        def predicted(model: int) -> FloatArray:
+            state = self.states[model]
+            if state is None:
+                return np.full(measured.size, np.nan)
+            return measured - record.rows(state.errors[0] * record.taper)[inside]
+
+        return Signals(
+            time=record.row_time[inside] + record.log.time[0],
+            position=record.rows(record.motion)[inside],
+            velocity=record.rows(1j * record.omega * record.motion)[inside],
+            measured=measured,
+            nominal=predicted(0),
+            reidentified=predicted(1),
+            explained=predicted(len(self.states) - 1),
+            compared=self.weighting.kept[inside],
+        )
+
+    def spectrum(self) -> Spectrum:
+        """Error density against noise density."""
+        record = self.record
+        rate = record.n_rows / record.period
+
+        def density(model: int) -> FloatArray:
+            errors = self.errors[model]
+            rows = np.zeros(record.n_rows) if errors is None else np.nan_to_num(errors[0])
+            share = max(float(self.weighting.kept.mean()), 1e-9)
+            found = scipy.signal.welch(rows, rate, nperseg=min(_SEGMENT, rows.size // 4))
+            return np.asarray(np.sqrt(found[1] / share) / np.interp(found[0], frequency, self.weighting.density[0]))
+
+        frequency = record.omega / (2 * np.pi)
+        grid = scipy.signal.welch(np.zeros(record.n_rows), rate, nperseg=min(_SEGMENT, record.n_rows // 4))[0]
+        used = (grid > 0) & (grid < _USED * record.band_hz)
+        noise = np.sqrt(2 / rate) / np.interp(grid, frequency, self.weighting.density[0])
+        return Spectrum(grid[used], density(1)[used], density(len(self.errors) - 1)[used], noise[used])
+
+
+
+def compared(record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None) -> Comparison:
+    """Apply models to a record; nothing of them is fitted to it but what belongs to a log.
+
+    Parameters
+    ----------
+    record : Record
+        Validation data.
+    nominal : State or None
+        The model with nominal values, under any record.
+    fits : sequence of Fit
+        Re-identified model, and those with effects added one by one.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the record that may be used.
+    """
+    last, weighting = _applied(fits[-1], record, allowed)
+    states: list[State | None] = [None]
+    if nominal is not None:
+        states[0] = first_state(record, nominal.scene.parameters)[0].weighted(weighting)
+    states += [_applied(fit, record, allowed)[0].weighted(weighting) for fit in fits[:-1]]
+    states.append(last.weighted(weighting))
+    return Comparison(weighting, tuple(states), tuple(s and _errors(s, weighting) for s in states))
+
+
+def _applied(fit: Fit, record: Record, allowed: BoolArray | None) -> tuple[State, Weighting]:
+    state, weighting = first_state(record, fit.parameters, allowed)
+    for _ in range(4 if fit.state.placed else 0):
+        state = with_effects(state, weighting, fit.state.placed)
+    weighting = with_restarts(weighting, state.scene.hidden)
+    return state.weighted(weighting), weighting
+
+
+def _errors(state: State, weighting: Weighting) -> FloatArray:
+    """Weighted errors without what unknown starts and values of the log itself explain; nan where no row is kept."""
+    error = weighting.known(state.rows, state.beginning)
+    columns = weighting.known(weighting.rows(_own_columns(state)), state.beginning)
+    if len(columns):
+        error = error - columns.T @ solved(columns.T, error)
+    rows = np.full(state.rows.shape, np.nan)
+    rows[:, weighting.kept] = error.reshape(len(rows), -1)
+    return rows
+
+
+def _own_columns(state: State) -> ComplexArray:
+    """Derivatives by what belongs to the log: parameters declared so, amplitudes of effects in time."""
+    dynamics = state.scene.record.dynamics
+    columns = derivatives(state)
+    own = [name in dynamics.axis.log_parameters for name in dynamics.parameters]
+    for item in state.placed:
+        free = 0 if item.effect.fixed else len(item.amplitudes)
+        own += [item.effect.per_log] * (free + len(item.shape))
+    return columns[np.array(own, dtype=bool)]
+
+
+def closed_fraction(before: FloatArray, after: FloatArray) -> float:
+    """Share of the way from one error to the noise that another goes; nan where the first is no larger than noise."""
+    first, last = np.sqrt(np.mean(before)), np.sqrt(np.mean(after))
+    return float(min((first - last) / (first - 1), 1.0)) if first > 1 + 1e-6 else float("nan")
+
+
+def _resampled(before: FloatArray, after: FloatArray) -> tuple[float, float]:
+    """95 % interval of the closed fraction from resampled blocks of rows."""
+    blocks = np.array_split(np.arange(before.size), _BLOCKS)
+    means = np.array([[np.mean(before[b]), np.mean(after[b])] for b in blocks if b.size])
+    rng = np.random.default_rng(0)
+    drawn = means[rng.integers(len(means), size=(_DRAWS, len(means)))].mean(axis=1)
+    found = [closed_fraction(np.array([b]), np.array([a])) for b, a in drawn]
+    finite = [x for x in found if np.isfinite(x)]
+    if len(finite) < _DRAWS // 2:
+        return float("nan"), float("nan")
+    low, high = np.quantile(finite, [0.025, 0.975])
+    return float(low), float(high)
