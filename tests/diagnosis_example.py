@@ -1,8 +1,9 @@
-"""Diagnoses of a paper's axis as they could be: curves of a made-up machine, and levels, maps and tables that fit them."""
+"""Diagnoses of the paper's axis as they could be: curves of a made-up machine, and tables that fit them."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -29,21 +30,21 @@ FLOOR = 1.9
 _RATE = 4000.0
 
 _SENTENCES = {
-    "effect": "Stribeck friction at the motor is missing from the model: with it the force error falls from {before:.3g} "
-    "to {after:.3g} N, {closed:.0%} of the way to the noise.",
-    "two effects": "Stribeck friction at the motor and a delay of the actuator are missing from the model: with both the "
-    "force error falls from {before:.3g} to {after:.3g} N, {closed:.0%} of the way to the noise.",
-    "no gap": "There is no gap: with the nominal values the force error is {before:.3g} N, as large as the noise alone.",
-    "parameters": "The structure of the model is right, its values were off: re-identified, it leaves {after:.3g} N, as "
-    "much as the noise alone.",
+    "effect": "Stribeck friction at the motor is missing from the model: with it the force error falls from "
+    "{before:.3g} to {after:.3g} N, {closed:.0%} of the way to the noise.",
+    "two effects": "Stribeck friction at the motor and a delay of the actuator are missing from the model: with both "
+    "the force error falls from {before:.3g} to {after:.3g} N, {closed:.0%} of the way to the noise.",
+    "no gap": "There is no gap: the nominal values leave a force error of {before:.3g} N, as much as the noise alone.",
+    "parameters": "The structure of the model is right, its values were off: re-identified, it leaves {after:.3g} N, "
+    "as much as the noise alone.",
     "unexplained": "The model leaves {before:.3g} N, several times the noise, and no known effect explains it.",
 }
 _NEXT = {
     "effect": "Nothing remains to be told apart. To narrow vs, move at 2 to 20 mm/s in both directions for 20 s.",
-    "two effects": "Delay and first-order lag of the drive are told apart best by a chirp from 20 to 120 Hz of 150 N.",
+    "two effects": "A delay and a first-order lag of the drive are told apart by a chirp of 150 N, 20 to 120 Hz.",
     "no gap": "Nothing is needed at these speeds; a faster motion would show what this one does not excite.",
     "parameters": "Use the identified values.",
-    "unexplained": "Repeat the run with one table position held: the error keeps its phase to the time, not to the motion.",
+    "unexplained": "Repeat the run with the table held: is the phase of the error tied to time, or to the motion?",
 }
 _VERDICTS = {"two effects": "effect", "no gap": "no_gap"}
 
@@ -144,7 +145,10 @@ def _location(kind: str) -> tuple[Location, ...]:
             Location("motor", 0.71, (0.3, 12.0), "low speed"),
             Location("actuator", 0.29, (15.0, 80.0), "accelerating"),
         ),
-        "unexplained": (Location("motor", 0.88, (20.0, 26.0), "all"), Location("q2", 0.12, (60.0, 110.0), "all")),
+        "unexplained": (
+            Location("motor", 0.88, (20.0, 26.0), "all"),
+            Location("q2", 0.12, (60.0, 110.0), "all"),
+        ),
     }.get(kind, ())
 
 
@@ -162,8 +166,17 @@ def _maps(signals: Signals) -> dict[str, tuple[MapCell, ...]]:
         "drive force": _parts(drive, 5, "N"),
         "time": _parts(signals.time, 5, "s"),
     }
-    bands = (("0–2 Hz", 0, 2, 0.31), ("2–10 Hz", 2, 10, 0.46), ("10–40 Hz", 10, 40, 0.19), ("40–120 Hz", 40, 120, 0.04))
-    maps = {"band": tuple(MapCell(label, lo, hi, (hi - lo) / 120, s, 1 + 20 * s, 1.05) for label, lo, hi, s in bands)}
+    bands = (
+        ("0–2 Hz", 0, 2, 0.31),
+        ("2–10 Hz", 2, 10, 0.46),
+        ("10–40 Hz", 10, 40, 0.19),
+        ("40–120 Hz", 40, 120, 0.04),
+    )
+    maps = {
+        "band": tuple(
+            MapCell(label, lo, hi, (hi - lo) / 120, s, 1 + 20 * s, 1.05) for label, lo, hi, s in bands
+        )
+    }
     return maps | {name: tuple(_cell(signals, *mask) for mask in cells) for name, cells in masks.items()}
 
 
@@ -171,7 +184,7 @@ def _parts(values: np.ndarray, count: int, unit: str) -> list[tuple[str, float, 
     limits = np.linspace(values.min(), values.max(), count + 1)
     return [
         (f"{low:.2g} to {high:.2g} {unit}", low, high, (values >= low) & (values < high))
-        for low, high in zip(limits[:-1], limits[1:], strict=True)
+        for low, high in pairwise(limits)
     ]
 
 

@@ -153,7 +153,9 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     """Print what `diagnosis_record` holds, the verdict first."""
     console = console or report_console()
     console.print(Text(record["sentence"], style="bold"))
-    console.print(f"{record['axis']} from {', '.join(record['measured'])}: {', '.join(record['logs'])}", markup=False)
+    console.print(
+        f"{record['axis']} from {', '.join(record['measured'])}: {', '.join(record['logs'])}", markup=False
+    )
     for fault in record["faults"]:
         console.print(f"fault of the recording: {fault}", markup=False)
     console.print("", _gap_table(record), closed_line(record["gap"]), sep="\n")
@@ -199,7 +201,9 @@ def _add(table: Table, *cells: str) -> None:
 def _gap_table(record: dict[str, Any]) -> Table:
     gap = record["gap"]
     title = f"Error of {gap['signal']} up to {gap['band_hz']:.3g} Hz, on data that took no part in any choice"
-    table = _table(title, ("model",), (f"rms [{gap['unit']}]", "of signal", "of floor", f"removed [{gap['unit']}]"))
+    table = _table(
+        title, ("model",), (f"rms [{gap['unit']}]", "of signal", "of floor", f"removed [{gap['unit']}]")
+    )
     for stage in record["waterfall"]:
         if stage["rms"] is None:
             _add(table, stage["model"], "none given", *[MISSING] * 3)
@@ -221,11 +225,20 @@ def _effects_table(record: dict[str, Any]) -> Table:
     floor = record["gap"]["noise_floor"]["rms"]
     for found in record["effects"]:
         parameters = ", ".join(
-            f"{name} {with_deviation(p['value'], p['std'])} {p['unit']}" for name, p in found["parameters"].items()
+            f"{name} {with_deviation(p['value'], p['std'])} {p['unit']}"
+            for name, p in found["parameters"].items()
         )
         others = ", ".join(f"{words(o['effect'])} at {o['at']}" for o in found["indistinguishable_from"])
         left = multiple(found["gap_after"]["rms"] / floor if floor > 0 else float("nan"))
-        _add(table, words(found["effect"]), found["at"], probability(found["probability"]), left, parameters, others)
+        _add(
+            table,
+            words(found["effect"]),
+            found["at"],
+            probability(found["probability"]),
+            left,
+            parameters,
+            others,
+        )
     return table
 
 

@@ -88,11 +88,29 @@ def probability(value: float) -> str:
     """
     if not math.isfinite(value):
         return MISSING
-    if 0.999 < value:
+    if value > 0.999:
         return "> 0.999" if value < 1 else "1"
     if value < 0.001:
         return "< 0.001" if value > 0 else "0"
     return f"{value:.3f}" if value > 0.99 or value < 0.01 else f"{value:.2f}"
+
+
+def change(value: float, reference: float) -> str:
+    """Change against a reference, in percent of it; as a factor where it is large.
+
+    Examples
+    --------
+    >>> change(88.6, 90.0), change(0.5, 20.0), change(3.0, 0.5), change(1.0, float("nan"))
+    ('-1.56 %', '-97.5 %', '× 6', '–')
+    """
+    if not (math.isfinite(value) and math.isfinite(reference)) or reference == 0:
+        return MISSING
+    ratio = value / reference
+    return f"× {ratio:.3g}" if ratio > _LARGE else f"{100 * (ratio - 1):+.3g} %"
+
+
+_LARGE = 3.0
+"""A change by more than this factor is written as a factor."""
 
 
 def band(low: float, high: float) -> str:
