@@ -181,9 +181,10 @@ def _maps(signals: Signals) -> dict[str, tuple[MapCell, ...]]:
 
 
 def _parts(values: np.ndarray, count: int, unit: str) -> list[tuple[str, float, float, np.ndarray]]:
-    limits = np.linspace(values.min(), values.max(), count + 1)
+    digits = 3 - int(np.ceil(np.log10(np.ptp(values))))
+    limits = np.round(np.linspace(values.min(), values.max(), count + 1), digits)
     return [
-        (f"{low:.2g} to {high:.2g} {unit}", low, high, (values >= low) & (values < high))
+        (f"{low + 0:.4g} to {high:.4g} {unit}", low, high, (values >= low) & (values < high))
         for low, high in pairwise(limits)
     ]
 
@@ -191,11 +192,11 @@ def _parts(values: np.ndarray, count: int, unit: str) -> list[tuple[str, float, 
 def _cell(signals: Signals, label: str, low: float, high: float, inside: np.ndarray) -> MapCell:
     error = signals.measured - signals.reidentified
     used = signals.compared
-    excess = max(float(np.sum(error[used] ** 2 - FLOOR**2)), 1e-9)
+    excess = float(np.sum(error[used] ** 2 - FLOOR**2))
     here = used & inside
     if not np.any(here):
         return MapCell(label, low, high, 0.0, 0.0, np.nan, np.nan)
-    part = float(np.sum(error[here] ** 2 - FLOOR**2)) / excess
+    part = float(np.sum(error[here] ** 2 - FLOOR**2)) / excess if excess > FLOOR**2 * used.sum() else np.nan
     before, after = (
         _level(signals.measured[here] - force[here], _rows(signals, here)).rms / FLOOR
         for force in (signals.reidentified, signals.explained)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 _ORIGIN = 0.5
 """Where a logarithmic scale begins, in multiples of the noise floor."""
 _MOST_LINEAR = 25.0
+_LEAST = 4.0
+"""A scale reaches at least so far."""
 _TICKS = 6
 """At most so many ticks on a scale."""
 
@@ -56,11 +58,11 @@ class Scale:
 
 
 def scale_of(multiples: list[float]) -> Scale:
-    """Scale that holds all of these multiples, and the floor.
+    """Scale that holds all of these multiples, and the floor with room to tell that it is low.
 
     Examples
     --------
     >>> scale_of([float("nan"), 8.0, 1.0]).largest
     8.0
     """
-    return Scale(max([1.0, *(value for value in multiples if math.isfinite(value))]))
+    return Scale(max([_LEAST, *(value for value in multiples if math.isfinite(value))]))

@@ -28,6 +28,7 @@ from symid.report.numbers import (
     probability,
     share,
     significant,
+    times,
     with_deviation,
     words,
 )
@@ -229,7 +230,7 @@ def _effects_table(record: dict[str, Any]) -> Table:
             for name, p in found["parameters"].items()
         )
         others = ", ".join(f"{words(o['effect'])} at {o['at']}" for o in found["indistinguishable_from"])
-        left = multiple(found["gap_after"]["rms"] / floor if floor > 0 else float("nan"))
+        left = times(found["gap_after"]["rms"], floor)
         _add(
             table,
             words(found["effect"]),

@@ -104,6 +104,7 @@ def _templates() -> jinja2.Environment:
         numbers.significant,
         numbers.with_deviation,
         numbers.multiple,
+        numbers.times,
         numbers.percent,
         numbers.share,
         numbers.probability,

@@ -77,14 +77,14 @@ def _over_time(found: Diagnosis) -> GridPlot:
     """Force, error, position and velocity below each other with one time."""
     source, gap, length = _thinned(found), found.gap, length_unit(found.axis.drive.at)
     curves = _curves(found)
-    force = _figure(f"{gap.signal} [{gap.unit}]", 320)
+    force = _figure("force", f"{gap.signal} [{gap.unit}]", 320)
     _draw(force, source, curves)
-    error = _figure(f"error [{gap.unit}]", 210, force)
+    error = _figure("error", f"error [{gap.unit}]", 210, force)
     _draw(error, source, [replace(curve, column=f"error_{curve.column}") for curve in _compared(curves)])
     error.add_layout(_noise_band(2 * gap.noise_floor.rms))
-    position = _figure(f"position [{length}]", 130, force)
+    position = _figure("position", f"position [{length}]", 130, force)
     _draw(position, source, [_Curve("position", "", NOISE)])
-    velocity = _figure(f"velocity [{length / Unit.of('s')}]", 155, force)
+    velocity = _figure("velocity", f"velocity [{length / Unit.of('s')}]", 155, force)
     _draw(velocity, source, [_Curve("velocity", "", NOISE)])
     velocity.xaxis.axis_label = "time [s]"
     _link(force, error, position, velocity)
@@ -96,7 +96,7 @@ def _over_time(found: Diagnosis) -> GridPlot:
 def _curves(found: Diagnosis) -> list[_Curve]:
     """Measured force, and that of each model that there is; where no effect was found, none with effects."""
     curves = [
-        _Curve("measured", "measured", MEASURED, 1.8),
+        _Curve("measured", "measured", MEASURED, 3.4),
         _Curve("nominal", "nominal values", NOMINAL),
         _Curve("reidentified", "re-identified", MODEL),
     ]
@@ -122,18 +122,22 @@ def _thinned(found: Diagnosis) -> ColumnDataSource:
     return ColumnDataSource({"time": envelope_places(signals.time, _MOST_POINTS), **thin})
 
 
-def _figure(label: str, height: int, above: figure | None = None) -> figure:
+def _figure(name: str, label: str, height: int, above: figure | None = None) -> figure:
     """An empty plot; those below another share its time, and their values follow the time that is shown."""
-    plot = figure(height=height, tools=[], min_border_left=_LEFT, window_axis="x", lod_threshold=None)
+    plot = figure(
+        name=f"plot of {name}",
+        height=height,
+        tools=[],
+        min_border_left=_LEFT,
+        window_axis="x",
+        lod_threshold=None,
+    )
     if above is not None:
         plot.x_range = above.x_range
-    plot.add_tools(
-        BoxZoomTool(dimensions="width"),
-        WheelZoomTool(dimensions="width", modifiers="ctrl"),
-        PanTool(),
-        ResetTool(),
-        SaveTool(),
-    )
+    zoom = BoxZoomTool(dimensions="width")
+    wheel = WheelZoomTool(dimensions="width", modifiers="ctrl")
+    plot.add_tools(zoom, wheel, PanTool(), ResetTool(), SaveTool())
+    plot.toolbar.active_drag, plot.toolbar.active_scroll = zoom, wheel
     plot.yaxis.axis_label = label
     _style(plot)
     return plot
@@ -157,7 +161,7 @@ def _draw(plot: figure, source: ColumnDataSource, curves: list[_Curve], x: str =
         if curve.label:
             items.append(LegendItem(label=value(curve.label), renderers=[line]))
     if items:
-        legend = Legend(items=items, orientation="horizontal", click_policy="hide", margin=4)
+        legend = Legend(items=items, orientation="horizontal", click_policy="hide", margin=4, spacing=16)
         legend.border_line_color, legend.label_text_color = None, INK
         plot.add_layout(legend, "above")
 
@@ -189,11 +193,13 @@ def _spectrum(found: Diagnosis) -> figure:
     names = ("frequency", "reidentified", "explained", "noise")
     source = ColumnDataSource({name: getattr(density, name)[rows] for name in names})
     plot = figure(
+        name="plot of spectrum",
         height=340,
         x_axis_type="log",
         y_axis_type="log",
         tools="box_zoom,pan,reset,save",
         active_drag="box_zoom",
+        toolbar_location="above",
         min_border_left=_LEFT,
         sizing_mode="stretch_width",
         x_axis_label="frequency [Hz]",
@@ -201,6 +207,6 @@ def _spectrum(found: Diagnosis) -> figure:
     )
     plot.toolbar.logo = None
     _style(plot)
-    _draw(plot, source, [*_compared(_curves(found)), _Curve("noise", "noise", NOISE, 1.6)], "frequency")
+    _draw(plot, source, [*_compared(_curves(found)), _Curve("noise", "noise", INK, 1.6)], "frequency")
     plot.add_layout(BoxAnnotation(left=gap.band_hz, fill_color=NOISE, fill_alpha=0.12, level="underlay"))
     return plot

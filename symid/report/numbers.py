@@ -54,6 +54,17 @@ def multiple(value: float) -> str:
     return f"{value:.3g} ×" if value < 1000 else f"{value:.0f} ×"
 
 
+def times(value: float, floor: float) -> str:
+    """An error in multiples of a noise floor.
+
+    Examples
+    --------
+    >>> times(6.0, 2.0), times(6.0, 0.0)
+    ('3 ×', '–')
+    """
+    return multiple(value / floor if floor > 0 else math.nan)
+
+
 def percent(value: float, digits: int = 3) -> str:
     """A share as a percentage.
 
