@@ -89,8 +89,13 @@ def _over_time(found: Diagnosis) -> GridPlot:
     velocity.xaxis.axis_label = "time [s]"
     _link(force, error, position, velocity)
     force.add_tools(_reading(force, curves))
-    plots: list[list[Any]] = [[force], [error], [position], [velocity]]
-    return gridplot(plots, sizing_mode="stretch_width", toolbar_options={"logo": None})
+    return _stacked(force, error, position, velocity)
+
+
+def _stacked(*plots: figure) -> GridPlot:
+    """Plots below each other, as wide as the page, with one toolbar."""
+    rows: list[list[Any]] = [[plot] for plot in plots]
+    return gridplot(rows, sizing_mode="stretch_width", toolbar_options={"logo": None})
 
 
 def _curves(found: Diagnosis) -> list[_Curve]:
@@ -186,7 +191,7 @@ def _reading(force: figure, curves: list[_Curve]) -> HoverTool:
     return HoverTool(mode="vline", renderers=[first], tooltips=[("time", "@time{0.0000} s"), *values])
 
 
-def _spectrum(found: Diagnosis) -> figure:
+def _spectrum(found: Diagnosis) -> GridPlot:
     """Densities of the error of both models against that of the noise, up to the band of the gap and beyond it."""
     density, gap = found.spectrum, found.gap
     rows = density.frequency > 0
@@ -199,14 +204,11 @@ def _spectrum(found: Diagnosis) -> figure:
         y_axis_type="log",
         tools="box_zoom,pan,reset,save",
         active_drag="box_zoom",
-        toolbar_location="above",
         min_border_left=_LEFT,
-        sizing_mode="stretch_width",
         x_axis_label="frequency [Hz]",
         y_axis_label=f"density of the error [{gap.unit}/√Hz]",
     )
-    plot.toolbar.logo = None
     _style(plot)
     _draw(plot, source, [*_compared(_curves(found)), _Curve("noise", "noise", INK, 1.6)], "frequency")
     plot.add_layout(BoxAnnotation(left=gap.band_hz, fill_color=NOISE, fill_alpha=0.12, level="underlay"))
-    return plot
+    return _stacked(plot)
