@@ -15,12 +15,10 @@ from matplotlib.figure import Figure
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.identification import Identification, Prediction
+from symid.report.colours import MEASURED, MODEL, RESIDUAL
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
-
-MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
-"""Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
 
 PLOT_STYLE: Any = {
     "font.size": 9,

@@ -9,8 +9,9 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from rich.table import Table
 
+from symid.report.colours import MEASURED, MODEL
 from symid.report.console import report_console
-from symid.report.plots import MEASURED, MODEL, PLOT_STYLE, figure_path
+from symid.report.plots import PLOT_STYLE, figure_path
 from symid.tuning import TotalTuning
 
 

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
 
+from symid.report.colours import MEASURED, MODEL
 from symid.report.console import report_console
-from symid.report.plots import MEASURED, MODEL, PLOT_STYLE, figure_path
+from symid.report.plots import PLOT_STYLE, figure_path
 from symid.tuning import BoundSearch, Tuning
 
 

@@ -1,0 +1,117 @@
+"""A diagnosis as one HTML file that an engineer can pass on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from symid import __version__
+from symid.diagnosis.result import Diagnosis
+from symid.errors import SettingError
+from symid.report import colours, numbers
+from symid.report.bars import Scale, scale_of
+from symid.report.diagnosis import diagnosis_record
+
+VERDICTS = {
+    "no_gap": "No gap",
+    "parameters": "Values were off",
+    "effect": "Effect found",
+    "unexplained": "Unexplained gap",
+}
+
+MAPS = {
+    "band": "Frequency",
+    "regime": "Regime of motion",
+    "direction": "Direction",
+    "position": "Position along the stroke",
+    "drive force": "Drive force",
+    "time": "Time",
+}
+
+
+def html_path(file: str | Path) -> Path:
+    """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist.
+
+    Examples
+    --------
+    >>> html_path("report.html").name
+    'report.html'
+    """
+    path = Path(file)
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise SettingError(f"report {path.name!r} is of no known kind: end its name with .html")
+    if not path.parent.is_dir():
+        raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
+    return path
+
+
+def write_html(found: Diagnosis, file: str | Path) -> None:
+    """Write a diagnosis as one HTML file.
+
+    It needs nothing beside it and asks nothing of any network. Without JavaScript everything but the plots stays.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        Curves of more than 20000 samples are drawn by their envelope.
+    file : path-like
+        Ends with .html.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is another one, or the folder does not exist.
+    """
+    path = html_path(file)
+    path.write_text(_page(found), encoding="utf-8")
+
+
+def _page(found: Diagnosis) -> str:
+    from symid.report.interactive import plots_of  # half a second to load: only where a page is written
+
+    record = diagnosis_record(found)
+    return (
+        _templates()
+        .get_template("diagnosis.html")
+        .render(
+            d=record,
+            verdict=VERDICTS[found.verdict],
+            scale=_scale(record),
+            maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
+            accepted={(effect.effect, effect.at) for effect in found.effects},
+            plots=plots_of(found),
+            version=__version__,
+        )
+    )
+
+
+def _scale(record: dict[str, Any]) -> Scale:
+    return scale_of([stage["multiple_of_floor"] for stage in record["waterfall"]])
+
+
+def _templates() -> jinja2.Environment:
+    """Templates that escape all text and know how reports write numbers."""
+    templates = jinja2.Environment(
+        loader=jinja2.PackageLoader("symid.report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    for write in (
+        numbers.significant,
+        numbers.with_deviation,
+        numbers.multiple,
+        numbers.times,
+        numbers.percent,
+        numbers.share,
+        numbers.probability,
+        numbers.band,
+        numbers.change,
+        numbers.words,
+    ):
+        templates.filters[write.__name__] = write
+    templates.globals.update(colours=colours)
+    return templates

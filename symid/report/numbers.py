@@ -1,0 +1,150 @@
+"""Numbers as reports write them; a dash where there is none."""
+
+from __future__ import annotations
+
+import math
+
+MISSING = "–"
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """A number with its significant digits.
+
+    Examples
+    --------
+    >>> significant(3.14159), significant(float("nan"))
+    ('3.142', '–')
+    """
+    return f"{value:.{digits}g}" if math.isfinite(value) else MISSING
+
+
+def with_deviation(value: float, deviation: float) -> str:
+    """A value with the digits that its standard deviation leaves, and the deviation to two of its own.
+
+    Examples
+    --------
+    >>> with_deviation(88.6143, 0.123), with_deviation(22140.0, 614.2), with_deviation(3.0, float("nan"))
+    ('88.61 ± 0.12', '22140 ± 614', '3')
+    >>> with_deviation(1.00034e9, 2.1e6), with_deviation(6.1e-4, 2.3e-5)
+    ('(1.0003 ± 0.0021)e9', '(6.10 ± 0.23)e-4')
+    """
+    if not math.isfinite(value):
+        return MISSING
+    if not math.isfinite(deviation) or deviation <= 0:
+        return significant(value)
+    exponent = math.floor(math.log10(max(abs(value), deviation)))
+    if -3 <= exponent < 6:
+        exponent = 0
+    value, deviation = value / 10.0**exponent, deviation / 10.0**exponent
+    places = min(max(1 - math.floor(math.log10(deviation)), 0), 15)
+    text = f"{value:.{places}f} ± {deviation:.{places}f}"
+    return f"({text})e{exponent}" if exponent else text
+
+
+def multiple(value: float) -> str:
+    """Multiples of the noise floor.
+
+    Examples
+    --------
+    >>> multiple(1.0423), multiple(12.34), multiple(1244.2), multiple(float("inf"))
+    ('1.04 ×', '12.3 ×', '1244 ×', '–')
+    """
+    if not math.isfinite(value):
+        return MISSING
+    return f"{value:.3g} ×" if value < 1000 else f"{value:.0f} ×"
+
+
+def times(value: float, floor: float) -> str:
+    """An error in multiples of a noise floor.
+
+    Examples
+    --------
+    >>> times(6.0, 2.0), times(6.0, 0.0)
+    ('3 ×', '–')
+    """
+    return multiple(value / floor if floor > 0 else math.nan)
+
+
+def percent(value: float, digits: int = 3) -> str:
+    """A share as a percentage.
+
+    Examples
+    --------
+    >>> percent(0.0483), percent(0.97), percent(float("nan"))
+    ('4.83 %', '97 %', '–')
+    """
+    return f"{100 * value:.{digits}g} %" if math.isfinite(value) else MISSING
+
+
+def share(value: float) -> str:
+    """A share in whole percent.
+
+    Examples
+    --------
+    >>> share(0.624), share(0.002), share(0.0)
+    ('62 %', '< 1 %', '0 %')
+    """
+    if not math.isfinite(value):
+        return MISSING
+    return "< 1 %" if 0 < value < 0.01 else f"{100 * value:.0f} %"
+
+
+def probability(value: float) -> str:
+    """A probability, never rounded to certainty.
+
+    Examples
+    --------
+    >>> probability(0.934), probability(0.99999), probability(1e-9), probability(0.0)
+    ('0.93', '> 0.999', '< 0.001', '0')
+    """
+    if not math.isfinite(value):
+        return MISSING
+    if value > 0.999:
+        return "> 0.999" if value < 1 else "1"
+    if value < 0.001:
+        return "< 0.001" if value > 0 else "0"
+    return f"{value:.3f}" if value > 0.99 or value < 0.01 else f"{value:.2f}"
+
+
+def change(value: float, reference: float) -> str:
+    """Change against a reference, in percent of it; as a factor where it is large.
+
+    Examples
+    --------
+    >>> change(88.6, 90.0), change(0.5, 20.0), change(3.0, 0.5), change(1.0, float("nan"))
+    ('-1.56 %', '-97.5 %', '× 6', '–')
+    """
+    if not (math.isfinite(value) and math.isfinite(reference)) or reference == 0:
+        return MISSING
+    ratio = value / reference
+    return f"× {ratio:.3g}" if ratio > _LARGE else f"{100 * (ratio - 1):+.3g} %"
+
+
+_LARGE = 3.0
+"""A change by more than this factor is written as a factor."""
+
+
+def band(low: float, high: float) -> str:
+    """A frequency band; an end that is not finite is open.
+
+    Examples
+    --------
+    >>> band(0.5, 12.25), band(float("nan"), 8.0), band(40.0, float("inf"))
+    ('0.5–12.2 Hz', 'below 8 Hz', 'above 40 Hz')
+    """
+    if math.isfinite(low) and math.isfinite(high):
+        return f"{low:.3g}–{high:.3g} Hz"
+    if math.isfinite(high):
+        return f"below {high:.3g} Hz"
+    return f"above {low:.3g} Hz" if math.isfinite(low) else "all frequencies"
+
+
+def words(name: str) -> str:
+    """The name of an effect as words.
+
+    Examples
+    --------
+    >>> words("load_dependent_friction")
+    'load dependent friction'
+    """
+    return name.replace("_", " ")

@@ -1,0 +1,297 @@
+"""Diagnoses of the paper's axis as they could be: curves of a made-up machine, and tables that fit them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from symid import load_axis
+from symid.diagnosis import (
+    Alternative,
+    Diagnosis,
+    EffectParameter,
+    FoundEffect,
+    Gap,
+    Level,
+    Location,
+    MapCell,
+    ParameterChange,
+    Signals,
+    Spectrum,
+)
+
+KINDS = ("effect", "two effects", "no gap", "parameters", "unexplained")
+"""Diagnoses that can be made."""
+
+FLOOR = 1.9
+"""Noise of the force in N."""
+_RATE = 4000.0
+
+_SENTENCES = {
+    "effect": "Stribeck friction at the motor is missing from the model: with it the force error falls from "
+    "{before:.3g} to {after:.3g} N, {closed:.0%} of the way to the noise.",
+    "two effects": "Stribeck friction at the motor and a delay of the actuator are missing from the model: with both "
+    "the force error falls from {before:.3g} to {after:.3g} N, {closed:.0%} of the way to the noise.",
+    "no gap": "There is no gap: the nominal values leave a force error of {before:.3g} N, as much as the noise alone.",
+    "parameters": "The structure of the model is right, its values were off: re-identified, it leaves {after:.3g} N, "
+    "as much as the noise alone.",
+    "unexplained": "The model leaves {before:.3g} N, several times the noise, and no known effect explains it.",
+}
+_NEXT = {
+    "effect": "Nothing remains to be told apart. To narrow vs, move at 2 to 20 mm/s in both directions for 20 s.",
+    "two effects": "A delay and a first-order lag of the drive are told apart by a chirp of 150 N, 20 to 120 Hz.",
+    "no gap": "Nothing is needed at these speeds; a faster motion would show what this one does not excite.",
+    "parameters": "Use the identified values.",
+    "unexplained": "Repeat the run with the table held: is the phase of the error tied to time, or to the motion?",
+}
+_VERDICTS = {"two effects": "effect", "no gap": "no_gap"}
+
+
+def diagnosis_example(kind: str = "effect", seconds: float = 10.0) -> Diagnosis:
+    """A diagnosis of one kind with all its parts filled."""
+    signals = _signals(kind, seconds)
+    gap = _gap(kind, signals)
+    sentence = _SENTENCES[kind].format(
+        before=gap.reidentified.rms, after=gap.explained.rms, closed=gap.closed_fraction
+    )
+    return Diagnosis(
+        axis=load_axis("direct_2m1s"),
+        measured=("q2",),
+        logs=("logs/x_axis_2026-03-14_run1.csv", "logs/x_axis_2026-03-14_run2.csv"),
+        verdict=_VERDICTS.get(kind, kind),
+        sentence=sentence,
+        gap=gap,
+        location=_location(kind),
+        maps=_maps(signals),
+        effects=_effects(kind, gap),
+        alternatives=_alternatives(kind, gap),
+        probabilities=_probabilities(kind),
+        parameters=_parameters(kind),
+        faults=("Fm is clipped at ±1800 N in 12 samples",) if kind == "unexplained" else (),
+        assumptions=(
+            "d sign(q2_d1)/dt = 0 away from standstill",
+            "Fm acts half a sample late (--held Fm)",
+            "the noise of the force reading is white up to 120 Hz",
+        ),
+        next_experiment=_NEXT[kind],
+        signals=signals,
+        spectrum=_spectrum(signals),
+    )
+
+
+def without_nominal(found: Diagnosis) -> Diagnosis:
+    """The same where no nominal values were given."""
+    nothing = np.full_like(found.signals.time, np.nan)
+    return replace(
+        found,
+        gap=replace(found.gap, nominal=None),
+        parameters=tuple(replace(change, nominal=np.nan) for change in found.parameters),
+        signals=replace(found.signals, nominal=nothing),
+    )
+
+
+def _signals(kind: str, seconds: float) -> Signals:
+    random = np.random.default_rng(4)
+    time = np.arange(round(seconds * _RATE)) / _RATE
+    position, velocity, acceleration = np.zeros((3, time.size))
+    for amplitude, frequency, phase in ((0.05, 0.3, 0.4), (0.008, 1.7, 1.0), (0.0007, 6.1, 0.2)):
+        rate, angle = 2 * np.pi * frequency, 2 * np.pi * frequency * time + phase
+        position += amplitude * np.sin(angle)
+        velocity += amplitude * rate * np.cos(angle)
+        acceleration -= amplitude * rate**2 * np.sin(angle)
+    direction = np.sign(velocity)
+    model = 362.58 * acceleration + 88.6 * velocity + 146 * direction
+    stribeck = 45 * direction * np.exp(-((velocity / 0.02) ** 2))
+    late = 0.0006 * np.gradient(model, time) * (np.abs(np.gradient(direction)) == 0)
+    ripple = 9 * np.sin(2 * np.pi * 23 * time) * np.sin(2 * np.pi * 0.9 * time) ** 2
+    missing = {"effect": stribeck, "two effects": stribeck + late, "unexplained": ripple}.get(kind, 0 * time)
+    found = 0.85 * missing if kind in ("effect", "two effects") else 0 * time
+    noise = random.normal(0.0, FLOOR, time.size)
+    nominal = model if kind == "no gap" else 1.05 * 362.58 * acceleration + 60 * velocity + 130 * direction
+    measured, before = model + missing + noise, model + 0.08 * missing
+    compared = np.abs(velocity) > 0.004
+    return Signals(time, position, velocity, measured, nominal, before, before + found, compared)
+
+
+def _level(error: np.ndarray, signals: Signals) -> Level:
+    used = signals.compared
+    rms = float(np.sqrt(np.mean(error[used] ** 2)))
+    return Level(rms, rms / float(np.sqrt(np.mean(signals.measured[used] ** 2))))
+
+
+def _gap(kind: str, signals: Signals) -> Gap:
+    nominal, before, after = (
+        _level(signals.measured - force, signals)
+        for force in (signals.nominal, signals.reidentified, signals.explained)
+    )
+    floor = Level(FLOOR, FLOOR * before.relative / before.rms)
+    middle = Level((before.rms + 2 * after.rms) / 3, (before.relative + 2 * after.relative) / 3)
+    steps = {"effect": (after,), "two effects": (middle, after)}.get(kind, ())
+    span = before.rms - floor.rms
+    closed = (before.rms - after.rms) / span if span > 0.1 else np.nan
+    interval = (closed - 0.03, min(closed + 0.02, 1.0))
+    return Gap("Fm", "N", 120.0, nominal, before, after, floor, steps, closed, interval)
+
+
+def _location(kind: str) -> tuple[Location, ...]:
+    return {
+        "effect": (
+            Location("motor", 0.94, (0.3, 12.0), "low speed"),
+            Location("structure", 0.06, (40.0, 95.0), "fast"),
+        ),
+        "two effects": (
+            Location("motor", 0.71, (0.3, 12.0), "low speed"),
+            Location("actuator", 0.29, (15.0, 80.0), "accelerating"),
+        ),
+        "unexplained": (
+            Location("motor", 0.88, (20.0, 26.0), "all"),
+            Location("q2", 0.12, (60.0, 110.0), "all"),
+        ),
+    }.get(kind, ())
+
+
+def _maps(signals: Signals) -> dict[str, tuple[MapCell, ...]]:
+    speed, inner = np.abs(signals.velocity), (-np.inf, np.inf)
+    drive = np.abs(signals.measured)
+    masks = {
+        "regime": (
+            ("reversal", *inner, speed < 0.008),
+            ("slow", *inner, (speed >= 0.008) & (speed < 0.04)),
+            ("fast", *inner, speed >= 0.04),
+        ),
+        "direction": (("forward", *inner, signals.velocity > 0), ("backward", *inner, signals.velocity < 0)),
+        "position": _parts(signals.position, 6, "m"),
+        "drive force": _parts(drive, 5, "N"),
+        "time": _parts(signals.time, 5, "s"),
+    }
+    bands = (
+        ("0–2 Hz", 0, 2, 0.31),
+        ("2–10 Hz", 2, 10, 0.46),
+        ("10–40 Hz", 10, 40, 0.19),
+        ("40–120 Hz", 40, 120, 0.04),
+    )
+    maps = {
+        "band": tuple(
+            MapCell(label, lo, hi, (hi - lo) / 120, s, 1 + 20 * s, 1.05) for label, lo, hi, s in bands
+        )
+    }
+    return maps | {name: tuple(_cell(signals, *mask) for mask in cells) for name, cells in masks.items()}
+
+
+def _parts(values: np.ndarray, count: int, unit: str) -> list[tuple[str, float, float, np.ndarray]]:
+    digits = 3 - int(np.ceil(np.log10(np.ptp(values))))
+    limits = np.round(np.linspace(values.min(), values.max(), count + 1), digits)
+    return [
+        (f"{low + 0:.4g} to {high:.4g} {unit}", low, high, (values >= low) & (values < high))
+        for low, high in pairwise(limits)
+    ]
+
+
+def _cell(signals: Signals, label: str, low: float, high: float, inside: np.ndarray) -> MapCell:
+    error = signals.measured - signals.reidentified
+    used = signals.compared
+    excess = float(np.sum(error[used] ** 2 - FLOOR**2))
+    here = used & inside
+    if not np.any(here):
+        return MapCell(label, low, high, 0.0, 0.0, np.nan, np.nan)
+    part = float(np.sum(error[here] ** 2 - FLOOR**2)) / excess if excess > FLOOR**2 * used.sum() else np.nan
+    before, after = (
+        _level(signals.measured[here] - force[here], _rows(signals, here)).rms / FLOOR
+        for force in (signals.reidentified, signals.explained)
+    )
+    return MapCell(label, low, high, float(here.sum() / used.sum()), part, before, after)
+
+
+def _rows(signals: Signals, rows: np.ndarray) -> Signals:
+    return Signals(*(getattr(signals, name)[rows] for name in Signals.__dataclass_fields__))
+
+
+def _effects(kind: str, gap: Gap) -> tuple[FoundEffect, ...]:
+    stribeck = FoundEffect(
+        "stribeck_friction",
+        "motor",
+        0.9994,
+        {"dF": EffectParameter(44.6, 0.7, "N"), "vs": EffectParameter(0.0203, 0.0005, "m/s")},
+        gap.steps[0] if gap.steps else gap.explained,
+        (),
+    )
+    delay = FoundEffect(
+        "delay",
+        "actuator",
+        0.87,
+        {"tau": EffectParameter(6.1e-4, 2.3e-5, "s")},
+        Level(gap.reidentified.rms * 0.8, gap.reidentified.relative * 0.8),
+        (("actuator_lag", "actuator"),),
+    )
+    return {"effect": (stribeck,), "two effects": (stribeck, delay)}.get(kind, ())
+
+
+def _alternatives(kind: str, gap: Gap) -> tuple[Alternative, ...]:
+    ranked = {
+        "effect": (("stribeck_friction", "motor", 0.9994, 8120.4),),
+        "two effects": (
+            ("stribeck_friction", "motor", 0.9991, 8120.4),
+            ("delay", "actuator", 0.87, 2214.0),
+            ("actuator_lag", "actuator", 0.12, 2211.9),
+        ),
+    }.get(kind, ())
+    rest = (
+        ("presliding_friction", "motor", 5e-4, 6310.2 if ranked else 9.3),
+        ("asymmetric_friction", "motor", 1e-6, 8.7),
+        ("quadratic_drag", "motor", 1e-7, 6.0),
+        ("cogging", "motor", 1e-9, 4.3),
+        ("coulomb_friction", "structure", 1e-9, 3.0),
+        ("stiffness_nonlinearity", "foundation", 0.0, 2.9),
+        ("payload_change", "motor", 0.0, 2.1),
+        ("encoder_ripple", "q2", 0.0, 1.2),
+        ("saturation", "actuator", 0.0, 0.4),
+    )
+    return tuple(
+        Alternative(effect, at, p, gain, gap.explained if p > 1e-5 else None)
+        for effect, at, p, gain in (*ranked, *rest)
+    )
+
+
+def _probabilities(kind: str) -> dict[str, float]:
+    most = {"no gap": "no_gap"}.get(kind, kind)
+    return {name: 0.981 if name == most else 4e-4 for name in ("no_gap", "parameters", "unexplained")}
+
+
+def _parameters(kind: str) -> tuple[ParameterChange, ...]:
+    values = (
+        ("Ms", "kg", 4100.0, 3917.2, 12.0, 3899.4, 9.6),
+        ("Fvs", "N*s/m", 3000.0, 22140.0, 610.0, 3962.0, 240.0),
+        ("Ks", "N/m", 1.1e9, 1.00412e9, 2.1e6, 1.00037e9, 1.8e6),
+        ("Mm", "kg", 380.0, 362.71, 0.31, 362.60, 0.24),
+        ("Fvm", "N*s/m", 60.0, 41.3, 3.2, 88.2, 1.9),
+        ("Fsm", "N", 130.0, 158.8, 0.9, 146.3, 0.5),
+    )
+    absorbed = {"Fvs", "Fvm", "Fsm"} if kind in ("effect", "two effects") else set()
+    return tuple(
+        ParameterChange(
+            name,
+            unit,
+            nominal,
+            value if name in absorbed else after,
+            std if name in absorbed else after_std,
+            after,
+            after_std,
+            name in absorbed,
+        )
+        for name, unit, nominal, value, std, after, after_std in values
+    )
+
+
+def _spectrum(signals: Signals) -> Spectrum:
+    window, size = np.hanning(4096), 4096
+    density = []
+    for force in (signals.reidentified, signals.explained):
+        error = signals.measured - force
+        parts = np.lib.stride_tricks.sliding_window_view(error, size)[:: size // 2] * window
+        power = np.mean(np.abs(np.fft.rfft(parts, axis=1)) ** 2, axis=0)
+        density.append(np.sqrt(2 * power / (_RATE * np.sum(window**2))))
+    frequency = np.fft.rfftfreq(size, 1 / _RATE)
+    noise = np.full(frequency.size, FLOOR * np.sqrt(2 / _RATE))
+    return Spectrum(frequency, density[0], density[1], noise)

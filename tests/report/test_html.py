@@ -1,0 +1,144 @@
+"""The HTML report as a file: complete, self-contained, safe against hostile names."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from diagnosis_example import FLOOR, KINDS, diagnosis_example, without_nominal
+
+from symid.diagnosis import EffectParameter
+from symid.errors import SettingError
+from symid.report.html import html_path, write_html
+
+LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
+"""Attributes that make a browser load something."""
+
+
+class Content(HTMLParser):
+    """Tags, addresses and visible text of a page."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.addresses: list[str] = []
+        self.cells: list[str] = []
+        self.text = ""
+        self._inside: list[str] = []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attributes if name in LOADING]
+        if tag in ("script", "style"):
+            self._inside.append(tag)
+        if tag in ("td", "th"):
+            self.cells.append("")
+
+    def handle_endtag(self, tag):
+        if self._inside and self._inside[-1] == tag:
+            self._inside.pop()
+
+    def handle_data(self, data):
+        if not self._inside:
+            self.text += data
+            if self.cells:
+                self.cells[-1] += data
+
+
+def written(found, folder):
+    file = folder / "report.html"
+    write_html(found, file)
+    return file.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_tells_verdict_gap_causes_parameters_and_next_step(kind, tmp_path):
+    found = diagnosis_example(kind)
+    content = Content(written(found, tmp_path))
+    first_heading = content.text.index("How large the gap is")
+    assert content.text.index(found.sentence) < first_heading
+    for level in (found.gap.nominal, found.gap.reidentified, *found.gap.steps, found.gap.noise_floor):
+        assert f"{level.rms:.4g}" in [cell.strip() for cell in content.cells]
+    for text in (found.next_experiment, *found.assumptions, *found.faults, *found.logs):
+        assert text in content.text
+    for change in found.parameters:
+        assert change.name in content.cells
+    assert content.text.count("had absorbed it") == sum(change.absorbed for change in found.parameters)
+    assert content.text.count("accepted") == len(found.effects)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_loads_nothing(kind, tmp_path):
+    page = written(diagnosis_example(kind), tmp_path)
+    content = Content(page)
+    assert content.addresses == []
+    assert not set(content.tags) & {"link", "iframe", "object", "embed", "base", "form", "img"}
+    style = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
+    assert "url(" not in style
+    assert "@import" not in style
+
+
+def test_hostile_names_stay_text(tmp_path):
+    hostile = "</script><script>window.hostile = 1</script><img src=x onerror='hostile()'>\"'&"
+    found = diagnosis_example("two effects")
+    first, *others = found.effects
+    named = replace(first, at=hostile, parameters={hostile: EffectParameter(1.0, 0.1, hostile)})
+    attacked = replace(
+        found,
+        sentence=hostile,
+        logs=(hostile,),
+        gap=replace(found.gap, signal=hostile, unit=hostile),
+        effects=(named, *others),
+        parameters=tuple(replace(change, name=hostile + change.name) for change in found.parameters),
+        maps={hostile: tuple(replace(cell, label=hostile) for cell in found.maps["band"])},
+        faults=(hostile,),
+        assumptions=(hostile,),
+        next_experiment=hostile,
+    )
+    content, benign = Content(written(attacked, tmp_path)), Content(written(found, tmp_path))
+    assert content.tags.count("script") == benign.tags.count("script")
+    assert "img" not in content.tags
+    assert content.text.count(hostile) >= 20
+
+
+def test_missing_nominal_values_are_told(tmp_path):
+    content = Content(written(without_nominal(diagnosis_example("effect")), tmp_path))
+    assert "no nominal values given" in content.text
+    assert "nan" not in content.text.lower()
+
+
+def test_a_log_of_minutes_makes_no_larger_file(tmp_path):
+    assert len(written(diagnosis_example("effect", seconds=100.0), tmp_path)) < 4e6
+
+
+def test_a_gap_of_a_thousand_floors_is_drawn_on_a_logarithmic_scale(tmp_path):
+    found = diagnosis_example("effect")
+    large = replace(found.gap.nominal, rms=1244 * FLOOR)
+    text = Content(written(replace(found, gap=replace(found.gap, nominal=large)), tmp_path)).text
+    assert "Logarithmic scale" in text
+    assert "1244 ×" in text
+
+
+def test_nothing_known_of_the_floor_or_the_spectrum_is_no_obstacle(tmp_path):
+    found = diagnosis_example("unexplained")
+    nothing = np.full(3, np.nan)
+    empty = replace(
+        found,
+        gap=replace(found.gap, noise_floor=replace(found.gap.noise_floor, rms=0.0, relative=0.0)),
+        spectrum=replace(
+            found.spectrum, frequency=np.arange(3.0), reidentified=nothing, explained=nothing, noise=nothing
+        ),
+        maps={},
+        alternatives=(),
+        parameters=(),
+    )
+    assert found.sentence in Content(written(empty, tmp_path)).text
+
+
+@pytest.mark.parametrize("name", ["report.pdf", "report", "missing/report.html"])
+def test_a_file_that_cannot_be_a_page_is_refused_with_its_name(name, tmp_path):
+    with pytest.raises(SettingError, match="report"):
+        html_path(tmp_path / name)

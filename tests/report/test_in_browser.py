@@ -1,0 +1,116 @@
+"""The HTML report in a real browser: its plots are drawn, zoom together, and nothing is asked of any network."""
+
+import io
+from dataclasses import replace
+
+import matplotlib.image
+import numpy as np
+import pytest
+from browser import Page, browser_page
+from diagnosis_example import KINDS, diagnosis_example, without_nominal
+
+from symid.report.colours import EXPLAINED, MEASURED, MODEL, NOMINAL
+from symid.report.html import write_html
+
+pytestmark = pytest.mark.browser
+
+DRAWN = """
+new Promise((drawn, failed) => {
+  const begin = Date.now();
+  const look = () => {
+    if (window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(one => one.is_idle)) setTimeout(drawn, 100);
+    else if (Date.now() - begin > 30000) failed("the plots are not drawn");
+    else setTimeout(look, 50);
+  };
+  look();
+})
+"""
+RANGES = """
+["force", "error", "position", "velocity"].map(name => Bokeh.documents[0].get_model_by_name(`plot of ${name}`))
+  .map(plot => [plot.x_range.start, plot.x_range.end, plot.y_range.start, plot.y_range.end])
+"""
+
+
+@pytest.fixture
+def page(tmp_path):
+    with browser_page(tmp_path / "profile", width=1280, height=800) as opened:
+        yield opened
+
+
+def opened(page: Page, found, folder) -> None:
+    file = folder / "report.html"
+    write_html(found, file)
+    page.open(file)
+    page.evaluate(DRAWN)
+    assert page.complaints == []
+    asked = [address for address in page.requests if not address.startswith("data:")]
+    assert asked == [file.resolve().as_uri()]
+
+
+def place(page: Page, selector: str) -> dict[str, float]:
+    script = f"document.querySelector('{selector}').getBoundingClientRect().toJSON()"
+    return dict(page.evaluate(script))
+
+
+def pixels(page: Page, selector: str, *colours: str) -> list[int]:
+    """How many pixels of an element have each colour."""
+    picture = matplotlib.image.imread(io.BytesIO(page.picture(whole=True)))[:, :, :3]
+    box = place(page, selector)
+    part = picture[int(box["top"]) : int(box["bottom"]), int(box["left"]) : int(box["right"])]
+    wanted = [np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255 for colour in colours]
+    return [int((np.abs(part - colour).max(axis=2) < 0.02).sum()) for colour in wanted]
+
+
+LEGEND = 100
+"""More pixels than the names of curves alone take."""
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_curves_are_drawn(kind, page, tmp_path):
+    found = diagnosis_example(kind)
+    opened(page, found, tmp_path)
+    model, measured = pixels(page, "#signals .plot", MODEL, MEASURED)
+    assert model > 20 * LEGEND
+    assert measured > 10 * LEGEND
+    model, explained = pixels(page, "#spectrum .plot", MODEL, EXPLAINED)
+    assert model > 5 * LEGEND
+    assert (explained > 5 * LEGEND) == bool(found.effects)
+
+
+def test_nominal_values_are_drawn_where_they_are_given(page, tmp_path):
+    found = diagnosis_example("parameters")
+    opened(page, found, tmp_path)
+    (given,) = pixels(page, "#signals .plot", NOMINAL)
+    page.events.clear()
+    opened(page, without_nominal(found), tmp_path)
+    assert given > LEGEND
+    assert pixels(page, "#signals .plot", NOMINAL) == [0]
+
+
+def test_a_drag_zooms_all_curves_over_time(page, tmp_path):
+    found = diagnosis_example("effect")
+    signals = found.signals
+    opened(page, found, tmp_path)
+    page.evaluate("document.querySelector('#signals').scrollIntoView()")
+    before = np.array(page.evaluate(RANGES))
+    box = place(page, "#signals .plot")
+    middle, height = box["left"] + box["width"] / 2, box["top"] + 200
+    page.drag((middle, height), (middle + box["width"] / 10, height))
+    page.evaluate(DRAWN)
+    after = np.array(page.evaluate(RANGES))
+    length = after[:, 1] - after[:, 0]
+    assert length == pytest.approx(length[0])
+    assert 0.08 < length[0] / (before[0, 1] - before[0, 0]) < 0.14
+    seen = (signals.time > after[2, 0]) & (signals.time < after[2, 1])
+    travel = np.ptp(signals.position[seen])
+    assert travel < 0.8 * np.ptp(signals.position)
+    assert travel <= after[2, 3] - after[2, 2] < 1.2 * travel  # the part that is shown fills its plot
+
+
+def test_hostile_names_run_nothing(page, tmp_path):
+    hostile = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>"
+    found = diagnosis_example("effect")
+    gap = replace(found.gap, signal=hostile, unit=hostile)
+    opened(page, replace(found, sentence=hostile, logs=(hostile,), gap=gap), tmp_path)
+    assert page.evaluate("typeof window.hostile") == "undefined"
+    assert page.evaluate("document.querySelector('h1').textContent").endswith(hostile)
