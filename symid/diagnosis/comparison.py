@@ -44,10 +44,19 @@ class Comparison:
         """The log."""
         return self.weighting.record
 
+    @property
+    def without_effects(self) -> Comparison:
+        """The nominal and the re-identified model only."""
+        return Comparison(self.weighting, self.states[:2], self.errors[:2])
+
     def squares(self, model: int) -> FloatArray:
         """Squares of the weighted force error in the kept rows."""
         errors = self.errors[model]
-        return np.full(int(self.weighting.kept.sum()), np.nan) if errors is None else errors[0, self.weighting.kept] ** 2
+        return (
+            np.full(int(self.weighting.kept.sum()), np.nan)
+            if errors is None
+            else errors[0, self.weighting.kept] ** 2
+        )
 
     @cached_property
     def unit(self) -> float:
@@ -123,7 +132,9 @@ class Comparison:
             rows = np.zeros(record.n_rows) if errors is None else np.nan_to_num(errors[0])
             share = max(float(self.weighting.kept.mean()), 1e-9)
             found = scipy.signal.welch(rows, rate, nperseg=min(_SEGMENT, rows.size // 4))
-            return np.asarray(np.sqrt(found[1] / share) / np.interp(found[0], frequency, self.weighting.density[0]))
+            return np.asarray(
+                np.sqrt(found[1] / share) / np.interp(found[0], frequency, self.weighting.density[0])
+            )
 
         frequency = record.omega / (2 * np.pi)
         grid = scipy.signal.welch(np.zeros(record.n_rows), rate, nperseg=min(_SEGMENT, record.n_rows // 4))[0]
@@ -132,8 +143,9 @@ class Comparison:
         return Spectrum(grid[used], density(1)[used], density(len(self.errors) - 1)[used], noise[used])
 
 
-
-def compared(record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None) -> Comparison:
+def compared(
+    record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None
+) -> Comparison:
     """Apply models to a record; nothing of them is fitted to it but what belongs to a log.
 
     Parameters

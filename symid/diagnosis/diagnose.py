@@ -13,7 +13,7 @@ from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.evidence import INDISTINGUISHABLE, Outcome, is_there, odds, outcome
 from symid.diagnosis.faults import recording_faults
-from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted
+from symid.diagnosis.fit import Fit, first_state, fitted, refitted, unfitted
 from symid.diagnosis.location import located, maps
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.result import (
@@ -28,8 +28,8 @@ from symid.diagnosis.result import (
 from symid.diagnosis.screening import AR_ORDER
 from symid.diagnosis.search import Turn, search
 from symid.diagnosis.start import starting_parameters
-from symid.diagnosis.wording import next_experiment, sentence
 from symid.diagnosis.weighting import autoregression
+from symid.diagnosis.wording import next_experiment, sentence
 from symid.simulation.plant import forward_dynamics
 
 _ITERATIONS = 10
@@ -46,6 +46,7 @@ def diagnose(
     *,
     validation: Log | None = None,
     nominal: Mapping[str, float] | None = None,
+    late: Mapping[str, float] | None = None,
     library: Sequence[Effect] = LIBRARY,
 ) -> Diagnosis:
     """Why simulation and machine differ.
@@ -61,6 +62,9 @@ def diagnose(
         the identification.
     nominal : mapping of str to float, optional
         Parameter values of the simulation, SI.
+    late : mapping of str to float, optional
+        Time by which signals were recorded late, s; negative for a force that acts later than recorded. A force that
+        the axis declares as held acts half a sample later.
     library : sequence of Effect
         Effects that are considered.
 
@@ -83,16 +87,28 @@ def diagnose(
     True
     """
     dynamics = forward_dynamics(axis)
-    record = record_of(dynamics, log)
-    other = record if validation is None else record_of(dynamics, validation, record.motion_hz)
+    record = record_of(dynamics, log, None, _timing(axis, log, late))
+    other = (
+        record
+        if validation is None
+        else record_of(dynamics, validation, record.motion_hz, _timing(axis, validation, late))
+    )
     training, held_out = _parts(record) if validation is None else (None, None)
     start = dict(nominal) if nominal else starting_parameters(axis, record)
     state, weighting = first_state(record, start, training)
     base = refitted(fitted(state, weighting, _ITERATIONS))
-    turns = search(base, library)
+    turns = search(base, library, unfitted(state, weighting) if len(dynamics.bodies) > 1 else None)
     fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
     comparison = compared(other, state if nominal else None, fits, held_out)
     return _diagnosis(comparison, turns, fits, nominal, (log, validation))
+
+
+def _timing(axis: Axis, log: Log, late: Mapping[str, float] | None) -> dict[str, float]:
+    """Time by which signals were recorded late."""
+    found = dict(late or {})
+    if axis.drive.held:
+        found[axis.drive.signal] = found.get(axis.drive.signal, 0.0) - log.sampling_period / 2
+    return found
 
 
 def _parts(record: Record) -> tuple[BoolArray, BoolArray]:
@@ -118,8 +134,11 @@ def _diagnosis(
         gap.explained.rms / floor,
     )
     verdict: Verdict = chances.verdict  # type: ignore[assignment]  # one of its four names
-    accepted = [turn for turn in turns if turn.accepts]
-    effects = _effects(comparison, accepted, fits, chances) if verdict == "effect" else ()
+    accepted = [turn for turn in turns if turn.accepts] if verdict == "effect" else []
+    if not accepted:
+        comparison, fits = comparison.without_effects, fits[:1]
+        gap, found = comparison.gap(), maps(comparison)
+    effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, turns[0], chances)
     faults = recording_faults(comparison, logs[0], accepted)
     axis = comparison.record.dynamics.axis
@@ -145,7 +164,9 @@ def _diagnosis(
 
 
 def _driven(record: Record) -> str:
-    return next(body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.drive.at)
+    return next(
+        body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.drive.at
+    )
 
 
 def _effects(
@@ -263,6 +284,10 @@ def _assumptions(comparison: Comparison, validation: Log | None) -> tuple[str, .
         f"Noise is white up to the Nyquist frequency, at the level found above {0.35 * record.log.sampling_frequency:.0f} Hz.",
         "Standstills and 15 ms around them are left out: no model tells friction at rest.",
         "The gap is measured on "
-        + ("parts of the log that took no part in the identification." if validation is None else "the validation log.")
+        + (
+            "parts of the log that took no part in the identification."
+            if validation is None
+            else "the validation log."
+        )
         + " What belongs to a log (phases of disturbances in time, moments of changes) is fitted to it.",
     )

@@ -17,6 +17,8 @@ from symid.diagnosis.search import LEAST_WORTH, Turn
 
 _TEMPERED_SHARE = 0.004
 _DRIVEN_BONUS = 0.3
+_PRIOR = {"asymmetric_friction": -1.0}
+"""An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
 _UNEXPLAINED_AT = 0.5
 _UNEXPLAINED_WIDTH = 0.08
 _NOISE_ALONE = 1.25
@@ -44,7 +46,10 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
         return {}
     best = max(worth.values())
     temperature = 1 + _TEMPERED_SHARE * max(best, 0.0)
-    logits = {key: (value - best) / temperature + _DRIVEN_BONUS * (key[1] == driven) for key, value in worth.items()}
+    logits = {
+        key: (value - best) / temperature + _DRIVEN_BONUS * (key[1] == driven) + _PRIOR.get(key[0], 0.0)
+        for key, value in worth.items()
+    }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
 
@@ -98,11 +103,17 @@ def outcome(turns: Sequence[Turn], nominal: float | None, reidentified: float, e
     nominal, reidentified, explained : float
         Force errors on the validation data in multiples of the noise; nominal is None if no values are given.
     """
+    if not np.isfinite([reidentified, explained]).all():
+        return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(turns[0]) if turns else 0.0
     if turns and turns[0].confirmed and not turns[0].accepts:
         there = min(there, 0.1)
     left = _left_over(reidentified, explained)
-    good = 1.0 if nominal is None else _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(nominal / min(reidentified, nominal))) / 0.03)
+    good = (
+        1.0
+        if nominal is None
+        else _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(nominal / min(reidentified, nominal))) / 0.03)
+    )
     fits = _logistic((math.log(1.6) - math.log(max(reidentified, 1e-9))) / 0.08)
     plain = (1 - there) * fits
     return Outcome(

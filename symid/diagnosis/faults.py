@@ -66,4 +66,8 @@ def _signs_and_units(parameters: object, comparison: Comparison) -> list[str]:
     values = dict(parameters)  # type: ignore[call-overload]  # a mapping
     wrong = [name for name in masses if values[name] < 0]
     drive = plant.axis.drive.signal
-    return [f"{', '.join(wrong)} came out negative: the sign of {drive} or of a position may be wrong."] if wrong else []
+    return (
+        [f"{', '.join(wrong)} came out negative: the sign of {drive} or of a position may be wrong."]
+        if wrong
+        else []
+    )

@@ -15,7 +15,7 @@ import numpy as np
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
 from symid.diagnosis.record import Record
-from symid.diagnosis.scene import Scene, scene_of
+from symid.diagnosis.scene import Joint, Scene, scene_of
 from symid.diagnosis.weighting import Weighting, starting_pulses, weighting_of, with_restarts
 from symid.errors import SettingError
 
@@ -23,6 +23,7 @@ _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
 _LARGEST_SHAPE_STEP = 0.3
 _HALVINGS = 5
+_SETTLING = 2
 _SETTLED = 1e-6
 _RANK = 1e-10
 _TAKES_PART = 0.2
@@ -99,18 +100,23 @@ class Fit:
         """All columns, with those of unknown starts, of shape (n, n_outputs, n_rows)."""
         return np.concatenate([self.columns, self.state.beginning, self.weighting.restarts])
 
-    @cached_property
-    def log_likelihood(self) -> float:
+    def log_likelihood(self, density: FloatArray) -> float:
         """Logarithm of the likelihood of the kept rows, but for a constant: white errors of unknown level.
 
         Where the model lets less of the position's noise through than the weights allow for, its own noise counts:
         otherwise a model would gain by not following the motion where it is small.
+
+        Parameters
+        ----------
+        density : array of shape (n_outputs, n_bins)
+            Weights that are allowed for.
         """
-        weighting = self.weighting
-        own = replace(weighting, density=np.maximum(weighting.density, self.state.scene.density))
-        beginning = self.state.beginning
-        columns = weighting.known(self.columns, beginning)
-        rows = own.known(own.rows(self.state.errors), beginning)
+        weighting, beginning = self.weighting, self.state.beginning
+        own = replace(weighting, density=np.maximum(density, self.state.scene.density))
+        columns, rows = (
+            weighting.known(self.columns, beginning),
+            own.known(own.rows(self.state.errors), beginning),
+        )
         rows = rows - columns.T @ solved(columns.T, rows)
         n = rows.size * weighting.record.freedom
         return float(-0.5 * n * np.log(rows @ rows / rows.size))
@@ -189,15 +195,22 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
     return Fit(state, weighting, spectra, columns)
 
 
-def refitted(fit: Fit, iterations: int = 3) -> Fit:
-    """The same with weights that belong to the parameters found, if noise is most of what is left.
+def unfitted(state: State, weighting: Weighting) -> Fit:
+    """A model with the values that it has."""
+    spectra = derivatives(state)
+    return Fit(state, weighting, spectra, weighting.rows(spectra))
 
-    Where it is not, the parameters may be far off, and weights that follow them would hide the error.
+
+def refitted(fit: Fit, iterations: int = 3) -> Fit:
+    """The same with unknown states after each standstill, and weights that belong to the parameters found.
+
+    Where noise is not most of what is left, the parameters may be far off, and weights that follow them would hide the
+    error: they stay as they are.
     """
-    if fit.mean_square > _CREDIBLE:
-        return fit
-    scene = fit.state.scene
-    weighting = with_restarts(_weighting(scene, fit.weighting.allowed), scene.hidden)
+    scene, weighting = fit.state.scene, fit.weighting
+    if fit.mean_square < _CREDIBLE:
+        weighting = _weighting(scene, weighting.allowed)
+    weighting = with_restarts(weighting, scene.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 
 
@@ -221,6 +234,10 @@ def _evaluated(
             impedances.append((joint.direction, stiffness))
         else:
             force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
+            if np.array_equal(joint.spectrum, joint.modelled):
+                stiffness = _equivalent(force, joint)
+                impedances.append((joint.direction, stiffness))
+                force = force - stiffness * joint.modelled
             forces -= np.multiply.outer(force, joint.direction)
     scene = scene_of(record, parameters, before=before, forces=forces, impedances=impedances)
     errors = record.measured - scene.predicted
@@ -228,6 +245,17 @@ def _evaluated(
         if not isinstance(item.effect, JointEffect):
             errors = errors - item.change(scene)
     return _state(scene, placed, errors, weighting)
+
+
+def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
+    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of the force moves hidden joints far less."""
+    s = 1j * joint.record.omega
+    motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
+    scale = np.linalg.norm(motion, axis=1)
+    unit = motion / np.where(scale > 0, scale, 1.0)[:, None]
+    share = np.linalg.lstsq((unit.conj() @ unit.T).real, (unit.conj() @ force).real, rcond=1e-10)[0]
+    k, c, m = share / np.where(scale > 0, scale, 1.0)
+    return np.asarray(k + c * s + m * s**2)
 
 
 def _cost(state: State, weighting: Weighting) -> float:
@@ -249,6 +277,8 @@ def _searched(
     for _ in range(_HALVINGS):
         try:
             found = _evaluated(state, weighting, *_moved(state, share * step))
+            for _ in range(_SETTLING if _has_hidden_law(found) else 0):
+                found = _evaluated(found, weighting, found.scene.parameters, found.placed)
             after = _cost(found, weighting)
         except (SettingError, np.linalg.LinAlgError):  # masses that are not positive
             after = np.inf
@@ -256,6 +286,15 @@ def _searched(
             return found, after
         share /= 3
     return None, cost
+
+
+def _has_hidden_law(state: State) -> bool:
+    """Whether an effect acts on motion that follows from its own force."""
+    if len(state.scene.response.plant.bodies) == 1:
+        return False
+    return any(
+        isinstance(p.effect, JointEffect) and not isinstance(p.effect, LinearEffect) for p in state.placed
+    )
 
 
 def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:

@@ -46,14 +46,19 @@ class _Motion:
         self.time = record.row_time[kept]
         self.speed = np.abs(self.velocity)
         whole = record.rows(s * record.motion)
-        turns = record.row_time[1:][np.diff(np.signbit(whole)) & (np.abs(whole[1:]) < 0.2 * self.speed.max(initial=0))]
+        turns = record.row_time[1:][
+            np.diff(np.signbit(whole)) & (np.abs(whole[1:]) < 0.2 * self.speed.max(initial=0))
+        ]
         nearest = np.searchsorted(turns, self.time)
         padded = np.concatenate([[-np.inf], turns, [np.inf]])
         self.from_reversal = np.minimum(self.time - padded[nearest], padded[nearest + 1] - self.time)
 
     def regimes(self) -> list[tuple[str, float, float, BoolArray]]:
         """Regimes of motion; each row is in the first that fits."""
-        top, hard = self.speed.max(initial=0.0), np.quantile(np.abs(self.acceleration), 0.99) if self.speed.size else 0
+        top, hard = (
+            self.speed.max(initial=0.0),
+            np.quantile(np.abs(self.acceleration), 0.99) if self.speed.size else 0,
+        )
         reversal = self.from_reversal < _AROUND_REVERSAL
         accelerating = ~reversal & (np.abs(self.acceleration) > _ACCELERATING * hard)
         rest = ~(reversal | accelerating)
@@ -77,7 +82,10 @@ def _ranges(values: FloatArray) -> list[tuple[str, float, float, BoolArray]]:
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     edges = np.linspace(low, high, _PARTS + 1)
     place = np.clip(np.digitize(values, edges[1:-1]), 0, _PARTS - 1)
-    return [(f"{a:.3g} to {b:.3g}", float(a), float(b), place == i) for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True))]
+    return [
+        (f"{a:.3g} to {b:.3g}", float(a), float(b), place == i)
+        for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True))
+    ]
 
 
 def _cells(

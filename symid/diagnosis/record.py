@@ -7,7 +7,8 @@ that holds the band and nothing else. Laws, which are not linear, are evaluated 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -44,12 +45,15 @@ class Record:
         Position sensor from whose motion everything is predicted, then the other sensors.
     motion_hz : float
         Highest frequency at which the position moves by more than its noise.
+    late : mapping of str to float
+        Time by which signals were recorded late, s; negative for a force that acts later than recorded.
     """
 
     dynamics: ForwardDynamics
     log: Log
     signals: tuple[str, ...]
     motion_hz: float
+    late: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def n_extended(self) -> int:
@@ -123,13 +127,19 @@ class Record:
     @cached_property
     def motion(self) -> ComplexArray:
         """Spectrum of the driven position, of shape (n_bins,)."""
-        return self._spectrum(self._continued(self.log[self.signals[0]], smoothly=True))
+        return self._in_time(self.signals[0], self._continued(self.log[self.signals[0]], smoothly=True))
 
     @cached_property
     def measured(self) -> ComplexArray:
         """Spectra of the drive force and of the other sensors, of shape (n_outputs, n_bins)."""
-        others = [self._spectrum(self._continued(self.log[name], smoothly=True)) for name in self.signals[1:]]
-        return np.stack([self._spectrum(self.whole_force), *others])
+        others = [
+            self._in_time(name, self._continued(self.log[name], smoothly=True)) for name in self.signals[1:]
+        ]
+        return np.stack([self._in_time(self.dynamics.axis.drive.signal, self.whole_force), *others])
+
+    def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal as if it had not been recorded late."""
+        return self._spectrum(values) * np.exp(1j * self.omega * self.late.get(name, 0.0))
 
     @cached_property
     def whole_force(self) -> FloatArray:
@@ -146,7 +156,9 @@ class Record:
         names = (self.signals[0], *self.signals[1:])
         found = [_high_noise(self.log[name], self.log.sampling_frequency) for name in names]
         force = self.log[self.dynamics.axis.drive.signal]
-        return np.array([found[0], _least_noise(force, self.log.sampling_frequency, self.band_hz), *found[1:]])
+        return np.array(
+            [found[0], _least_noise(force, self.log.sampling_frequency, self.band_hz), *found[1:]]
+        )
 
     def from_samples(self, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal given at all samples of a period."""
@@ -197,7 +209,12 @@ class Record:
         return np.concatenate([x, x0 + v0 * u + cubic * u**3 + quartic * u**4 + quintic * u**5])
 
 
-def record_of(dynamics: ForwardDynamics, log: Log, motion_hz: float | None = None) -> Record:
+def record_of(
+    dynamics: ForwardDynamics,
+    log: Log,
+    motion_hz: float | None = None,
+    late: Mapping[str, float] | None = None,
+) -> Record:
     """A log in the frequency domain.
 
     Parameters
@@ -208,6 +225,8 @@ def record_of(dynamics: ForwardDynamics, log: Log, motion_hz: float | None = Non
         A run of it, with its force and at least one position.
     motion_hz : float, optional
         Highest frequency of its motion; by default where the spectrum of the position sinks into its noise.
+    late : mapping of str to float, optional
+        Time by which signals were recorded late, s.
 
     Raises
     ------
@@ -226,7 +245,8 @@ def record_of(dynamics: ForwardDynamics, log: Log, motion_hz: float | None = Non
         )
     driven = max(positions, key=lambda name: _collocation(dynamics, name))
     signals = (driven, *(name for name in present if name != driven))
-    return Record(dynamics, log, signals, motion_hz or _motion_band(log[driven], log.sampling_frequency))
+    band = motion_hz or _motion_band(log[driven], log.sampling_frequency)
+    return Record(dynamics, log, signals, band, dict(late or {}))
 
 
 def _first_position(dynamics: ForwardDynamics) -> str:

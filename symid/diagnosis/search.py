@@ -10,13 +10,12 @@ import numpy as np
 from symid.diagnosis.effects import Effect
 from symid.diagnosis.fit import Fit, fitted, refitted, with_effects
 from symid.diagnosis.screening import PRICE, Candidate, screened
-from symid.diagnosis.weighting import Weighting
 from symid.errors import SettingError
 
 LEAST_WORTH = 20.0
 """Gain of the logarithm of the likelihood, less its price, that an effect must bring: the best of all places and shapes
 brings less in noise alone."""
-LEAST_SHARE = 0.02
+LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
 _LEAST_POWER = 0.06
 _CONFIRMED = 5
@@ -86,7 +85,7 @@ class Turn:
         return self.before.mean_square - self.confirmed[0].fit.mean_square > _LEAST_POWER
 
 
-def search(fit: Fit, library: Sequence[Effect]) -> tuple[Turn, ...]:
+def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> tuple[Turn, ...]:
     """Turns of the search: the first, and those that accept their best candidate after it.
 
     Parameters
@@ -95,11 +94,13 @@ def search(fit: Fit, library: Sequence[Effect]) -> tuple[Turn, ...]:
         The re-identified model.
     library : sequence of Effect
         What is considered.
+    nominal : Fit, optional
+        The model before re-identification, another start for effects that led the parameters astray.
     """
     turns: list[Turn] = []
     current = fit
     for _ in range(_MOST_EFFECTS):
-        turn = _turn(current, library)
+        turn = _turn(current, library, [current] if turns or nominal is None else [current, nominal])
         if turns and not turn.is_worth_another:
             break
         turns.append(turn)
@@ -109,30 +110,35 @@ def search(fit: Fit, library: Sequence[Effect]) -> tuple[Turn, ...]:
     return tuple(turns)
 
 
-def _turn(fit: Fit, library: Sequence[Effect]) -> Turn:
-    found = screened(fit, library)
-    white = sorted(found, key=lambda c: -c.white_worth)[:_CONFIRMED_WHITE]
-    chosen = [*found[:_CONFIRMED], *(c for c in white if c not in found[:_CONFIRMED])]
-    confirmed = [c for c in (_confirmed(fit, candidate) for candidate in chosen) if c is not None]
-    return Turn(fit, tuple(sorted(confirmed, key=lambda c: -c.worth)), tuple(found))
+def _turn(fit: Fit, library: Sequence[Effect], starts: Sequence[Fit]) -> Turn:
+    confirmed: dict[tuple[str, str], Confirmed] = {}
+    found: dict[tuple[str, str], Candidate] = {}
+    for start in starts:
+        candidates = screened(start, library)
+        white = sorted(candidates, key=lambda c: -c.white_worth)[:_CONFIRMED_WHITE]
+        first = candidates[:_CONFIRMED]
+        for candidate in [*first, *(c for c in white if c not in first)]:
+            own = _confirmed(fit, start, candidate)
+            if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
+                confirmed[own.key] = own
+        for candidate in candidates if start is fit else ():
+            found[candidate.placed.key] = candidate
+    return Turn(fit, tuple(sorted(confirmed.values(), key=lambda c: -c.worth)), tuple(found.values()))
 
 
-def _confirmed(fit: Fit, candidate: Candidate) -> Confirmed | None:
+def _confirmed(fit: Fit, start: Fit, candidate: Candidate) -> Confirmed | None:
+    """A candidate fitted from a start, and its gain over the model without it."""
     try:
-        state = with_effects(fit.state, fit.weighting, (*fit.state.placed, candidate.placed))
-        found = refitted(fitted(state, fit.weighting, _ITERATIONS), 4)
+        state = with_effects(start.state, start.weighting, (*start.state.placed, candidate.placed))
+        found = refitted(fitted(state, start.weighting, _ITERATIONS), 4)
     except (SettingError, np.linalg.LinAlgError):
         return None
     item = found.state.placed[-1]
-    if not np.isfinite(found.log_likelihood) or (item.effect.positive and item.amplitudes[0] < 0):
+    if not np.isfinite(found.mean_square) or (item.effect.positive and item.amplitudes[0] < 0):
         return None
-    return Confirmed(found, found.log_likelihood - _same_rows(fit, found.weighting).log_likelihood)
-
-
-def _same_rows(fit: Fit, weighting: Weighting) -> Fit:
-    """A fit judged with the weights of another."""
-    if fit.weighting is weighting:
-        return fit
-    return replace(
-        fit, state=fit.state.weighted(weighting), weighting=weighting, columns=weighting.rows(fit.spectra)
+    before = replace(found.weighting, density=fit.weighting.density)
+    without = replace(
+        fit, state=fit.state.weighted(before), weighting=before, columns=before.rows(fit.spectra)
     )
+    allowed = np.maximum(found.weighting.density, before.density)
+    return Confirmed(found, found.log_likelihood(allowed) - without.log_likelihood(before.density))

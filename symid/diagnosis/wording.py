@@ -33,7 +33,9 @@ _ADVICE = {
 }
 
 
-def sentence(verdict: Verdict, gap: Gap, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]) -> str:
+def sentence(
+    verdict: Verdict, gap: Gap, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]
+) -> str:
     """The verdict in one sentence."""
     floor = gap.noise_floor.rms
     left = f"{gap.explained.rms:.3g} {gap.unit} ({gap.explained.rms / floor:.1f} times the noise)"
