@@ -163,15 +163,17 @@ def compared(
     states: list[State | None] = [None]
     if nominal is not None:
         states[0] = first_state(record, nominal.scene.parameters)[0].weighted(weighting)
-    states += [_applied(fit, record, allowed)[0].weighted(weighting) for fit in fits[:-1]]
+    for fit in fits[:-1]:
+        states.append(_applied(fit, record, allowed)[0].weighted(weighting))
     states.append(last.weighted(weighting))
     return Comparison(weighting, tuple(states), tuple(s and _errors(s, weighting) for s in states))
 
 
 def _applied(fit: Fit, record: Record, allowed: BoolArray | None) -> tuple[State, Weighting]:
     state, weighting = first_state(record, fit.parameters, allowed)
-    for _ in range(4 if fit.state.placed else 0):
-        state = with_effects(state, weighting, fit.state.placed)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(4 if fit.state.placed else 0):
+            state = with_effects(state, weighting, fit.state.placed)
     weighting = with_restarts(weighting, state.scene.hidden)
     return state.weighted(weighting), weighting
 

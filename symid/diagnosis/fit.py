@@ -23,7 +23,6 @@ _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
 _LARGEST_SHAPE_STEP = 0.3
 _HALVINGS = 5
-_SETTLING = 2
 _SETTLED = 1e-6
 _RANK = 1e-10
 _TAKES_PART = 0.2
@@ -224,7 +223,7 @@ def _evaluated(
 ) -> State:
     before, record = state.scene, state.scene.record
     forces = np.zeros_like(before.forces)
-    impedances = []
+    impedances, marching = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             continue
@@ -232,19 +231,31 @@ def _evaluated(
         if isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-        else:
-            force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
-            if np.array_equal(joint.spectrum, joint.modelled):
-                stiffness = _equivalent(force, joint)
-                impedances.append((joint.direction, stiffness))
-                force = force - stiffness * joint.modelled
+            continue
+        force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.marched else None
+        if law is None:
             forces -= np.multiply.outer(force, joint.direction)
-    scene = scene_of(record, parameters, before=before, forces=forces, impedances=impedances)
+        else:
+            impedances.append((joint.direction, _equivalent(force, joint)))
+            marching.append((joint.direction, law))
+    scene = scene_of(
+        record, parameters, before=before, forces=forces, impedances=impedances, marching=marching
+    )
     errors = record.measured - scene.predicted
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             errors = errors - item.change(scene)
     return _state(scene, placed, errors, weighting)
+
+
+def is_hidden(scene: Scene, joint: Joint) -> bool:
+    """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
+    if len(scene.response.plant.bodies) != 2:
+        return False
+    row = scene.response.plant.sensors[scene.record.signals[0]][0]
+    driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
+    return not driven and np.array_equal(joint.spectrum, joint.modelled)
 
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
@@ -277,24 +288,13 @@ def _searched(
     for _ in range(_HALVINGS):
         try:
             found = _evaluated(state, weighting, *_moved(state, share * step))
-            for _ in range(_SETTLING if _has_hidden_law(found) else 0):
-                found = _evaluated(found, weighting, found.scene.parameters, found.placed)
             after = _cost(found, weighting)
-        except (SettingError, np.linalg.LinAlgError):  # masses that are not positive
+        except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             after = np.inf
         if after < cost:
             return found, after
         share /= 3
     return None, cost
-
-
-def _has_hidden_law(state: State) -> bool:
-    """Whether an effect acts on motion that follows from its own force."""
-    if len(state.scene.response.plant.bodies) == 1:
-        return False
-    return any(
-        isinstance(p.effect, JointEffect) and not isinstance(p.effect, LinearEffect) for p in state.placed
-    )
 
 
 def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Between, Body, Spring
+from symid.diagnosis.march import Pointwise, marched
 from symid.diagnosis.record import Record
 from symid.diagnosis.response import Response, noise_weights, response_of
 
@@ -96,6 +97,9 @@ class Scene:
         Forces of effects on the bodies.
     density : array of shape (n_outputs, n_bins)
         Weights of the outputs over frequency.
+    marched : array of shape (n_bins, n_bodies), optional
+        Forces of effects that were integrated with the hidden motion; `displacements` are then those of the
+        integration, and the response is that of the axis with equivalent springs and dampers in their place.
     """
 
     record: Record
@@ -105,6 +109,7 @@ class Scene:
     observed: ComplexArray
     forces: ComplexArray
     density: FloatArray
+    marched: ComplexArray | None = None
 
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
@@ -129,8 +134,22 @@ class Scene:
     @cached_property
     def predicted(self) -> ComplexArray:
         """Drive force and further readings without effects of the drive and of sensors, shape (n_outputs, n_bins)."""
+        if self.marched is not None:
+            return self._from_motion(self.law_forces + self.forces + self.marched)
         of_motion = self.response.of_position * self.record.motion
         return of_motion + self.response.of_forces(self.law_forces + self.forces)
+
+    def _from_motion(self, forces: ComplexArray) -> ComplexArray:
+        """Outputs that belong to the displacements: the balance of a driven body, and the readings."""
+        plant, s = self.response.plant, 1j * self.record.omega
+        body = min(np.flatnonzero(plant.drive), key=lambda i: abs(plant.stiffness[i, i]))
+        rows = zip((plant.mass[body], plant.damping[body], plant.stiffness[body]), (2, 1, 0), strict=True)
+        balance = sum(s**k * (row @ self.displacements) for row, k in rows) - forces[:, body]
+        outputs = [balance / plant.drive[body]]
+        for name in self.record.signals[1:]:
+            row, order = plant.sensors[name]
+            outputs.append(s**order * (row @ self.displacements))
+        return np.stack(outputs)
 
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
@@ -199,6 +218,7 @@ def scene_of(
     before: Scene | None = None,
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
+    marching: Sequence[tuple[FloatArray, Pointwise]] = (),
 ) -> Scene:
     """The axis under a record.
 
@@ -215,11 +235,18 @@ def scene_of(
         Forces of effects on the bodies.
     impedances : sequence of Impedance
         What hangs on the axis besides.
+    marching : sequence of (array, callable)
+        Direction and force of laws in hidden joints that are integrated with their motion.
     """
     response = response_of(record, parameters, impedances)
     n = len(response.plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     acting = of_effects if before is None else of_effects + before.law_forces
+    if marching:
+        moved, pushes = marched(record, response.plant, acting, marching)
+        own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, marching, strict=True))
+        weights = noise_weights(record, response)
+        return Scene(record, parameters, response, moved, moved, of_effects, weights, np.asarray(own))
     moved = response.displacements(record.motion, acting)
     observed = _as_measured(record, response, moved)
     return Scene(record, parameters, response, moved, observed, of_effects, noise_weights(record, response))

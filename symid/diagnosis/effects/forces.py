@@ -17,6 +17,7 @@ from symid.diagnosis.effects.base import (
     joint_units,
     sampled,
 )
+from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
@@ -201,6 +202,10 @@ class Backlash(JointEffect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, -np.clip(joint.q, -shape[0] / 2, shape[0] / 2))
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (stiffness,), half = amplitudes, shape[0] / 2
+        return Pointwise(lambda k, q, v: -stiffness * min(max(q, -half), half))
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
         return str(force / length), str(length)
@@ -220,6 +225,10 @@ class StiffnessNonlinearity(JointEffect):
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, joint.q**3)
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (cubic,) = amplitudes
+        return Pointwise(lambda k, q, v: cubic * q * q * q)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
