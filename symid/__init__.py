@@ -32,8 +32,10 @@ from symid.axis import (
     ViscousFriction,
     WavyFriction,
     Weight,
+    axis_source,
     chain,
     load_axis,
+    write_axis,
 )
 from symid.errors import SymidError
 
@@ -112,6 +114,7 @@ __all__ = [
     "ViscousFriction",
     "WavyFriction",
     "Weight",
+    "axis_source",
     "chain",
     "compiled",
     "derive",
@@ -124,4 +127,5 @@ __all__ = [
     "read_log",
     "simulate",
     "tune",
+    "write_axis",
 ]

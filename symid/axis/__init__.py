@@ -42,6 +42,7 @@ from symid.axis.laws import (
     ViscousFriction,
 )
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
+from symid.axis.source import axis_source, write_axis
 
 __all__ = [
     "GROUND",
@@ -80,9 +81,11 @@ __all__ = [
     "Weight",
     "axis_file",
     "axis_names",
+    "axis_source",
     "chain",
     "derivative_order",
     "length_unit",
     "load_axis",
     "shipped_folder",
+    "write_axis",
 ]
