@@ -187,9 +187,8 @@ def _call(value: object, variables: Mapping[object, str]) -> _Call:
         if _is_default(field, content):
             named = True
             continue
-        named = (
-            named or field.kw_only or field.name in _NAMED or not isinstance(content, (str, Body, Between))
-        )
+        named = named or bool(field.kw_only) or field.name in _NAMED
+        named = named or not isinstance(content, (str, Body, Between))
         arguments.append((f"{field.name}=" if named else "", _text(content, variables)))
     return _Call(type(value).__name__, tuple(arguments))
 
