@@ -51,7 +51,7 @@ class QuadraticDrag(Law):
     at : Body or Between
         The joint.
     coefficient : str
-        Parameter c in N s^2/m^2 or N m s^2/rad^2.
+        Parameter c in N s^2/m^2 = kg/m, or N m s^2/rad^2.
 
     Examples
     --------

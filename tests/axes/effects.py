@@ -43,7 +43,7 @@ EFFECTS = {
         ("N",),
     ),
     "drag": Effect(
-        lambda at: QuadraticDrag(at, "c"), {"c": 30.0}, {(1.0, 0.2): 1.2, (0.0, -0.5): -7.5}, ("N*s^2/m^2",)
+        lambda at: QuadraticDrag(at, "c"), {"c": 30.0}, {(1.0, 0.2): 1.2, (0.0, -0.5): -7.5}, ("kg/m",)
     ),
     "stiffness": Effect(
         lambda at: PositionStiffness(at, "k"), {"k": -120.0}, {(0.05, 3.0): -6.0, (-0.1, 0.0): 12.0}, ("N/m",)
@@ -76,7 +76,7 @@ EFFECTS = {
         lambda at: StiffnessNonlinearity(at, "k3"),
         {"k3": 3e14},
         {(1e-5, 0.0): 0.3, (-2e-5, 1.0): -2.4},
-        ("N/m^3",),
+        ("kg/m^2/s^2",),
         in_spring=True,
     ),
     "backlash": Effect(

@@ -192,7 +192,11 @@ def test_least_squares_finds_the_effect_of_a_simulated_log(name: str) -> None:
 @pytest.mark.parametrize("name", IN_A_JOINT)
 def test_output_error_finds_the_effect_of_a_simulated_log(name: str) -> None:
     axis, values = with_effect(name), values_of(name)
-    log = simulated(axis, values, 500.0)
+    exact = simulated(axis, values, 500.0)
+    random = np.random.default_rng(1)
+    noise = {"q": 1e-9, "F": 3e-2}
+    signals = {key: exact[key] + noise[key] * random.standard_normal(exact.n_samples) for key in noise}
+    log = Log.from_arrays(signals, sampling_period=1 / 500.0)
     found = identify_output_error(axis, compiled(derive(axis)), log, held=True)
     assert found.status == "ok"
     for parameter, value in values.items():
