@@ -211,7 +211,9 @@ def _is_linear(entry: sp.Expr, constants: Sequence[sp.Symbol]) -> bool:
     [True, False, False, False]
     """
     signals = sorted(entry.free_symbols - set(constants), key=str)
-    return not signals or (entry.is_polynomial(*signals) and sp.Poly(entry, *signals).total_degree() <= 1)
+    if not signals:
+        return True
+    return bool(entry.is_polynomial(*signals)) and sp.Poly(entry, *signals).total_degree() <= 1
 
 
 def _equations(model: DerivedModel) -> str:
