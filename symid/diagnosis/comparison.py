@@ -163,10 +163,10 @@ def compared(
     states: list[State | None] = [None]
     if nominal is not None:
         states[0] = first_state(record, nominal.scene.parameters)[0].weighted(weighting)
-    for fit in fits[:-1]:
-        states.append(_applied(fit, record, allowed)[0].weighted(weighting))
+    states.extend(_applied(fit, record, allowed)[0].weighted(weighting) for fit in fits[:-1])
     states.append(last.weighted(weighting))
-    return Comparison(weighting, tuple(states), tuple(s and _errors(s, weighting) for s in states))
+    errors = (None if state is None else _errors(state, weighting) for state in states)
+    return Comparison(weighting, tuple(states), tuple(errors))
 
 
 def _applied(fit: Fit, record: Record, allowed: BoolArray | None) -> tuple[State, Weighting]:
@@ -197,7 +197,7 @@ def _own_columns(state: State) -> ComplexArray:
     for item in state.placed:
         free = 0 if item.effect.fixed else len(item.amplitudes)
         own += [item.effect.per_log] * (free + len(item.shape))
-    return columns[np.array(own, dtype=bool)]
+    return np.asarray(columns[np.array(own, dtype=bool)])
 
 
 def closed_fraction(before: FloatArray, after: FloatArray) -> float:

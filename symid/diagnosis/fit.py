@@ -259,7 +259,7 @@ def is_hidden(scene: Scene, joint: Joint) -> bool:
 
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
-    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of the force moves hidden joints far less."""
+    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
     s = 1j * joint.record.omega
     motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
     scale = np.linalg.norm(motion, axis=1)
@@ -346,8 +346,9 @@ def parameter_columns(scene: Scene) -> ComplexArray:
     for k, name in enumerate(dynamics.parameters):
         step = _RELATIVE_STEP * (abs(scene.parameters[name]) or 1.0)
         other = dynamics.at(dict(scene.parameters) | {name: scene.parameters[name] + step})
-        matrix = [(b - a) / step for a, b in
-                  zip((plant.mass, plant.damping, plant.stiffness), (other.mass, other.damping, other.stiffness), strict=True)]  # fmt: skip
+        matrix = [
+            (getattr(other, kind) - getattr(plant, kind)) / step for kind in ("mass", "damping", "stiffness")
+        ]
         if any(m.any() for m in matrix):
             mass, damping, stiffness = (m @ scene.displacements for m in matrix)
             forces = -(s**2 * mass + s * damping + stiffness).T

@@ -100,6 +100,8 @@ class Scene:
     marched : array of shape (n_bins, n_bodies), optional
         Forces of effects that were integrated with the hidden motion; `displacements` are then those of the
         integration, and the response is that of the axis with equivalent springs and dampers in their place.
+    impedances : tuple of Impedance
+        What hangs on the axis besides.
     """
 
     record: Record
@@ -110,6 +112,7 @@ class Scene:
     forces: ComplexArray
     density: FloatArray
     marched: ComplexArray | None = None
+    impedances: tuple[Impedance, ...] = ()
 
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
@@ -204,10 +207,12 @@ def place_of(spring: Spring) -> str:
 
 def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:
     direction = np.zeros(len(bodies))
-    first, second = (at.first, at.second) if isinstance(at, Between) else (at, at.on)
-    for body, sign in ((first, 1.0), (second, -1.0)):
+    ends = (
+        ((at.second, 1.0), (at.first, -at.ratio)) if isinstance(at, Between) else ((at, 1.0), (at.on, -1.0))
+    )
+    for body, share in ends:
         if getattr(body, "name", None) in bodies:
-            direction[bodies.index(body.name)] += sign
+            direction[bodies.index(body.name)] += share
     return direction
 
 
@@ -246,10 +251,21 @@ def scene_of(
         moved, pushes = marched(record, response.plant, acting, marching)
         own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, marching, strict=True))
         weights = noise_weights(record, response)
-        return Scene(record, parameters, response, moved, moved, of_effects, weights, np.asarray(own))
+        return Scene(
+            record,
+            parameters,
+            response,
+            moved,
+            moved,
+            of_effects,
+            weights,
+            np.asarray(own),
+            tuple(impedances),
+        )
     moved = response.displacements(record.motion, acting)
     observed = _as_measured(record, response, moved)
-    return Scene(record, parameters, response, moved, observed, of_effects, noise_weights(record, response))
+    weights = noise_weights(record, response)
+    return Scene(record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances))
 
 
 def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:

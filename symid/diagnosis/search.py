@@ -19,7 +19,9 @@ LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
 _LEAST_POWER = 0.06
 _EXPLAINED = 1.4
-_MARCHED = 4
+_MARCHED = 3
+_POLISHED = 3
+_TIE = 2.0
 _MOST_EFFECTS = 3
 _ITERATIONS = 6
 _REFINED = 3
@@ -112,7 +114,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
 
 
 def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
-    """Confirm the best candidates; as long as none explains the error, more of them, from other starts, at more cost."""
+    """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
     found = screened(fit, library)
     confirmed: dict[tuple[str, str], Confirmed] = {}
     for start, candidates, marched in _stages(fit, found, library, nominal):
@@ -123,7 +125,17 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
         best = max(confirmed.values(), key=lambda c: c.worth, default=None)
         if best is not None and best.fit.mean_square < _EXPLAINED:
             break
-    return Turn(fit, tuple(sorted(confirmed.values(), key=lambda c: -c.worth)), tuple(found))
+    else:
+        for own in sorted(confirmed.values(), key=lambda c: -c.worth)[:_POLISHED]:
+            finer = _judged(fit, refitted(own.fit, _ITERATIONS))
+            if finer is not None and finer.gain > own.gain:
+                confirmed[own.key] = finer
+    driven = fit.state.scene.axis.drive.at
+
+    def order(own: Confirmed) -> float:
+        return -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
+
+    return Turn(fit, tuple(sorted(confirmed.values(), key=order)), tuple(found))
 
 
 def _stages(
@@ -169,6 +181,11 @@ def _confirmed(fit: Fit, start: Fit, candidate: Candidate, *, marched: bool) -> 
             found = refitted(fitted(state, start.weighting, _ITERATIONS), _REFINED)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
+    return _judged(fit, found)
+
+
+def _judged(fit: Fit, found: Fit) -> Confirmed | None:
+    """The gain of a model over that without its last effect, on the same rows."""
     item = found.state.placed[-1]
     if not np.isfinite(found.mean_square) or (item.effect.positive and item.amplitudes[0] < 0):
         return None

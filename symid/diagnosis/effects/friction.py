@@ -37,7 +37,7 @@ class ViscousFriction(LinearEffect):
         return [name for name in scene.joints if name not in _declared(scene, DeclaredViscous)]
 
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
-        return 1j * omega
+        return np.asarray(1j * omega)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
@@ -92,10 +92,10 @@ class AsymmetricFriction(JointEffect):
     """Half the difference of the Coulomb and viscous coefficients of both directions: dFs + dFv abs(v)."""
 
     name = "asymmetric_friction"
-    amplitudes = ("dFs", "dFv")
+    amplitudes: tuple[str, ...] = ("dFs", "dFv")
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, 1.0 * scene.record.in_log, np.abs(joint.v))
+        return sampled(scene, scene.record.in_log.astype(float), np.abs(joint.v))
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         constant, viscous = amplitudes
@@ -109,10 +109,10 @@ class AsymmetricFriction(JointEffect):
 class CoulombAsymmetry(AsymmetricFriction):
     """Half the difference of the Coulomb levels of both directions: while the axis moves, a constant force."""
 
-    amplitudes = ("dFs",)
+    amplitudes: tuple[str, ...] = ("dFs",)
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, 1.0 * scene.record.in_log)
+        return sampled(scene, scene.record.in_log.astype(float))
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         (constant,) = amplitudes
