@@ -17,7 +17,7 @@ from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
 from symid.diagnosis.record import Record
 from symid.diagnosis.scene import Joint, Scene, scene_of
 from symid.diagnosis.weighting import Weighting, starting_pulses, weighting_of, with_restarts
-from symid.errors import SettingError
+from symid.errors import LogError, SettingError
 
 _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
@@ -27,6 +27,7 @@ _SETTLED = 1e-6
 _RANK = 1e-10
 _TAKES_PART = 0.2
 _CREDIBLE = 16.0
+_LEAST_ROWS = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +151,11 @@ def first_state(
     scene = scene_of(record, parameters)
     scene = scene_of(record, parameters, before=scene)
     weighting = _weighting(scene, allowed)
+    if weighting.kept.sum() < _LEAST_ROWS:
+        raise LogError(
+            f"log {record.log.source!r} has {weighting.kept.sum()} rows of motion: a diagnosis needs {_LEAST_ROWS}; "
+            "take a log in which the axis moves"
+        )
     return _state(scene, (), record.measured - scene.predicted, weighting), weighting
 
 

@@ -19,8 +19,7 @@ LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
 _LEAST_POWER = 0.06
 _EXPLAINED = 1.4
-_MARCHED = 3
-_POLISHED = 3
+_MARCHED = 2
 _TIE = 2.0
 _MOST_EFFECTS = 3
 _ITERATIONS = 6
@@ -125,11 +124,6 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
         best = max(confirmed.values(), key=lambda c: c.worth, default=None)
         if best is not None and best.fit.mean_square < _EXPLAINED:
             break
-    else:
-        for own in sorted(confirmed.values(), key=lambda c: -c.worth)[:_POLISHED]:
-            finer = _judged(fit, refitted(own.fit, _ITERATIONS))
-            if finer is not None and finer.gain > own.gain:
-                confirmed[own.key] = finer
     driven = fit.state.scene.axis.drive.at
 
     def order(own: Confirmed) -> float:
