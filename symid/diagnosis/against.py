@@ -22,7 +22,14 @@ from symid.diagnosis.diagnose import ITERATIONS, concluded, data_of, effect_valu
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
 from symid.diagnosis.record import Record, record_of
-from symid.diagnosis.result import Diagnosis, ParameterChange, SimulatedEffect, SimulatedParameter, Simulator
+from symid.diagnosis.result import (
+    Diagnosis,
+    EffectParameter,
+    ParameterChange,
+    SimulatedEffect,
+    SimulatedParameter,
+    Simulator,
+)
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, search
 from symid.diagnosis.start import starting_parameters
@@ -163,16 +170,28 @@ def _described(
     stds = dict(zip(model.parameters, standard_deviations(model), strict=False))
     of_machine = dict(zip((p.key for p in machine.state.placed), effect_values(machine), strict=True))
     effects = [
-        SimulatedEffect(*item.key, values, of_machine.get(item.key))
+        _effect_beside(item, values, of_machine.get(item.key))
         for item, values in zip(model.state.placed, effect_values(model), strict=True)
     ]
     parameters = tuple(_beside(change, float(stds[change.name])) for change in changes)
     return Simulator(source, float(np.sqrt(model.mean_square)), parameters, tuple(effects))
 
 
+def _effect_beside(
+    item: Placed, simulated: Mapping[str, EffectParameter], machine: Mapping[str, EffectParameter] | None
+) -> SimulatedEffect:
+    """An effect of the simulator beside that of the machine; what belongs to a log, such as a phase, may differ."""
+    both = [] if machine is None or item.effect.per_log else [(simulated[x], machine[x]) for x in simulated]
+    differs = any(_differs(a.value, a.std, b.value, b.std) for a, b in both)
+    return SimulatedEffect(*item.key, simulated, machine, differs)
+
+
+def _differs(value: float, std: float, other: float, other_std: float) -> bool:
+    doubt = _DIFFERS_DEVIATIONS * np.hypot(std, other_std)
+    return bool(abs(other - value) > max(doubt, _DIFFERS_SHARE * abs(value)))
+
+
 def _beside(change: ParameterChange, std: float) -> SimulatedParameter:
-    apart, size = abs(change.explained - change.nominal), abs(change.nominal)
-    doubt = _DIFFERS_DEVIATIONS * np.hypot(std, change.explained_std)
     return SimulatedParameter(
         name=change.name,
         unit=change.unit,
@@ -180,7 +199,7 @@ def _beside(change: ParameterChange, std: float) -> SimulatedParameter:
         simulated_std=std,
         machine=change.explained,
         machine_std=change.explained_std,
-        differs=bool(apart > max(doubt, _DIFFERS_SHARE * size)),
+        differs=_differs(change.nominal, std, change.explained, change.explained_std),
     )
 
 

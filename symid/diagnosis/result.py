@@ -285,12 +285,15 @@ class SimulatedEffect:
         From the simulator's log.
     machine : mapping of str to EffectParameter or None
         From the machine's; None if the machine does not have it.
+    differs : bool
+        Whether the machine has it with values that differ by more than their deviations allow.
     """
 
     effect: str
     at: str
     parameters: Mapping[str, EffectParameter]
     machine: Mapping[str, EffectParameter] | None
+    differs: bool
 
 
 @dataclass(frozen=True)

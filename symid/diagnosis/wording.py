@@ -63,6 +63,7 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
         What its log says.
     """
     gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]
+    apart += [f"{e.effect} at {e.at}" for e in simulator.effects if e.differs]
     surplus = [f"{e.effect} at {e.at}" for e in simulator.effects if e.machine is None]
     before = "" if gap.nominal is None else f" from {_size(gap, gap.nominal.rms)}"
     shrinks = f": with the machine's, the force error falls{before} to {_size(gap, gap.explained.rms)}."

@@ -1,0 +1,322 @@
+"""The next experiment: where two causes remain, the motion that tells them apart best.
+
+Each motion of `manoeuvres` is taken as done: the axis with one cause says what the sensors would read, and the gain of
+the logarithm of the likelihood is expected that this cause would have over the other, whose values are free. At first
+the other's prediction is taken as linear in its values: half the square of what its columns leave of the difference.
+The few best motions are then rehearsed: readings with the noise of the log, and both causes fitted to them. Gains are
+tempered as in `evidence`, and a motion is as good as the less favourable of both cases.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.data import Log
+from symid.diagnosis.comparison import applied
+from symid.diagnosis.diagnose import driven
+from symid.diagnosis.effects import JointEffect
+from symid.diagnosis.evidence import INDISTINGUISHABLE, Key, odds, temperature
+from symid.diagnosis.fit import State, fitted, unfitted
+from symid.diagnosis.manoeuvres import Room, manoeuvres
+from symid.diagnosis.record import Record, record_of
+from symid.diagnosis.result import Diagnosis
+from symid.diagnosis.screening import PRICE
+from symid.diagnosis.search import Confirmed, Turn
+from symid.diagnosis.weighting import Weighting
+from symid.errors import LogError, SettingError
+from symid.simulation import Limits, Trajectory
+
+_REHEARSED = 3
+_GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)
+_FORCE_MARGIN = 1.02
+_SMOOTH = 20.0
+_HIGHEST_HZ = 100.0
+_LEAST_ROWS = 64
+_LEAST_LOG_ODDS = math.log(3.0)
+_MOST_LOG_ODDS = math.log(1e6)
+_ITERATIONS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """What to do next.
+
+    Parameters
+    ----------
+    text : str
+        In words.
+    causes : tuple of (str, str)
+        Effects and places that remain; empty if none do.
+    trajectory : Trajectory or None
+        Reference that tells them apart best; None if no motion does.
+    odds : float
+        Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
+    considered : mapping of str to float
+        Expected odds after each motion that was considered, best first.
+    """
+
+    text: str
+    causes: tuple[Key, ...] = ()
+    trajectory: Trajectory | None = None
+    odds: float = math.nan
+    considered: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Rivals:
+    """Two causes that remain, the more probable one first.
+
+    Parameters
+    ----------
+    turn : Turn
+        Of the search, in which they were found.
+    pair : tuple of Confirmed
+        Both.
+    """
+
+    turn: Turn
+    pair: tuple[Confirmed, Confirmed]
+
+    @property
+    def record(self) -> Record:
+        """The log so far."""
+        return self.turn.before.state.scene.record
+
+    @property
+    def models(self) -> tuple[State, State]:
+        """The axis with either."""
+        return self.pair[0].fit.state, self.pair[1].fit.state
+
+    @property
+    def keys(self) -> tuple[Key, Key]:
+        """Names of effects and places."""
+        return self.pair[0].key, self.pair[1].key
+
+
+def next_experiment_of(
+    found: Diagnosis,
+    *,
+    limits: Limits | None = None,
+    force: float | None = None,
+    seconds: float | None = None,
+) -> Experiment:
+    """The motion that tells the first effect found from its strongest rival.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        With its search, as `diagnose` returns it.
+    limits : Limits, optional
+        Travel, speed, acceleration and jerk of the driven joint; those seen in the log by default.
+    force : float, optional
+        Largest drive force, SI; that seen in the log by default.
+    seconds : float, optional
+        Duration, s; that of the log by default.
+
+    Returns
+    -------
+    Experiment
+        Without a trajectory where nothing is left to tell apart, or where no motion does it.
+
+    Raises
+    ------
+    SettingError
+        If a limit is not positive.
+    """
+    for value, what in ((force, "largest force"), (seconds, "duration")):
+        if value is not None and not value > 0:
+            raise SettingError(f"{what} of the next experiment is {value:g}: give a positive number")
+    rivals = _rivals(found)
+    if rivals is None:
+        return Experiment(found.next_experiment)
+    record = rivals.record
+    room = _room(record, limits or limits_seen(record), seconds or record.duration)
+    expected = _linear(rivals, room, force or float(np.abs(record.log[record.dynamics.axis.drive.signal]).max()))
+    best = sorted(expected, key=lambda item: -item[1])
+    rehearsed = sorted((_rehearsed(rivals, t, value) for t, value in best[:_REHEARSED]), key=lambda item: -item[1])
+    considered = {t.name: _odds(value) for t, value in (*rehearsed, *best[_REHEARSED:])}
+    if not rehearsed or rehearsed[0][1] < _LEAST_LOG_ODDS:
+        return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
+    trajectory, value = rehearsed[0]
+    return Experiment(_words(rivals, trajectory, value), rivals.keys, trajectory, _odds(value), considered)
+
+
+def limits_seen(record: Record) -> Limits:
+    """Travel, speed and acceleration of the driven joint in a log."""
+    s, inside = 1j * record.omega, record.in_log
+    position = record.fine(record.motion)[inside]
+    velocity = record.fine(s * record.motion * record.taper)[inside]
+    acceleration = record.fine(s**2 * record.motion * record.taper)[inside]
+    return Limits(
+        travel=(float(position.min()), float(position.max())),
+        speed=float(np.abs(velocity).max()),
+        acceleration=float(np.quantile(np.abs(acceleration), 0.995)),
+    )
+
+
+def _room(record: Record, limits: Limits, seconds: float) -> Room:
+    axis = record.dynamics.axis
+    if not math.isfinite(limits.acceleration):
+        limits = replace(limits, acceleration=limits_seen(record).acceleration)
+    if not math.isfinite(limits.speed):
+        limits = replace(limits, speed=limits_seen(record).speed)
+    if not math.isfinite(limits.jerk):
+        limits = replace(limits, jerk=_SMOOTH * limits.acceleration)
+    return Room(
+        limits=limits,
+        seconds=seconds,
+        highest_hz=min(_HIGHEST_HZ, 0.1 * record.log.sampling_frequency),
+        sampling_period=record.log.sampling_period,
+        unit=str(axis.signal_units[record.signals[0]]),
+    )
+
+
+def _rivals(found: Diagnosis) -> Rivals | None:
+    """The two most probable candidates of the first turn that leaves doubt, else of the first turn."""
+    if found.verdict not in ("effect", "unexplained"):
+        return None
+    ranked = []
+    for turn in found.search:
+        confirmed = {c.key: c for c in turn.confirmed}
+        chance = odds(turn, driven(turn.before.state.scene.record)) if confirmed else {}
+        keys = [key for key in chance if key in confirmed][:2]
+        if len(keys) == 2:
+            ranked.append((chance[keys[1]], Rivals(turn, (confirmed[keys[0]], confirmed[keys[1]]))))
+    doubtful = [rivals for chance, rivals in ranked if chance >= INDISTINGUISHABLE]
+    return doubtful[0] if doubtful else ranked[0][1] if ranked else None
+
+
+def _linear(rivals: Rivals, room: Room, force: float) -> list[tuple[Trajectory, float]]:
+    """Motions with the logarithm of the odds that is expected after each, the less favourable case."""
+    found: dict[int, tuple[Trajectory, float]] = {}
+    for share in _GENTLER:
+        for i, trajectory in enumerate(manoeuvres(room.gentler(share))):
+            if i in found:
+                continue
+            try:
+                records = [reading(model, trajectory, rivals.record) for model in rivals.models]
+            except LogError:  # too short
+                continue
+            drive = rivals.record.dynamics.axis.drive.signal
+            if max(np.abs(r.log[drive]).max() for r in records) > _FORCE_MARGIN * force:
+                continue
+            found[i] = trajectory, min(_expected(rivals, i, r) for i, r in enumerate(records))
+    return list(found.values())
+
+
+def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
+    """What the sensors would read if an axis followed a trajectory.
+
+    Parameters
+    ----------
+    model : State
+        The axis with its values, under any record.
+    trajectory : Trajectory
+        Taken as the motion of the driven joint.
+    like : Record
+        With the sensors and the noise.
+    """
+    rng, (first, drive) = np.random.default_rng(0), (like.signals[0], like.dynamics.axis.drive.signal)
+    noise = like.noise[:, None] * rng.standard_normal((len(like.noise), trajectory.n_samples))
+    signals = {first: trajectory.position + noise[0]}
+    moving = record_of(like.dynamics, _log(signals, trajectory))
+    of_joints = [item for item in model.placed if isinstance(item.effect, JointEffect)]
+    scene = applied(model, moving, placed=of_joints)[0].scene
+    signals[drive] = _samples(moving, scene.predicted[0]) + noise[1]
+    for name, own in zip(like.signals[1:], noise[2:], strict=True):
+        row, order = scene.response.plant.sensors[name]
+        signals[name] = _samples(moving, (1j * moving.omega) ** order * (row @ scene.displacements)) + own
+    record = record_of(like.dynamics, _log(signals, trajectory), moving.motion_hz)
+    state = applied(model, record)[0]
+    return record_of(like.dynamics, _log(signals | _changed(state, noise), trajectory), moving.motion_hz)
+
+
+def _changed(state: State, noise: FloatArray) -> dict[str, FloatArray]:
+    """Drive force and readings with effects of the drive and of sensors."""
+    record = state.scene.record
+    names = (record.dynamics.axis.drive.signal, *record.signals[1:])
+    predicted = record.measured - state.errors
+    return {name: _samples(record, x) + n for name, x, n in zip(names, predicted, noise[1:], strict=True)}
+
+
+def _log(signals: Mapping[str, FloatArray], trajectory: Trajectory) -> Log:
+    return Log.from_arrays(signals, sampling_period=trajectory.sampling_period, source=trajectory.name)
+
+
+def _samples(record: Record, spectrum: ComplexArray) -> FloatArray:
+    """A signal at the samples of the log."""
+    padded = np.zeros(record.n_extended // 2 + 1, dtype=complex)
+    padded[: record.n_bins] = spectrum
+    return np.asarray(scipy.fft.irfft(padded, record.n_extended))[: record.log.n_samples]
+
+
+def _expected(rivals: Rivals, right: int, record: Record) -> float:
+    """Logarithm of the odds expected from a record of the right cause, by what the other's columns leave."""
+    truth, weighting = applied(rivals.models[right], record)
+    if weighting.kept.sum() < _LEAST_ROWS:
+        return 0.0
+    gains = []
+    for model in (rivals.models[1 - right], rivals.turn.before.state):
+        state = applied(model, record)[0].weighted(weighting)
+        fit = unfitted(replace(state, rows=weighting.rows(state.errors - truth.errors)), weighting)
+        n = weighting.kept.sum() * len(fit.left)
+        gains.append(0.5 * n * record.freedom * math.log1p(fit.mean_square))
+    return _log_odds(rivals, right, *gains)
+
+
+def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -> float:
+    own, other = (rivals.pair[i].fit.state.placed[-1].n_free for i in (right, 1 - right))
+    return (over_other - PRICE * (own - other)) / temperature(over_none - PRICE * own)
+
+
+def _rehearsed(rivals: Rivals, trajectory: Trajectory, expected: float) -> tuple[Trajectory, float]:
+    """The same with both causes fitted to readings with noise."""
+    found = [expected]
+    for right in (0, 1):
+        record = reading(rivals.models[right], trajectory, rivals.record)
+        first, weighting = applied(rivals.models[right], record)
+        if weighting.kept.sum() < _LEAST_ROWS:
+            return trajectory, 0.0
+        models = (rivals.models[1 - right], rivals.turn.before.state)
+        truth = fitted(first, weighting, _ITERATIONS).log_likelihood(weighting.density)
+        gains = [truth - _fit(model, record, weighting) for model in models]
+        found.append(_log_odds(rivals, right, *gains))
+    return trajectory, min(found)
+
+
+def _fit(model: State, record: Record, weighting: Weighting) -> float:
+    """Logarithm of the likelihood of a model that is fitted to a record."""
+    state = applied(model, record)[0].weighted(weighting)
+    return fitted(state, weighting, _ITERATIONS).log_likelihood(weighting.density)
+
+
+def _odds(log_odds: float) -> float:
+    return math.exp(min(log_odds, _MOST_LOG_ODDS))
+
+
+def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
+    one, other = (f"{effect} at {place}" for effect, place in rivals.keys)
+    least = "at least " if log_odds > _MOST_LOG_ODDS else ""
+    return (
+        f"To tell {one} from {other}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it "
+        f"are {least}{_odds(log_odds):.3g} to 1 for the right one, if the axis follows this reference."
+    )
+
+
+def _none_separates(rivals: Rivals) -> str:
+    (one, at), (other, place) = rivals.keys
+    record = rivals.record
+    unused = [name for name in record.dynamics.sensors if name not in record.signals]
+    further = f"record {' or '.join(unused)} too" if unused else "a sensor that the axis does not have is needed"
+    none = f"No motion within these limits tells {one} at {at} from {other} at {place}"
+    if one == other:
+        return f"{none}: the sensors used see both places alike; {further}."
+    if {one, other} == {"offset_force", "asymmetric_friction"}:
+        return f"{none}: while it moves, both are a constant force; turn the axis round or unload it, which changes an offset only."
+    return f"{none}: wider limits of speed, acceleration or force are needed, or {further}."
