@@ -28,7 +28,6 @@ from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import Confirmed, Turn
-from symid.diagnosis.weighting import Weighting
 from symid.errors import LogError, SettingError
 from symid.simulation import Limits, Trajectory
 
@@ -223,26 +222,24 @@ def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
         With the sensors and the noise.
     """
     rng, (first, drive) = np.random.default_rng(0), (like.signals[0], like.dynamics.axis.drive.signal)
-    noise = like.noise[:, None] * rng.standard_normal((len(like.noise), trajectory.n_samples))
-    signals = {first: trajectory.position + noise[0]}
-    moving = record_of(like.dynamics, _log(signals, trajectory))
+    names = (first, drive, *like.signals[1:])
+    levels = zip(names, like.noise, strict=True)
+    noise = {name: level * rng.standard_normal(trajectory.n_samples) for name, level in levels}
+    exact = {first: trajectory.position, drive: noise[drive]}
+    seen = record_of(like.dynamics, _log(exact | {first: exact[first] + noise[first]}, trajectory))
+    moving = record_of(like.dynamics, _log(exact, trajectory), seen.motion_hz)
     of_joints = [item for item in model.placed if isinstance(item.effect, JointEffect)]
     scene = applied(model, moving, placed=of_joints)[0].scene
-    signals[drive] = _samples(moving, scene.predicted[0]) + noise[1]
-    for name, own in zip(like.signals[1:], noise[2:], strict=True):
+    exact[drive] = _samples(moving, scene.predicted[0])
+    for name in names[2:]:
         row, order = scene.response.plant.sensors[name]
-        signals[name] = _samples(moving, (1j * moving.omega) ** order * (row @ scene.displacements)) + own
-    record = record_of(like.dynamics, _log(signals, trajectory), moving.motion_hz)
-    state = applied(model, record)[0]
-    return record_of(like.dynamics, _log(signals | _changed(state, noise), trajectory), moving.motion_hz)
-
-
-def _changed(state: State, noise: FloatArray) -> dict[str, FloatArray]:
-    """Drive force and readings with effects of the drive and of sensors."""
-    record = state.scene.record
-    names = (record.dynamics.axis.drive.signal, *record.signals[1:])
-    predicted = record.measured - state.errors
-    return {name: _samples(record, x) + n for name, x, n in zip(names, predicted, noise[1:], strict=True)}
+        exact[name] = _samples(moving, (1j * moving.omega) ** order * (row @ scene.displacements))
+    record = record_of(like.dynamics, _log(exact, trajectory), seen.motion_hz)
+    predicted = record.measured - applied(model, record)[0].errors
+    for name, spectrum in zip(names[1:], predicted, strict=True):
+        exact[name] = _samples(record, spectrum)
+    noisy = {name: values + noise[name] for name, values in exact.items()}
+    return record_of(like.dynamics, _log(noisy, trajectory), seen.motion_hz)
 
 
 def _log(signals: Mapping[str, FloatArray], trajectory: Trajectory) -> Log:
@@ -284,16 +281,12 @@ def _rehearsed(rivals: Rivals, trajectory: Trajectory, expected: float) -> tuple
         if weighting.kept.sum() < _LEAST_ROWS:
             return trajectory, 0.0
         models = (rivals.models[1 - right], rivals.turn.before.state)
-        truth = fitted(first, weighting, _ITERATIONS).log_likelihood(weighting.density)
-        gains = [truth - _fit(model, record, weighting) for model in models]
-        found.append(_log_odds(rivals, right, *gains))
+        states = [first, *(applied(model, record)[0].weighted(weighting) for model in models)]
+        fits = [fitted(state, weighting, _ITERATIONS) for state in states]
+        density = np.max([weighting.density, *(fit.state.scene.density for fit in fits)], axis=0)
+        truth, other, none = (fit.log_likelihood(density) for fit in fits)
+        found.append(_log_odds(rivals, right, truth - other, truth - none))
     return trajectory, min(found)
-
-
-def _fit(model: State, record: Record, weighting: Weighting) -> float:
-    """Logarithm of the likelihood of a model that is fitted to a record."""
-    state = applied(model, record)[0].weighted(weighting)
-    return fitted(state, weighting, _ITERATIONS).log_likelihood(weighting.density)
 
 
 def _odds(log_odds: float) -> float:

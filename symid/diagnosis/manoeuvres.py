@@ -8,15 +8,17 @@ from functools import reduce
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation import Limits, MoveProfile, Trajectory, chirp, trapezoids
+from symid.simulation import Limits, MoveProfile, Trajectory, frequency_lines, multisine, trapezoids
 
-_LOWEST_HZ = 3.0
+_LOWEST_HZ, _STEP_HZ = 3.0, 1.0
+_FADE = 0.5
 _USED = 0.9
 _SHAKEN = 0.5
-"""Share of the speed of a move that a chirp on it may add, so that it never reverses."""
+"""Share of the speed of a move that a multisine on it may add, so that it never reverses."""
 _SHAKING_ROOM = 0.2
-"""Share of the stroke that a chirp may take."""
+"""Share of the stroke that a multisine may take."""
 _HARDNESS = (0.25, 0.5, 0.75, 1.0)
 _MOST_MOVES = 200
 
@@ -32,7 +34,7 @@ class Room:
     seconds : float
         Duration, about.
     highest_hz : float
-        Highest frequency of a chirp.
+        Highest frequency of a multisine.
     sampling_period : float
         s.
     unit : str
@@ -150,27 +152,30 @@ def _small_reversals(room: Room) -> Trajectory:
 
 
 def _shaking(room: Room) -> Trajectory:
-    high = room.highest_hz
-    shaking = _chirp(room, room.limits.speed, room.centre)
-    return replace(shaking, name=f"chirp of {_LOWEST_HZ:g} to {high:.3g} Hz about one place")
+    shaking = _multisine(room, _USED * room.limits.speed, room.centre, room.seconds)
+    return replace(shaking, name=f"multisine of {_LOWEST_HZ:g} to {room.highest_hz:.3g} Hz about one place")
 
 
 def _shaken_move(room: Room) -> Trajectory:
     speed = min(_USED / (1 + _SHAKEN) * room.limits.speed, 4 * room.stroke / room.seconds)
     way = (1 - _SHAKING_ROOM) * room.stroke
     moves = _shuttle(room, way, speed, room.seconds).shifted(_SHAKING_ROOM / 2 * room.stroke)
-    shaking = _chirp(replace(room.gentler(_SHAKEN), seconds=moves.duration), _SHAKEN * speed, 0.0)
+    shaking = _multisine(room.gentler(_SHAKEN), _SHAKEN * speed, 0.0, moves.duration)
+    n = max(moves.n_samples, shaking.n_samples)
+    position, velocity, acceleration = (
+        _lengthened(getattr(moves, kind), n) + _lengthened(getattr(shaking, kind), n)
+        for kind in ("position", "velocity", "acceleration")
+    )
     name = (
-        f"chirp of {_LOWEST_HZ:g} to {room.highest_hz:.3g} Hz on moves over {way:.3g} {room.unit} and back "
+        f"multisine of {_LOWEST_HZ:g} to {room.highest_hz:.3g} Hz on moves over {way:.3g} {room.unit} and back "
         f"at {speed:.3g} {room.unit}/s"
     )
-    return Trajectory(
-        position=moves.position + shaking.position,
-        velocity=moves.velocity + shaking.velocity,
-        acceleration=moves.acceleration + shaking.acceleration,
-        sampling_period=room.sampling_period,
-        name=name,
-    )
+    return Trajectory(position, velocity, acceleration, room.sampling_period, name)
+
+
+def _lengthened(values: FloatArray, n: int) -> FloatArray:
+    """Continued at rest."""
+    return np.pad(values, (0, n - values.size), mode="edge")
 
 
 def _shuttle(room: Room, way: float, speed: float, seconds: float, name: str = "moves") -> Trajectory:
@@ -193,21 +198,27 @@ def _joined(parts: Iterable[Trajectory], name: str) -> Trajectory:
     return replace(reduce(Trajectory.then, parts), name=name)
 
 
-def _chirp(room: Room, speed: float, centre: float) -> Trajectory:
-    """Chirp with a constant amplitude of acceleration: at most the limit, the speed given and a bit of the stroke."""
-    lowest = 2 * np.pi * _LOWEST_HZ
-    size = min(
-        _USED * room.limits.acceleration, speed * lowest, _SHAKING_ROOM / 4 * room.stroke * lowest**2
-    )
-    return chirp(
-        _LOWEST_HZ,
-        room.highest_hz,
-        room.seconds,
-        size,
-        sampling_period=room.sampling_period,
-        quantity="acceleration",
-        centre=centre,
-    )
+def _multisine(room: Room, speed: float, centre: float, seconds: float) -> Trajectory:
+    """Lines of equal acceleration that repeat every second: at most the limit, a speed and a bit of the stroke."""
+    lines = frequency_lines(_LOWEST_HZ, np.floor(room.highest_hz), _STEP_HZ)
+    steady = max(np.floor(seconds) - 2 * _FADE, 1.0)
+
+    def made(size: float) -> Trajectory:
+        return multisine(
+            lines,
+            size,
+            sampling_period=room.sampling_period,
+            quantity="acceleration",
+            seconds=steady,
+            fade=_FADE,
+            centre=centre,
+        )
+
+    trial = made(1.0).extremes
+    room_about = 0.5 * _SHAKING_ROOM * room.stroke
+    travel = max(trial.highest - centre, centre - trial.lowest)
+    limits = (_USED * room.limits.acceleration / trial.acceleration, speed / trial.speed, room_about / travel)
+    return made(min(limits))
 
 
 _MANOEUVRES: tuple[Callable[[Room], Trajectory], ...] = (
