@@ -18,7 +18,14 @@ import numpy as np
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.comparison import applied, compared
-from symid.diagnosis.diagnose import ITERATIONS, concluded, data_of, effect_values, standard_deviations, timing
+from symid.diagnosis.diagnose import (
+    ITERATIONS,
+    concluded,
+    data_of,
+    effect_values,
+    standard_deviations,
+    timing,
+)
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
 from symid.diagnosis.record import Record, record_of
@@ -92,7 +99,9 @@ def diagnose_against(
     ('parameters', ['Fs'])
     """
     data = data_of(axis, log, validation, late)
-    own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, timing(axis, simulated, late))
+    own = record_of(
+        data.record.dynamics, as_noisy(simulated, data.record), None, timing(axis, simulated, late)
+    )
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
@@ -164,9 +173,7 @@ def _same(state: State, fit: Fit) -> tuple[Placed, ...]:
     return tuple(item for item in state.placed if item.key in keys)
 
 
-def _described(
-    model: Fit, machine: Fit, changes: Sequence[ParameterChange], source: str
-) -> Simulator:
+def _described(model: Fit, machine: Fit, changes: Sequence[ParameterChange], source: str) -> Simulator:
     stds = dict(zip(model.parameters, standard_deviations(model), strict=False))
     of_machine = dict(zip((p.key for p in machine.state.placed), effect_values(machine), strict=True))
     effects = [

@@ -92,7 +92,9 @@ def diagnose(
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
     base = refitted(fitted(state, weighting, ITERATIONS))
-    turns = search(base, library, unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None)
+    turns = search(
+        base, library, unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
+    )
     fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     return concluded(comparison, turns, fits, nominal, (log, validation))

@@ -10,7 +10,7 @@ tempered as in `evidence`, and a motion is as good as the less favourable of bot
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,7 +31,7 @@ from symid.diagnosis.search import Confirmed, Turn
 from symid.errors import LogError, SettingError
 from symid.simulation import Limits, Trajectory
 
-_REHEARSED = 3
+_REHEARSED = 6
 _GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)
 _FORCE_MARGIN = 1.02
 _SMOOTH = 20.0
@@ -57,7 +57,7 @@ class Experiment:
     odds : float
         Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
     considered : mapping of str to float
-        Expected odds after each motion that was considered, best first.
+        Expected odds after each motion that was rehearsed, best first.
     """
 
     text: str
@@ -77,10 +77,18 @@ class Rivals:
         Of the search, in which they were found.
     pair : tuple of Confirmed
         Both.
+    chance : float
+        Probability of the second, if one of the candidates is right.
     """
 
     turn: Turn
     pair: tuple[Confirmed, Confirmed]
+    chance: float
+
+    @property
+    def remains(self) -> bool:
+        """Whether the log leaves doubt."""
+        return self.chance >= INDISTINGUISHABLE
 
     @property
     def record(self) -> Record:
@@ -101,7 +109,10 @@ class Rivals:
 def next_experiment_of(
     found: Diagnosis,
     *,
-    limits: Limits | None = None,
+    lowest: float | None = None,
+    highest: float | None = None,
+    speed: float | None = None,
+    acceleration: float | None = None,
     force: float | None = None,
     seconds: float | None = None,
 ) -> Experiment:
@@ -111,12 +122,14 @@ def next_experiment_of(
     ----------
     found : Diagnosis
         With its search, as `diagnose` returns it.
-    limits : Limits, optional
-        Travel, speed, acceleration and jerk of the driven joint; those seen in the log by default.
+    lowest, highest : float, optional
+        Travel of the driven joint, m or rad; that of the log by default, as all limits are.
+    speed, acceleration : float, optional
+        Of the driven joint, SI.
     force : float, optional
-        Largest drive force, SI; that seen in the log by default.
+        Largest drive force, SI.
     seconds : float, optional
-        Duration, s; that of the log by default.
+        Duration, s.
 
     Returns
     -------
@@ -127,6 +140,21 @@ def next_experiment_of(
     ------
     SettingError
         If a limit is not positive.
+
+    Examples
+    --------
+    A delay and a first-order lag act alike where the force changes slowly.
+
+    >>> from symid.axis import load_axis
+    >>> from symid.diagnosis import diagnose
+    >>> from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+    >>> axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+    >>> late = axis.with_signal("q", noise=2e-9, delay=1e-3).with_signal("F", noise=2.0)
+    >>> reference = trapezoids([0.1, 0.06], [0.15, 0.2], acceleration=2.0, jerk=20.0, sampling_period=1e-3)
+    >>> log = simulate(late, values, reference, tuned_cascade(plant_of(axis, values), "q")).log
+    >>> planned = next_experiment_of(diagnose(axis, log), acceleration=3.0, seconds=4.0)
+    >>> planned.causes, planned.trajectory.name
+    ((('delay', 'actuator'), ('actuator_lag', 'actuator')), 'multisine of 3 to 100 Hz about one place')
     """
     for value, what in ((force, "largest force"), (seconds, "duration")):
         if value is not None and not value > 0:
@@ -135,11 +163,13 @@ def next_experiment_of(
     if rivals is None:
         return Experiment(found.next_experiment)
     record = rivals.record
-    room = _room(record, limits or limits_seen(record), seconds or record.duration)
-    expected = _linear(rivals, room, force or float(np.abs(record.log[record.dynamics.axis.drive.signal]).max()))
-    best = sorted(expected, key=lambda item: -item[1])
-    rehearsed = sorted((_rehearsed(rivals, t, value) for t, value in best[:_REHEARSED]), key=lambda item: -item[1])
-    considered = {t.name: _odds(value) for t, value in (*rehearsed, *best[_REHEARSED:])}
+    seen = limits_seen(record)
+    ends = (seen.travel[0] if lowest is None else lowest, seen.travel[1] if highest is None else highest)
+    limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
+    drive = record.log[record.dynamics.axis.drive.signal]
+    room = _room(record, limits, seconds or record.duration)
+    rehearsed = _best(rivals, _linear(rivals, room, force or float(np.abs(drive).max())))
+    considered = {trajectory.name: _odds(value) for trajectory, value in rehearsed}
     if not rehearsed or rehearsed[0][1] < _LEAST_LOG_ODDS:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
     trajectory, value = rehearsed[0]
@@ -160,19 +190,13 @@ def limits_seen(record: Record) -> Limits:
 
 
 def _room(record: Record, limits: Limits, seconds: float) -> Room:
-    axis = record.dynamics.axis
-    if not math.isfinite(limits.acceleration):
-        limits = replace(limits, acceleration=limits_seen(record).acceleration)
-    if not math.isfinite(limits.speed):
-        limits = replace(limits, speed=limits_seen(record).speed)
-    if not math.isfinite(limits.jerk):
-        limits = replace(limits, jerk=_SMOOTH * limits.acceleration)
+    unit = record.dynamics.axis.signal_units[record.signals[0]]
     return Room(
-        limits=limits,
+        limits=replace(limits, jerk=_SMOOTH * limits.acceleration),
         seconds=seconds,
         highest_hz=min(_HIGHEST_HZ, 0.1 * record.log.sampling_frequency),
         sampling_period=record.log.sampling_period,
-        unit=str(axis.signal_units[record.signals[0]]),
+        unit=str(unit),
     )
 
 
@@ -186,9 +210,9 @@ def _rivals(found: Diagnosis) -> Rivals | None:
         chance = odds(turn, driven(turn.before.state.scene.record)) if confirmed else {}
         keys = [key for key in chance if key in confirmed][:2]
         if len(keys) == 2:
-            ranked.append((chance[keys[1]], Rivals(turn, (confirmed[keys[0]], confirmed[keys[1]]))))
-    doubtful = [rivals for chance, rivals in ranked if chance >= INDISTINGUISHABLE]
-    return doubtful[0] if doubtful else ranked[0][1] if ranked else None
+            ranked.append(Rivals(turn, (confirmed[keys[0]], confirmed[keys[1]]), chance[keys[1]]))
+    doubtful = [rivals for rivals in ranked if rivals.remains]
+    return next(iter((*doubtful, *ranked)), None)
 
 
 def _linear(rivals: Rivals, room: Room, force: float) -> list[tuple[Trajectory, float]]:
@@ -272,21 +296,30 @@ def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -
     return (over_other - PRICE * (own - other)) / temperature(over_none - PRICE * own)
 
 
-def _rehearsed(rivals: Rivals, trajectory: Trajectory, expected: float) -> tuple[Trajectory, float]:
-    """The same with both causes fitted to readings with noise."""
-    found = [expected]
+def _best(rivals: Rivals, expected: Sequence[tuple[Trajectory, float]]) -> list[tuple[Trajectory, float]]:
+    """Rehearsals, best first: of motions from which more is expected than a rehearsal has shown, at most a few."""
+    found: list[tuple[Trajectory, float]] = []
+    for trajectory, bound in sorted(expected, key=lambda item: -item[1])[:_REHEARSED]:
+        if bound > max([_LEAST_LOG_ODDS, *(value for _, value in found)]):
+            found.append((trajectory, min(bound, _rehearsed(rivals, trajectory))))
+    return sorted(found, key=lambda item: -item[1])
+
+
+def _rehearsed(rivals: Rivals, trajectory: Trajectory) -> float:
+    """Logarithm of the odds, the less favourable case, with both causes fitted to readings with noise."""
+    found = []
     for right in (0, 1):
         record = reading(rivals.models[right], trajectory, rivals.record)
         first, weighting = applied(rivals.models[right], record)
         if weighting.kept.sum() < _LEAST_ROWS:
-            return trajectory, 0.0
+            return 0.0
         models = (rivals.models[1 - right], rivals.turn.before.state)
         states = [first, *(applied(model, record)[0].weighted(weighting) for model in models)]
         fits = [fitted(state, weighting, _ITERATIONS) for state in states]
         density = np.max([weighting.density, *(fit.state.scene.density for fit in fits)], axis=0)
         truth, other, none = (fit.log_likelihood(density) for fit in fits)
         found.append(_log_odds(rivals, right, truth - other, truth - none))
-    return trajectory, min(found)
+    return min(found)
 
 
 def _odds(log_odds: float) -> float:
@@ -295,10 +328,11 @@ def _odds(log_odds: float) -> float:
 
 def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
     one, other = (f"{effect} at {place}" for effect, place in rivals.keys)
-    least = "at least " if log_odds > _MOST_LOG_ODDS else ""
+    aim = f"To tell {one} from {other}" if rivals.remains else f"To confirm {one} against {other}"
+    least = "more than 1e6" if log_odds >= _MOST_LOG_ODDS else f"{_odds(log_odds):.3g}"
     return (
-        f"To tell {one} from {other}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it "
-        f"are {least}{_odds(log_odds):.3g} to 1 for the right one, if the axis follows this reference."
+        f"{aim}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it are {least} to 1 "
+        "for the right one, if the axis follows this reference."
     )
 
 
@@ -306,10 +340,13 @@ def _none_separates(rivals: Rivals) -> str:
     (one, at), (other, place) = rivals.keys
     record = rivals.record
     unused = [name for name in record.dynamics.sensors if name not in record.signals]
-    further = f"record {' or '.join(unused)} too" if unused else "a sensor that the axis does not have is needed"
+    further = f"record {' or '.join(unused)} too" if unused else "another sensor is needed"
     none = f"No motion within these limits tells {one} at {at} from {other} at {place}"
     if one == other:
         return f"{none}: the sensors used see both places alike; {further}."
     if {one, other} == {"offset_force", "asymmetric_friction"}:
-        return f"{none}: while it moves, both are a constant force; turn the axis round or unload it, which changes an offset only."
+        return (
+            f"{none}: while it moves, both are a constant force; turn the axis round or unload it, "
+            "which changes an offset only."
+        )
     return f"{none}: wider limits of speed, acceleration or force are needed, or {further}."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import reduce
 
@@ -125,11 +125,11 @@ def _fast_staircase(room: Room) -> Trajectory:
     return _speeds(room, speeds, "staircase of high speeds")
 
 
-def _speeds(room: Room, speeds: Sequence[float], what: str) -> Trajectory:
+def _speeds(room: Room, speeds: FloatArray, what: str) -> Trajectory:
     part = room.seconds / len(speeds)
     ways = [min(room.stroke, 0.5 * part * speed) for speed in speeds]
     name = f"{what}: {speeds[0]:.3g} to {speeds[-1]:.3g} {room.unit}/s in both directions"
-    moves = (_shuttle(room, way, speed, part) for way, speed in zip(ways, speeds, strict=True))
+    moves = (_shuttle(room, way, float(speed), part) for way, speed in zip(ways, speeds, strict=True))
     return _joined(moves, name)
 
 

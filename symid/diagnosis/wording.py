@@ -80,7 +80,9 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
     if parts:
         return f"The simulator {', and '.join(parts)}{shrinks}"
     if found.verdict == "no_gap":
-        return f"There is no gap: the simulator leaves {_size(gap, gap.explained.rms)} of the machine's force."
+        return (
+            f"There is no gap: the simulator leaves {_size(gap, gap.explained.rms)} of the machine's force."
+        )
     return f"The simulator has the machine's structure and slightly other values{shrinks}"
 
 
