@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import click
@@ -12,13 +14,18 @@ from symid.cli.options import (
     assignments,
     json_option,
     measured_option,
+    number,
     parameter_file,
     seconds_of,
     write_json,
 )
 from symid.cli.progress import working
-from symid.diagnosis import diagnose
+from symid.cli.simulate import write_log
+from symid.diagnosis import Diagnosis, diagnose, diagnose_against, next_experiment_of
+from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
+
+_LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 
 
 @click.command(
@@ -32,6 +39,11 @@ from symid.report.diagnosis import diagnosis_record, print_diagnosis
     "--validation", metavar="LOG", help="Log on which the gap is measured [every third part of LOG]."
 )
 @click.option("--nominal", metavar="P.json", help="Parameter values of the simulation [identified].")
+@click.option(
+    "--simulated",
+    metavar="SIM",
+    help="Log of your own simulator under the same reference, against which the machine is diagnosed.",
+)
 @measured_option
 @log_options
 @click.option("--held", multiple=True, metavar="SIGNAL", help="A force that is held from sample to sample.")
@@ -40,6 +52,20 @@ from symid.report.diagnosis import diagnosis_record, print_diagnosis
     multiple=True,
     metavar="SIGNAL=TIME",
     help="Time by which a signal was recorded late, such as q2=125us.",
+)
+@click.option(
+    "--next-experiment",
+    "experiment",
+    metavar="FILE.csv",
+    help="Write the reference that best tells the cause found from its strongest rival.",
+)
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Limit of the next experiment, SI: lowest, highest (position), speed, acceleration, force, seconds "
+    "[those seen in LOG].",
 )
 @click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
 @json_option
@@ -55,12 +81,22 @@ def command(axis: str, log: str, **options: Any) -> None:
     }
     for signal in options["held"]:
         late[signal] = late.get(signal, 0.0) - run.sampling_period / 2
+    simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None
+    if simulated and nominal:
+        raise SettingError("--nominal and --simulated both say what the simulation is: give one of them")
+    limits = _limits(options["limits"])
+    experiment = _reference_file(options["experiment"]) if options["experiment"] else None
     if options["report"]:
         from symid.report.html import html_path, write_html  # jinja2 is loaded only where a page is written
 
         page = html_path(options["report"])
     with working("diagnosing"):
-        found = diagnose(declared, run, validation=validation, nominal=nominal, late=late)
+        if simulated:
+            found = diagnose_against(declared, run, simulated, validation=validation, late=late)
+        else:
+            found = diagnose(declared, run, validation=validation, nominal=nominal, late=late)
+    if experiment:
+        found = _with_experiment(found, limits, experiment)
     record = diagnosis_record(found)
     if options["report"]:
         write_html(found, page)
@@ -68,3 +104,29 @@ def command(axis: str, log: str, **options: Any) -> None:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_diagnosis(record)
+
+
+def _limits(values: tuple[str, ...]) -> dict[str, float]:
+    """Limits of ``--limit``."""
+    given = assignments(values, "--limit")
+    if unknown := [name for name in given if name not in _LIMITS]:
+        raise SettingError(f"--limit {unknown[0]} is not known: choose from {', '.join(_LIMITS)}")
+    return {name: number(text, f"--limit {name}") for name, text in given.items()}
+
+
+def _reference_file(file: str) -> Path:
+    """Where the reference goes; refused before a long diagnosis if it is of no known kind."""
+    path = Path(file)
+    if path.suffix not in (".csv", ".parquet"):
+        raise SettingError(f"reference {file!r} is of no known kind: end its name with .csv or .parquet")
+    return path
+
+
+def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> Diagnosis:
+    """The diagnosis with the next experiment in words; its reference is written where there is one."""
+    with working("planning the next experiment"):
+        planned = next_experiment_of(found, **limits)
+    if planned.trajectory is None:
+        return replace(found, next_experiment=planned.text)
+    write_log(planned.trajectory.as_log(), file)
+    return replace(found, next_experiment=f"{planned.text} Its reference is in {file}.")

@@ -126,7 +126,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         seed=options["seed"],
         progress=partial(tracked, what="parts of the simulation"),
     )
-    _write(run.log, Path(output))
+    write_log(run.log, Path(output))
     record = {
         "axis": declared.name,
         "log": output,
@@ -223,7 +223,7 @@ def band_of(text: str) -> tuple[float, float]:
     return parts[0], parts[1]
 
 
-def _write(log: Log, path: Path) -> None:
+def write_log(log: Log, path: Path) -> None:
     """Write a log as a whole or not at all."""
     frame = pl.DataFrame({"t": log.time, **{name: log[name] for name in log.signals}})
     unfinished = path.with_name(path.name + ".unfinished")

@@ -1,7 +1,9 @@
 """Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks."""
 
+from symid.diagnosis.against import diagnose_against
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
+from symid.diagnosis.experiment import Experiment, limits_seen, next_experiment_of
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
@@ -13,6 +15,9 @@ from symid.diagnosis.result import (
     MapCell,
     ParameterChange,
     Signals,
+    SimulatedEffect,
+    SimulatedParameter,
+    Simulator,
     Spectrum,
 )
 
@@ -22,6 +27,7 @@ __all__ = [
     "Diagnosis",
     "Effect",
     "EffectParameter",
+    "Experiment",
     "FoundEffect",
     "Gap",
     "Level",
@@ -29,6 +35,12 @@ __all__ = [
     "MapCell",
     "ParameterChange",
     "Signals",
+    "SimulatedEffect",
+    "SimulatedParameter",
+    "Simulator",
     "Spectrum",
     "diagnose",
+    "diagnose_against",
+    "limits_seen",
+    "next_experiment_of",
 ]

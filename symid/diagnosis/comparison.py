@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.effects import Placed
 from symid.diagnosis.fit import Fit, State, derivatives, first_state, solved, with_effects
 from symid.diagnosis.record import Record
 from symid.diagnosis.result import Gap, Level, Signals, Spectrum
@@ -19,6 +20,7 @@ _BLOCKS = 24
 _DRAWS = 400
 _SEGMENT = 1024
 _USED = 0.65
+_SETTLING = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,27 +155,43 @@ def compared(
     record : Record
         Validation data.
     nominal : State or None
-        The model with nominal values, under any record.
+        The model with nominal values, and effects if it has any, under any record.
     fits : sequence of Fit
         Re-identified model, and those with effects added one by one.
     allowed : bool array of shape (n_fine,), optional
         Parts of the record that may be used.
     """
-    last, weighting = _applied(fits[-1], record, allowed)
-    states: list[State | None] = [None]
-    if nominal is not None:
-        states[0] = first_state(record, nominal.scene.parameters)[0].weighted(weighting)
-    states.extend(_applied(fit, record, allowed)[0].weighted(weighting) for fit in fits[:-1])
+    last, weighting = applied(fits[-1].state, record, allowed)
+    models = [nominal, *(fit.state for fit in fits[:-1])]
+    states: list[State | None] = [
+        None if model is None else applied(model, record, allowed)[0].weighted(weighting) for model in models
+    ]
     states.append(last.weighted(weighting))
     errors = (None if state is None else _errors(state, weighting) for state in states)
     return Comparison(weighting, tuple(states), tuple(errors))
 
 
-def _applied(fit: Fit, record: Record, allowed: BoolArray | None) -> tuple[State, Weighting]:
-    state, weighting = first_state(record, fit.parameters, allowed)
+def applied(
+    model: State, record: Record, allowed: BoolArray | None = None, placed: Sequence[Placed] | None = None
+) -> tuple[State, Weighting]:
+    """A model with its values under another record, and the weighting that goes with them.
+
+    Parameters
+    ----------
+    model : State
+        The model, under any record.
+    record : Record
+        The log.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the record that may be used.
+    placed : sequence of Placed, optional
+        Effects, those of the model by default.
+    """
+    effects = model.placed if placed is None else tuple(placed)
+    state, weighting = first_state(record, model.scene.parameters, allowed)
     with np.errstate(over="ignore", invalid="ignore"):
-        for _ in range(4 if fit.state.placed else 0):
-            state = with_effects(state, weighting, fit.state.placed)
+        for _ in range(_SETTLING if effects else 0):
+            state = with_effects(state, weighting, effects)
     weighting = with_restarts(weighting, state.scene.hidden)
     return state.weighted(weighting), weighting
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,7 +33,8 @@ from symid.diagnosis.weighting import autoregression
 from symid.diagnosis.wording import next_experiment, sentence
 from symid.simulation.plant import forward_dynamics
 
-_ITERATIONS = 10
+ITERATIONS = 10
+"""Of a fit without effects, at most."""
 _HELD_OUT = 3
 _BLOCKS = 12
 _ABSORBED_DEVIATIONS = 3.0
@@ -86,24 +88,47 @@ def diagnose(
     >>> found.gap.reidentified.rms > found.gap.explained.rms
     True
     """
-    dynamics = forward_dynamics(axis)
-    record = record_of(dynamics, log, None, _timing(axis, log, late))
-    other = (
-        record
-        if validation is None
-        else record_of(dynamics, validation, record.motion_hz, _timing(axis, validation, late))
+    data = data_of(axis, log, validation, late)
+    start = dict(nominal) if nominal else starting_parameters(axis, data.record)
+    state, weighting = first_state(data.record, start, data.training)
+    base = refitted(fitted(state, weighting, ITERATIONS))
+    turns = search(
+        base, library, unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
     )
-    training, held_out = _parts(record) if validation is None else (None, None)
-    start = dict(nominal) if nominal else starting_parameters(axis, record)
-    state, weighting = first_state(record, start, training)
-    base = refitted(fitted(state, weighting, _ITERATIONS))
-    turns = search(base, library, unfitted(state, weighting) if len(dynamics.bodies) > 1 else None)
     fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
-    comparison = compared(other, state if nominal else None, fits, held_out)
-    return _diagnosis(comparison, turns, fits, nominal, (log, validation))
+    comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
+    return concluded(comparison, turns, fits, nominal, (log, validation))
 
 
-def _timing(axis: Axis, log: Log, late: Mapping[str, float] | None) -> dict[str, float]:
+@dataclass(frozen=True, eq=False)
+class Data:
+    """What is identified from, and what the gap is measured on.
+
+    Parameters
+    ----------
+    record, validation : Record
+        Of the log and of the validation log; the same where there is none.
+    training, held_out : bool array of shape (n_fine,) or None
+        Parts of the log for either purpose, where one log serves both.
+    """
+
+    record: Record
+    validation: Record
+    training: BoolArray | None
+    held_out: BoolArray | None
+
+
+def data_of(axis: Axis, log: Log, validation: Log | None, late: Mapping[str, float] | None) -> Data:
+    """Logs in the frequency domain, see `diagnose`."""
+    dynamics = forward_dynamics(axis)
+    record = record_of(dynamics, log, None, timing(axis, log, late))
+    if validation is None:
+        return Data(record, record, *_parts(record))
+    other = record_of(dynamics, validation, record.motion_hz, timing(axis, validation, late))
+    return Data(record, other, None, None)
+
+
+def timing(axis: Axis, log: Log, late: Mapping[str, float] | None) -> dict[str, float]:
     """Time by which signals were recorded late."""
     found = dict(late or {})
     if axis.drive.held:
@@ -118,13 +143,28 @@ def _parts(record: Record) -> tuple[BoolArray, BoolArray]:
     return ~held_out, held_out
 
 
-def _diagnosis(
+def concluded(
     comparison: Comparison,
     turns: Sequence[Turn],
     fits: Sequence[Fit],
     nominal: Mapping[str, float] | None,
     logs: tuple[Log, Log | None],
 ) -> Diagnosis:
+    """The diagnosis that follows from a search.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The nominal model and `fits` on the validation data.
+    turns : sequence of Turn
+        Of the search.
+    fits : sequence of Fit
+        The re-identified model, and those with effects accepted one by one.
+    nominal : mapping of str to float or None
+        Nominal values.
+    logs : tuple of Log
+        What was identified from, and the validation log if there is one.
+    """
     gap, found = comparison.gap(), maps(comparison)
     floor = gap.noise_floor.rms
     chances = outcome(
@@ -160,10 +200,12 @@ def _diagnosis(
         next_experiment=next_experiment(verdict, effects, alternatives, comparison.record),
         signals=comparison.signals(),
         spectrum=comparison.spectrum(),
+        search=tuple(turns),
     )
 
 
-def _driven(record: Record) -> str:
+def driven(record: Record) -> str:
+    """Body that the drive moves."""
     return next(
         body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.drive.at
     )
@@ -172,13 +214,12 @@ def _driven(record: Record) -> str:
 def _effects(
     comparison: Comparison, accepted: Sequence[Turn], fits: Sequence[Fit], chances: Outcome
 ) -> tuple[FoundEffect, ...]:
-    last = fits[-1]
-    deviations = _effect_deviations(last)
+    last, known = fits[-1], len(fits[0].state.placed)
+    values = effect_values(last)[known:]
     found = []
     for i, turn in enumerate(accepted):
-        chance = odds(turn, _driven(comparison.record))
-        item = last.state.placed[i]
-        values = item.values(last.state.scene)
+        chance = odds(turn, driven(comparison.record))
+        item = last.state.placed[known + i]
         best, rivals = item.key, [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != item.key]
         there = chances.effect if i == 0 else is_there(turn)
         found.append(
@@ -186,10 +227,7 @@ def _effects(
                 effect=best[0],
                 at=best[1],
                 probability=there * chance[best],
-                parameters={
-                    name: EffectParameter(value, std, unit)
-                    for (name, value, unit), std in zip(values, deviations[i], strict=True)
-                },
+                parameters=values[i],
                 gap_after=comparison.level(i + 2),
                 indistinguishable_from=tuple(rivals),
             )
@@ -197,15 +235,17 @@ def _effects(
     return tuple(found)
 
 
-def _effect_deviations(fit: Fit) -> list[FloatArray]:
-    """Standard deviations of the values of each effect, nan for those that are not free."""
+def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
+    """Values of each effect with standard deviations, nan for those that are not free."""
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     found, place = [], 0
     for item in fit.state.placed:
         n_amplitudes = 0 if item.effect.fixed else len(item.amplitudes)
         own = deviations[place : place + n_amplitudes + len(item.shape)]
         place += own.size
-        found.append(np.concatenate([np.full(len(item.amplitudes) - n_amplitudes, np.nan), own]))
+        stds = np.concatenate([np.full(len(item.amplitudes) - n_amplitudes, np.nan), own])
+        values = zip(item.values(fit.state.scene), stds, strict=True)
+        found.append({name: EffectParameter(value, float(std), unit) for (name, value, unit), std in values})
     return found
 
 
@@ -221,7 +261,7 @@ def standard_deviations(fit: Fit) -> FloatArray:
 
 
 def _alternatives(comparison: Comparison, turn: Turn, chances: Outcome) -> tuple[Alternative, ...]:
-    chance = odds(turn, _driven(comparison.record))
+    chance = odds(turn, driven(comparison.record))
     confirmed = {c.key: c for c in turn.confirmed}
     gains = {c.placed.key: c.gain for c in turn.screened}
     found = []
@@ -240,7 +280,7 @@ def _shares(comparison: Comparison, accepted: Sequence[Turn], turns: Sequence[Tu
     """Share of the excess error by place: what its effects take away; without effects, what they could."""
     shares: dict[str, float] = {}
     if not accepted:
-        chance = odds(turns[0], _driven(comparison.record)) if turns else {}
+        chance = odds(turns[0], driven(comparison.record)) if turns else {}
         for (_, place), probability in chance.items():
             shares[place] = shares.get(place, 0.0) + probability
         return shares

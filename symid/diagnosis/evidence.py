@@ -45,13 +45,17 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     if not worth:
         return {}
     best = max(worth.values())
-    temperature = 1 + _TEMPERED_SHARE * max(best, 0.0)
     logits = {
-        key: (value - best) / temperature + _DRIVEN_BONUS * (key[1] == driven) + _PRIOR.get(key[0], 0.0)
+        key: (value - best) / temperature(best) + _DRIVEN_BONUS * (key[1] == driven) + _PRIOR.get(key[0], 0.0)
         for key, value in worth.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
+
+
+def temperature(best: float) -> float:
+    """By what gains are divided where the best candidate gains so much."""
+    return 1 + _TEMPERED_SHARE * max(best, 0.0)
 
 
 def is_there(turn: Turn) -> float:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
+
+if TYPE_CHECKING:
+    from symid.diagnosis.search import Turn
 
 Verdict = Literal["no_gap", "parameters", "effect", "unexplained"]
 
@@ -245,6 +248,76 @@ class Spectrum:
     noise: FloatArray
 
 
+@dataclass(frozen=True)
+class SimulatedParameter:
+    """A physical parameter that the simulator's log implies, beside that of the machine's.
+
+    Parameters
+    ----------
+    name, unit : str
+        The parameter.
+    simulated, simulated_std : float
+        From the simulator's log.
+    machine, machine_std : float
+        From the machine's, with the effects found.
+    differs : bool
+        Whether the two differ by more than their deviations allow.
+    """
+
+    name: str
+    unit: str
+    simulated: float
+    simulated_std: float
+    machine: float
+    machine_std: float
+    differs: bool
+
+
+@dataclass(frozen=True)
+class SimulatedEffect:
+    """An effect that the simulator has beyond the declared axis.
+
+    Parameters
+    ----------
+    effect, at : str
+        Names of the effect and of its place.
+    parameters : mapping of str to EffectParameter
+        From the simulator's log.
+    machine : mapping of str to EffectParameter or None
+        From the machine's; None if the machine does not have it.
+    differs : bool
+        Whether the machine has it with values that differ by more than their deviations allow.
+    """
+
+    effect: str
+    at: str
+    parameters: Mapping[str, EffectParameter]
+    machine: Mapping[str, EffectParameter] | None
+    differs: bool
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """What a simulator's log says about the simulator.
+
+    Parameters
+    ----------
+    log : str
+        Its source.
+    error : float
+        What the axis with these values and effects leaves of that log, in multiples of the noise.
+    parameters : tuple of SimulatedParameter
+        Of the declared axis.
+    effects : tuple of SimulatedEffect
+        Found beyond it.
+    """
+
+    log: str
+    error: float
+    parameters: tuple[SimulatedParameter, ...]
+    effects: tuple[SimulatedEffect, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """Why simulation and machine differ.
@@ -285,6 +358,10 @@ class Diagnosis:
         For plots.
     spectrum : Spectrum
         For plots.
+    simulated : Simulator or None
+        What the log of a simulator says, if one was given: then it is the nominal model.
+    search : tuple of Turn
+        The models that were fitted, from which the next experiment is designed; part of no file.
     """
 
     axis: Axis
@@ -304,3 +381,5 @@ class Diagnosis:
     next_experiment: str
     signals: Signals
     spectrum: Spectrum
+    simulated: Simulator | None = None
+    search: tuple[Turn, ...] = field(default=(), repr=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.record import Record
-from symid.diagnosis.result import Alternative, FoundEffect, Gap, Verdict
+from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Gap, Simulator, Verdict
 
 _ADVICE = {
     "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
@@ -37,9 +37,7 @@ def sentence(
     verdict: Verdict, gap: Gap, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]
 ) -> str:
     """The verdict in one sentence."""
-    floor = gap.noise_floor.rms
-    left = f"{gap.explained.rms:.3g} {gap.unit} ({gap.explained.rms / floor:.1f} times the noise)"
-    before = f"{gap.reidentified.rms:.3g} {gap.unit} ({gap.reidentified.rms / floor:.1f} times the noise)"
+    left, before = (_size(gap, level.rms) for level in (gap.explained, gap.reidentified))
     if verdict == "no_gap":
         return f"There is no gap: the model leaves {before}."
     if verdict == "parameters":
@@ -53,6 +51,44 @@ def sentence(
     doubt = effects[0].indistinguishable_from
     other = f" (this log does not tell it from {doubt[0][0]} at {doubt[0][1]})" if doubt else ""
     return f"The model lacks {named}{other}: with it, the force error falls from {before} to {left}."
+
+
+def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
+    """The difference between a machine and a simulator in words.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        With the simulator as its nominal model.
+    simulator : Simulator
+        What its log says.
+    """
+    gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]
+    apart += [f"{e.effect} at {e.at}" for e in simulator.effects if e.differs]
+    surplus = [f"{e.effect} at {e.at}" for e in simulator.effects if e.machine is None]
+    before = "" if gap.nominal is None else f" from {_size(gap, gap.nominal.rms)}"
+    shrinks = f": with the machine's, the force error falls{before} to {_size(gap, gap.explained.rms)}."
+    parts = []
+    if found.effects:
+        parts.append("lacks " + " and ".join(f"{e.effect} at {e.at}" for e in found.effects))
+    if surplus:
+        parts.append(f"has {' and '.join(surplus)}, which the machine has not")
+    if apart and found.verdict != "no_gap":
+        parts.append(f"has other values of {', '.join(apart)}")
+    if found.verdict == "unexplained":
+        also = f" It {', and '.join(parts)}." if parts else ""
+        return f"Nothing in the library explains why machine and simulator differ{shrinks}{also}"
+    if parts:
+        return f"The simulator {', and '.join(parts)}{shrinks}"
+    if found.verdict == "no_gap":
+        return (
+            f"There is no gap: the simulator leaves {_size(gap, gap.explained.rms)} of the machine's force."
+        )
+    return f"The simulator has the machine's structure and slightly other values{shrinks}"
+
+
+def _size(gap: Gap, rms: float) -> str:
+    return f"{rms:.3g} {gap.unit} ({rms / gap.noise_floor.rms:.1f} times the noise)"
 
 
 def next_experiment(

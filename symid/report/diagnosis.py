@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rich.console import Console
@@ -13,11 +13,13 @@ from rich.text import Text
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
+    EffectParameter,
     FoundEffect,
     Gap,
     Level,
     MapCell,
     ParameterChange,
+    Simulator,
 )
 from symid.report.console import report_console
 from symid.report.numbers import (
@@ -45,6 +47,7 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
     found : Diagnosis
         Its signals and spectrum stay out: they are for plots.
     """
+    simulated = {} if found.simulated is None else {"simulated": _simulated(found.simulated)}
     return {
         "axis": found.axis.name,
         "measured": list(found.measured),
@@ -65,6 +68,7 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
         "faults": list(found.faults),
         "assumptions": list(found.assumptions),
         "next_experiment": found.next_experiment,
+        **simulated,
     }
 
 
@@ -118,11 +122,39 @@ def _effect(effect: FoundEffect) -> dict[str, Any]:
         "effect": effect.effect,
         "at": effect.at,
         "probability": effect.probability,
-        "parameters": {
-            name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in effect.parameters.items()
-        },
+        "parameters": _values(effect.parameters),
         "gap_after": _level(effect.gap_after),
         "indistinguishable_from": _places(effect.indistinguishable_from),
+    }
+
+
+def _values(parameters: Mapping[str, EffectParameter]) -> dict[str, Any]:
+    return {name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in parameters.items()}
+
+
+def _simulated(simulator: Simulator) -> dict[str, Any]:
+    return {
+        "log": simulator.log,
+        "error_multiple_of_floor": simulator.error,
+        "parameters": {
+            p.name: {
+                "simulated": {"value": p.simulated, "std": p.simulated_std},
+                "machine": {"value": p.machine, "std": p.machine_std},
+                "unit": p.unit,
+                "differs": p.differs,
+            }
+            for p in simulator.parameters
+        },
+        "effects": [
+            {
+                "effect": e.effect,
+                "at": e.at,
+                "simulated": _values(e.parameters),
+                "machine": None if e.machine is None else _values(e.machine),
+                "differs": e.differs,
+            }
+            for e in simulator.effects
+        ],
     }
 
 
@@ -160,7 +192,7 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     for fault in record["faults"]:
         console.print(f"fault of the recording: {fault}", markup=False)
     console.print("", _gap_table(record), closed_line(record["gap"]), sep="\n")
-    for make in (_location_table, _effects_table, _alternatives_table, _parameters_table):
+    for make in (_location_table, _effects_table, _alternatives_table, _parameters_table, _simulated_table):
         table = make(record)
         if table.row_count:
             console.print("", table, sep="\n")
@@ -266,4 +298,23 @@ def _parameters_table(record: dict[str, Any]) -> Table:
         values = [with_deviation(stage["value"], stage["std"]) for stage in stages]
         remark = ["had absorbed the effects" if change["absorbed"] else ""] if several else []
         _add(table, name, significant(change["nominal"]), *values, change["unit"], *remark)
+    return table
+
+
+def _simulated_table(record: dict[str, Any]) -> Table:
+    """What the simulator has beside the machine; empty where no simulator was given."""
+    own = record.get("simulated", {"log": "", "parameters": {}, "effects": []})
+    table = _table(f"The simulator ({own['log']})", ("",), ("simulator", "machine"), ("unit", "remark"))
+    rows = [
+        (name, p["simulated"], p["machine"], p["unit"], p["differs"]) for name, p in own["parameters"].items()
+    ]
+    for found in own["effects"]:
+        place = f"{words(found['effect'])} at {found['at']}: "
+        for name, p in found["simulated"].items():
+            machine = None if found["machine"] is None else found["machine"][name]
+            rows.append((place + name, p, machine, p["unit"], found["differs"]))
+    for name, simulated, machine, unit, differs in rows:
+        value = MISSING if machine is None else with_deviation(machine["value"], machine["std"])
+        remark = "the machine has it not" if machine is None else "differs" if differs else ""
+        _add(table, name, with_deviation(simulated["value"], simulated["std"]), value, unit, remark)
     return table

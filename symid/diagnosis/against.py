@@ -1,0 +1,217 @@
+"""Why a machine and the user's own simulator differ: logs of both under the same reference, seen by the same axis.
+
+The simulator's log is diagnosed first: values of the axis's parameters, and effects that the simulator has beyond the
+axis. That model, under the machine's log, is the nominal one. It is then identified from the machine's log, and its
+effects are kept where that log asks for them; the rest the machine does not have. What this model leaves is searched
+as in any diagnosis: effects found now are those that the simulator lacks.
+
+So that little errors of a simulator without noise do not count as effects, its readings get the noise of the machine's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.axis import Axis
+from symid.data import Log
+from symid.diagnosis.comparison import applied, compared
+from symid.diagnosis.diagnose import (
+    ITERATIONS,
+    concluded,
+    data_of,
+    effect_values,
+    standard_deviations,
+    timing,
+)
+from symid.diagnosis.effects import LIBRARY, Effect, Placed
+from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
+from symid.diagnosis.record import Record, record_of
+from symid.diagnosis.result import (
+    Diagnosis,
+    EffectParameter,
+    ParameterChange,
+    SimulatedEffect,
+    SimulatedParameter,
+    Simulator,
+)
+from symid.diagnosis.screening import PRICE
+from symid.diagnosis.search import LEAST_WORTH, search
+from symid.diagnosis.start import starting_parameters
+from symid.diagnosis.weighting import Weighting
+from symid.diagnosis.wording import sentence_against
+
+_DIFFERS_DEVIATIONS = 4.0
+_DIFFERS_SHARE = 0.01
+
+
+def diagnose_against(
+    axis: Axis,
+    log: Log,
+    simulated: Log,
+    *,
+    validation: Log | None = None,
+    late: Mapping[str, float] | None = None,
+    library: Sequence[Effect] = LIBRARY,
+) -> Diagnosis:
+    """Why a machine and a simulator of it differ.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis, in whose terms both are explained.
+    log : Log
+        A log of the machine.
+    simulated : Log
+        A log of the simulator, best under the same reference, with the same signals.
+    validation, late, library
+        As for `diagnose`; signals of both logs count as recorded late by the same times.
+
+    Returns
+    -------
+    Diagnosis
+        Its nominal model is the simulator, its effects are those that the simulator lacks; `simulated` tells what the
+        simulator's log says.
+
+    Raises
+    ------
+    LogError
+        If a log is too short or holds no position.
+    SettingError
+        If no parameters can be identified from the simulator's log to begin with.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+    >>> axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+    >>> noisy = axis.with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
+    >>> reference = trapezoids(0.1, [0.1, 0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    >>> loop = tuned_cascade(plant_of(axis, values), "q")
+    >>> machine, simulator = (
+    ...     simulate(noisy, values | {"Fs": level}, reference, loop, seed=seed).log
+    ...     for seed, level in enumerate((36.0, 30.0))
+    ... )
+    >>> found = diagnose_against(axis, machine, simulator, late={"F": -5e-4})
+    >>> found.verdict, [p.name for p in found.simulated.parameters if p.differs]
+    ('parameters', ['Fs'])
+    """
+    data = data_of(axis, log, validation, late)
+    own = record_of(
+        data.record.dynamics, as_noisy(simulated, data.record), None, timing(axis, simulated, late)
+    )
+    model = _simulator(own, library)
+    state, weighting = applied(model.state, data.record, data.training)
+    base = _machine(state, weighting)
+    start = unfitted(with_effects(state, weighting, _same(state, base)), weighting)
+    turns = search(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
+    fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
+    comparison = compared(data.validation, model.state, fits, data.held_out)
+    found = concluded(comparison, turns, fits, model.parameters, (log, validation))
+    simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)
+    return replace(
+        found,
+        sentence=sentence_against(found, simulator),
+        assumptions=(*found.assumptions, _assumption(simulator)),
+        simulated=simulator,
+    )
+
+
+def as_noisy(log: Log, like: Record) -> Log:
+    """A log whose signals have at least the noise of a record, so that both are weighed alike.
+
+    Parameters
+    ----------
+    log : Log
+        With the signals of the record.
+    like : Record
+        Whose noise it gets, white and of the same density.
+    """
+    own = record_of(like.dynamics, log)
+    rate = log.sampling_frequency / like.log.sampling_frequency
+    levels = dict(zip(_signals(like), like.noise * np.sqrt(rate), strict=True))
+    rng, signals = np.random.default_rng(0), dict(log.signals)
+    for name, level in zip(_signals(own), own.noise, strict=True):
+        lacking = np.sqrt(max(levels.get(name, 0.0) ** 2 - level**2, 0.0))
+        signals[name] = log[name] + lacking * rng.standard_normal(log.n_samples)
+    return replace(log, signals=signals)
+
+
+def _signals(record: Record) -> tuple[str, ...]:
+    """Signals in the order of the noise: driven position, force, other sensors."""
+    return record.signals[0], record.dynamics.axis.drive.signal, *record.signals[1:]
+
+
+def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
+    """The axis with the effects that the simulator has."""
+    state, weighting = first_state(record, starting_parameters(record.dynamics.axis, record))
+    model = refitted(fitted(state, weighting, ITERATIONS))
+    for turn in search(model, library):
+        if turn.accepts:
+            model = turn.confirmed[0].fit
+    return model
+
+
+def _machine(state: State, weighting: Weighting) -> Fit:
+    """The simulator's model identified from the machine's log, without the effects that this log does not ask for."""
+    model = refitted(fitted(state, weighting, ITERATIONS))
+    for item in model.state.placed:
+        others = tuple(other for other in model.state.placed if other.key != item.key)
+        without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)
+        density = model.weighting.density
+        gain = model.log_likelihood(density) - without.log_likelihood(density)
+        if gain - PRICE * item.n_free < LEAST_WORTH:
+            model = without
+    return model
+
+
+def _same(state: State, fit: Fit) -> tuple[Placed, ...]:
+    """Effects of a state that a fit has too."""
+    keys = {item.key for item in fit.state.placed}
+    return tuple(item for item in state.placed if item.key in keys)
+
+
+def _described(model: Fit, machine: Fit, changes: Sequence[ParameterChange], source: str) -> Simulator:
+    stds = dict(zip(model.parameters, standard_deviations(model), strict=False))
+    of_machine = dict(zip((p.key for p in machine.state.placed), effect_values(machine), strict=True))
+    effects = [
+        _effect_beside(item, values, of_machine.get(item.key))
+        for item, values in zip(model.state.placed, effect_values(model), strict=True)
+    ]
+    parameters = tuple(_beside(change, float(stds[change.name])) for change in changes)
+    return Simulator(source, float(np.sqrt(model.mean_square)), parameters, tuple(effects))
+
+
+def _effect_beside(
+    item: Placed, simulated: Mapping[str, EffectParameter], machine: Mapping[str, EffectParameter] | None
+) -> SimulatedEffect:
+    """An effect of the simulator beside that of the machine; what belongs to a log, such as a phase, may differ."""
+    both = [] if machine is None or item.effect.per_log else [(simulated[x], machine[x]) for x in simulated]
+    differs = any(_differs(a.value, a.std, b.value, b.std) for a, b in both)
+    return SimulatedEffect(*item.key, simulated, machine, differs)
+
+
+def _differs(value: float, std: float, other: float, other_std: float) -> bool:
+    doubt = _DIFFERS_DEVIATIONS * np.hypot(std, other_std)
+    return bool(abs(other - value) > max(doubt, _DIFFERS_SHARE * abs(value)))
+
+
+def _beside(change: ParameterChange, std: float) -> SimulatedParameter:
+    return SimulatedParameter(
+        name=change.name,
+        unit=change.unit,
+        simulated=change.nominal,
+        simulated_std=std,
+        machine=change.explained,
+        machine_std=change.explained_std,
+        differs=_differs(change.nominal, std, change.explained, change.explained_std),
+    )
+
+
+def _assumption(simulator: Simulator) -> str:
+    return (
+        f"The simulator is what the axis makes of {simulator.log}: nominal values and effects are identified from it, "
+        f"which leaves {simulator.error:.2g} times the machine's noise."
+    )
