@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from symid.axis import load_axis
+from symid.axis import load_axis, write_axis
 from symid.cli.identify import log_options, read_log_of
 from symid.cli.options import (
     assignments,
@@ -21,7 +21,7 @@ from symid.cli.options import (
 )
 from symid.cli.progress import working
 from symid.cli.simulate import write_log
-from symid.diagnosis import Diagnosis, diagnose, diagnose_against, next_experiment_of
+from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 
@@ -67,6 +67,11 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
     help="Limit of the next experiment, SI: lowest, highest (position), speed, acceleration, force, seconds "
     "[those seen in LOG].",
 )
+@click.option(
+    "--write-axis",
+    metavar="FILE.py",
+    help="Write the axis with the effects found, and their values beside it in FILE.json.",
+)
 @click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
 @json_option
 def command(axis: str, log: str, **options: Any) -> None:
@@ -97,6 +102,8 @@ def command(axis: str, log: str, **options: Any) -> None:
             found = diagnose(declared, run, validation=validation, nominal=nominal, late=late)
     if experiment:
         found = _with_experiment(found, limits, experiment)
+    if options["write_axis"]:
+        _write_axis(found, Path(options["write_axis"]))
     record = diagnosis_record(found)
     if options["report"]:
         write_html(found, page)
@@ -104,6 +111,15 @@ def command(axis: str, log: str, **options: Any) -> None:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_diagnosis(record)
+
+
+def _write_axis(found: Diagnosis, file: Path) -> None:
+    """The axis with the effects found, and values of its parameters."""
+    if not found.effects:
+        raise SettingError(f"--write-axis {file}: no effect was found, so there is no other axis to write")
+    axis, values = explained_axis(found)
+    write_axis(axis, file, f"{found.axis.name} with what a diagnosis found.")
+    write_json(values, str(file.with_suffix(".json")))
 
 
 def _limits(values: tuple[str, ...]) -> dict[str, float]:

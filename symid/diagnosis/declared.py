@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from symid.axis import (
@@ -29,6 +29,7 @@ from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.effects.friction import SlopedFriction as Sloped
 from symid.diagnosis.effects.friction import WavyFriction as Wavy
+from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.scene import Scene, place_of
 from symid.errors import SettingError
 
@@ -49,27 +50,29 @@ _SIMPLE: dict[str, tuple[Callable[..., Element], int]] = {
 """Element of an effect, and how many of its values are parameters; the rest are numbers of the declaration."""
 
 
-def with_found(scene: Scene, placed: Sequence[Placed]) -> tuple[Axis, Values]:
-    """The axis with effects added, and the values of its parameters.
+def explained_axis(found: Diagnosis) -> tuple[Axis, Values]:
+    """The axis with the effects of a diagnosis added, and the values of its parameters.
 
     Parameters
     ----------
-    scene : Scene
-        The fitted model.
-    placed : sequence of Placed
-        Effects to add.
+    found : Diagnosis
+        With at least one effect.
 
     Raises
     ------
     SettingError
-        If an effect is no element: what depends on time, on the drive force, or lies in a signal.
+        If there is no effect, or one is no element: what depends on time, on the drive force, or lies in a signal.
     """
-    axis, values = scene.axis, dict(scene.parameters)
-    for item in placed:
+    accepted = [turn for turn in found.search if turn.accepts] if found.effects else []
+    if not accepted:
+        raise SettingError("no effect was found: the axis stays as it is declared")
+    state = accepted[-1].confirmed[0].fit.state
+    axis, values = state.scene.axis, dict(state.scene.parameters)
+    for item in state.placed:
         if item.effect.name == "flexible_mode":
             axis = _with_mode(axis, item, values)
             continue
-        elements, own = _elements(scene, item)
+        elements, own = _elements(state.scene, item)
         axis = axis.with_effect(*elements)
         values |= own
     return axis, {name: values[name] for name in axis.physical_parameters}
