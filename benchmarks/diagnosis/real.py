@@ -1,10 +1,10 @@
 """Diagnoses of real logs by models that lack something, beside what is published of these machines.
 
-EMPS by models without friction, with viscous friction only and with the published symmetric model, and its log with pulses by
-the model identified on the other one; the bench of two motors by a rigid model and by the flexible one, whose resonances
-another route gives in benchmarks/motor_bench.py; the pendulum by models without and with friction. Gaps are measured
-on the machine's other log. Each case: the verdict, the gap in steps, what was found, what was considered next, and
-what is published.
+EMPS by models without friction, with viscous friction only and with the published symmetric model, and its log with
+pulses by the model identified on the other one; the bench of two motors by a rigid model and by the flexible one, whose
+resonances another route gives in benchmarks/motor_bench.py; the pendulum by models without and with friction. Gaps are
+measured on the machine's other log. Each case: the verdict, the gap in steps, what was found, what was considered
+next, and what is published.
 
 Usage: python -m benchmarks.diagnosis.real [CASE ...]
 """
@@ -85,8 +85,8 @@ def emps() -> Iterator[Case]:
     yield Case(
         "emps-symmetric",
         "mass, viscous and Coulomb friction, offset, published values",
-        "asymmetric friction: 166.7 and 240.4 N s/m (half the difference -36.9), 20.1 and 20.6 N (-0.24); it lowers the "
-        "error from 4.08 to 3.11 % on this log",
+        "asymmetric friction: 166.7 and 240.4 N s/m (half the difference -36.9), 20.1 and 20.6 N (-0.24); it lowers "
+        "the error from 4.08 to 3.11 % on this log",
         axis,
         (plain, pulses),
         published,
