@@ -170,18 +170,13 @@ def whole_processes(case: Case) -> dict[str, float]:
 
 def sample_by_sample() -> None:
     """Print steps per second where no blocks are possible: a quantised encoder, friction that falls with speed."""
-    from symid import Axis, Body, Drive, Law, Position, Term, ViscousFriction, load_axis
+    from symid import StribeckFriction, load_axis
     from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
-    class Stribeck(Law):
-        def terms(self) -> tuple[Term, ...]:
-            return (Term("Fs", "sign(v)"), Term("dF", "sign(v)*exp(-(100*v)**2)"))
-
-    body = Body("slide", mass="M")
-    elements = (body, ViscousFriction(body, "Fv"), Stribeck(body))
-    stribeck = Axis("stribeck", elements, Drive("F", body), (Position("q", body),))
-    quantised = load_axis("rigid_1m").with_signal("q", noise=0.0, resolution=1e-7)
-    noisy = load_axis("rigid_1m").with_signal("q", noise=1e-6)
+    rigid = load_axis("rigid_1m")
+    stribeck = rigid.with_effect(StribeckFriction(rigid.bodies[0], "dF", velocity=0.01))
+    quantised = rigid.with_signal("q", noise=0.0, resolution=1e-7)
+    noisy = rigid.with_signal("q", noise=1e-6)
     values = CASES[0].values
     path = trapezoids([0.05], [0.1, 0.4], acceleration=4.0, jerk=200.0, dwell=0.1, sampling_period=1 / FINE)
     gains = tuned_cascade(plant_of(quantised, values), "q")

@@ -2,6 +2,17 @@
 
 from symid.axis.axis import Axis, Element, length_unit
 from symid.axis.chain import chain
+from symid.axis.effects import (
+    Backlash,
+    Cogging,
+    OneSidedFriction,
+    PositionStiffness,
+    QuadraticDrag,
+    SlopedFriction,
+    StiffnessNonlinearity,
+    StribeckFriction,
+    WavyFriction,
+)
 from symid.axis.elements import (
     GROUND,
     STANDARD_GRAVITY,
@@ -31,6 +42,7 @@ from symid.axis.laws import (
     ViscousFriction,
 )
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
+from symid.axis.source import axis_source, write_axis
 
 __all__ = [
     "GROUND",
@@ -38,8 +50,10 @@ __all__ = [
     "Acceleration",
     "AsymmetricFriction",
     "Axis",
+    "Backlash",
     "Between",
     "Body",
+    "Cogging",
     "CoulombFriction",
     "Damper",
     "Drive",
@@ -49,20 +63,29 @@ __all__ = [
     "Joint",
     "Law",
     "OffsetForce",
+    "OneSidedFriction",
     "PendulumWeight",
     "Position",
+    "PositionStiffness",
+    "QuadraticDrag",
     "Sensor",
+    "SlopedFriction",
     "Spring",
+    "StiffnessNonlinearity",
+    "StribeckFriction",
     "Term",
     "UnknownZero",
     "Velocity",
     "ViscousFriction",
+    "WavyFriction",
     "Weight",
     "axis_file",
     "axis_names",
+    "axis_source",
     "chain",
     "derivative_order",
     "length_unit",
     "load_axis",
     "shipped_folder",
+    "write_axis",
 ]

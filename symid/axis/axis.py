@@ -231,4 +231,6 @@ def _canonical(value: object) -> object:
         return (type(value).__name__, *((name, _canonical(getattr(value, name))) for name in named))
     if isinstance(value, tuple):
         return tuple(_canonical(item) for item in value)
+    if isinstance(value, float):
+        return float(value)  # NumPy's numbers print otherwise
     return value

@@ -8,8 +8,11 @@ same text. To add a law, subclass `Law` and give its `terms`.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 from symid.axis.elements import Joint
 from symid.units import Unit
@@ -64,10 +67,35 @@ class Law(ABC):
     """
 
     at: Joint
+    shape: ClassVar[tuple[str, ...]] = ()
+    """Fields that are numbers in which the force is not linear, such as a pitch; all positive."""
 
     @abstractmethod
     def terms(self) -> tuple[Term, ...]:
         """Terms of the force that opposes the motion."""
+
+    def faults(self) -> Iterator[str]:
+        """What is wrong with the numbers of the law; `Axis` reports it with all other faults."""
+        for name in self.shape:
+            value = getattr(self, name)
+            if not (is_finite(value) and value > 0):
+                yield f"{name} is {value!r}: it must be a positive finite number"
+
+
+def is_finite(value: object) -> bool:
+    """Whether a value is a finite number (a truth value is none)."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def written(number: float) -> str:
+    """A number as text for an expression, the same for 1, 1.0 and a NumPy number; anything else as it is.
+
+    Examples
+    --------
+    >>> written(1), written(0.02), written("wide")
+    ('1.0', '0.02', "'wide'")
+    """
+    return repr(float(number)) if isinstance(number, (int, float)) else repr(number)
 
 
 @dataclass(frozen=True)

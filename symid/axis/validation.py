@@ -177,6 +177,8 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
             numbers.append((f"{_label(holder)}: ratio", geared.ratio))
         if isinstance(holder, (Weight, PendulumWeight)):
             numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
+        if isinstance(holder, Law):
+            yield from (f"{_label(holder)}: {fault}" for fault in holder.faults())
     for holder in (drive, *sensors):
         for field in ("noise", "resolution", "delay"):
             value = getattr(holder, field, 0.0)

@@ -181,12 +181,15 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
     """For each equation the indices of the velocities in its laws with jumps, and these velocities."""
     velocities: dict[sp.Expr, int] = {}
     by_equation = []
+    constants = {sp.Symbol(name) for name in model.minimal.source.source.constants}
     for row in model.minimal.regressor:
         jumps = sorted(
             (f for entry in row for f in entry.atoms(sp.Function) if not is_smooth(f)),
             key=sp.default_sort_key,
         )
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
+        # What jumps elsewhere, such as a stiffness at the edge of a gap, is no matter of standstill.
+        arguments = [a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols - constants, 0))]
         by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
     return tuple(by_equation), tuple(velocities)
 
@@ -194,7 +197,23 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
 def _law_columns(model: DerivedModel) -> tuple[tuple[int, int], ...]:
     """Columns that are not linear in the signals: filtering the signals does not filter them."""
     rows = enumerate(model.minimal.regressor)
-    return tuple((i, j) for i, row in rows for j, entry in enumerate(row) if entry.has(sp.Function))
+    constants = [sp.Symbol(name) for name in model.minimal.source.source.constants]
+    return tuple((i, j) for i, row in rows for j, entry in enumerate(row) if not _is_linear(entry, constants))
+
+
+def _is_linear(entry: sp.Expr, constants: Sequence[sp.Symbol]) -> bool:
+    """Whether an entry is linear in the signals, or constant.
+
+    Examples
+    --------
+    >>> q, r = sp.symbols("q r")
+    >>> [_is_linear(entry, [r]) for entry in (r * q + 1, q**3, q * r * sp.Symbol("v"), sp.sign(q))]
+    [True, False, False, False]
+    """
+    signals = sorted(entry.free_symbols - set(constants), key=str)
+    if not signals:
+        return True
+    return bool(entry.is_polynomial(*signals)) and sp.Poly(entry, *signals).total_degree() <= 1
 
 
 def _equations(model: DerivedModel) -> str:

@@ -163,15 +163,17 @@ def compared(
     states: list[State | None] = [None]
     if nominal is not None:
         states[0] = first_state(record, nominal.scene.parameters)[0].weighted(weighting)
-    states += [_applied(fit, record, allowed)[0].weighted(weighting) for fit in fits[:-1]]
+    states.extend(_applied(fit, record, allowed)[0].weighted(weighting) for fit in fits[:-1])
     states.append(last.weighted(weighting))
-    return Comparison(weighting, tuple(states), tuple(s and _errors(s, weighting) for s in states))
+    errors = (None if state is None else _errors(state, weighting) for state in states)
+    return Comparison(weighting, tuple(states), tuple(errors))
 
 
 def _applied(fit: Fit, record: Record, allowed: BoolArray | None) -> tuple[State, Weighting]:
     state, weighting = first_state(record, fit.parameters, allowed)
-    for _ in range(4 if fit.state.placed else 0):
-        state = with_effects(state, weighting, fit.state.placed)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(4 if fit.state.placed else 0):
+            state = with_effects(state, weighting, fit.state.placed)
     weighting = with_restarts(weighting, state.scene.hidden)
     return state.weighted(weighting), weighting
 
@@ -195,7 +197,7 @@ def _own_columns(state: State) -> ComplexArray:
     for item in state.placed:
         free = 0 if item.effect.fixed else len(item.amplitudes)
         own += [item.effect.per_log] * (free + len(item.shape))
-    return columns[np.array(own, dtype=bool)]
+    return np.asarray(columns[np.array(own, dtype=bool)])
 
 
 def closed_fraction(before: FloatArray, after: FloatArray) -> float:

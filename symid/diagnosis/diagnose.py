@@ -281,7 +281,7 @@ def _assumptions(comparison: Comparison, validation: Log | None) -> tuple[str, .
     record = comparison.record
     return (
         "Each sample is the value at its time; the force is compared as it is recorded.",
-        f"Noise is white up to the Nyquist frequency, at the level found above {0.35 * record.log.sampling_frequency:.0f} Hz.",
+        f"Noise is white up to the Nyquist frequency, at the level found above {record.noise_from_hz:.0f} Hz.",
         "Standstills and 15 ms around them are left out: no model tells friction at rest.",
         "The gap is measured on "
         + (

@@ -2,7 +2,7 @@
 
 The gain of a candidate in the logarithm of the likelihood would be the logarithm of its odds if the model were exact
 but for noise. It is not: the laws of a real axis, and of another simulator, differ a little from ours. Gains are
-therefore tempered by a share of the largest one, which makes candidates that explain nearly the same nearly as probable.
+therefore tempered by a share of the largest one: candidates that explain nearly the same are nearly as probable.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _TEMPERED_SHARE = 0.004
 _DRIVEN_BONUS = 0.3
 _PRIOR = {"asymmetric_friction": -1.0}
 """An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
-_UNEXPLAINED_AT = 0.5
-_UNEXPLAINED_WIDTH = 0.08
+_UNEXPLAINED_AT = 0.75
+_UNEXPLAINED_WIDTH = 0.05
 _NOISE_ALONE = 1.25
 _NOMINAL_IS_GOOD = 1.1
 INDISTINGUISHABLE = 0.15

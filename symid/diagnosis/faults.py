@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.search import Turn
@@ -31,7 +32,7 @@ def recording_faults(comparison: Comparison, log: Log, accepted: Sequence[Turn])
     found = [text for name in (drive, *comparison.record.signals) if (text := _clipped(log, name))]
     if accepted:
         base = accepted[0].before
-        found += _signs_and_units(base.parameters, comparison)
+        found += _wrong_signs(base.parameters, comparison)
     for turn in accepted:
         item = turn.confirmed[0].fit.state.placed[-1]
         if item.effect.name == "delay":
@@ -54,17 +55,16 @@ def _clipped(log: Log, name: str) -> str:
     return ""
 
 
-def _rests(values: np.ndarray) -> bool:  # type: ignore[type-arg]
+def _rests(values: FloatArray) -> bool:
     """Whether the signal repeats values everywhere, as a coarse encoder at rest does."""
     return bool(np.mean(np.diff(values) == 0) > 0.1)
 
 
-def _signs_and_units(parameters: object, comparison: Comparison) -> list[str]:
+def _wrong_signs(parameters: Mapping[str, float], comparison: Comparison) -> list[str]:
     """Masses that came out negative."""
     plant = comparison.record.dynamics
     masses = plant.parameters_of("mass")
-    values = dict(parameters)  # type: ignore[call-overload]  # a mapping
-    wrong = [name for name in masses if values[name] < 0]
+    wrong = [name for name in masses if parameters[name] < 0]
     drive = plant.axis.drive.signal
     return (
         [f"{', '.join(wrong)} came out negative: the sign of {drive} or of a position may be wrong."]

@@ -23,7 +23,6 @@ _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
 _LARGEST_SHAPE_STEP = 0.3
 _HALVINGS = 5
-_SETTLING = 2
 _SETTLED = 1e-6
 _RANK = 1e-10
 _TAKES_PART = 0.2
@@ -224,7 +223,7 @@ def _evaluated(
 ) -> State:
     before, record = state.scene, state.scene.record
     forces = np.zeros_like(before.forces)
-    impedances = []
+    impedances, marching = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             continue
@@ -232,14 +231,17 @@ def _evaluated(
         if isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-        else:
-            force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
-            if np.array_equal(joint.spectrum, joint.modelled):
-                stiffness = _equivalent(force, joint)
-                impedances.append((joint.direction, stiffness))
-                force = force - stiffness * joint.modelled
+            continue
+        force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.marched else None
+        if law is None:
             forces -= np.multiply.outer(force, joint.direction)
-    scene = scene_of(record, parameters, before=before, forces=forces, impedances=impedances)
+        else:
+            impedances.append((joint.direction, _equivalent(force, joint)))
+            marching.append((joint.direction, law))
+    scene = scene_of(
+        record, parameters, before=before, forces=forces, impedances=impedances, marching=marching
+    )
     errors = record.measured - scene.predicted
     for item in placed:
         if not isinstance(item.effect, JointEffect):
@@ -247,8 +249,17 @@ def _evaluated(
     return _state(scene, placed, errors, weighting)
 
 
+def is_hidden(scene: Scene, joint: Joint) -> bool:
+    """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
+    if len(scene.response.plant.bodies) != 2:
+        return False
+    row = scene.response.plant.sensors[scene.record.signals[0]][0]
+    driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
+    return not driven and np.array_equal(joint.spectrum, joint.modelled)
+
+
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
-    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of the force moves hidden joints far less."""
+    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
     s = 1j * joint.record.omega
     motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
     scale = np.linalg.norm(motion, axis=1)
@@ -277,24 +288,13 @@ def _searched(
     for _ in range(_HALVINGS):
         try:
             found = _evaluated(state, weighting, *_moved(state, share * step))
-            for _ in range(_SETTLING if _has_hidden_law(found) else 0):
-                found = _evaluated(found, weighting, found.scene.parameters, found.placed)
             after = _cost(found, weighting)
-        except (SettingError, np.linalg.LinAlgError):  # masses that are not positive
+        except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             after = np.inf
         if after < cost:
             return found, after
         share /= 3
     return None, cost
-
-
-def _has_hidden_law(state: State) -> bool:
-    """Whether an effect acts on motion that follows from its own force."""
-    if len(state.scene.response.plant.bodies) == 1:
-        return False
-    return any(
-        isinstance(p.effect, JointEffect) and not isinstance(p.effect, LinearEffect) for p in state.placed
-    )
 
 
 def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:
@@ -346,8 +346,9 @@ def parameter_columns(scene: Scene) -> ComplexArray:
     for k, name in enumerate(dynamics.parameters):
         step = _RELATIVE_STEP * (abs(scene.parameters[name]) or 1.0)
         other = dynamics.at(dict(scene.parameters) | {name: scene.parameters[name] + step})
-        matrix = [(b - a) / step for a, b in
-                  zip((plant.mass, plant.damping, plant.stiffness), (other.mass, other.damping, other.stiffness), strict=True)]  # fmt: skip
+        matrix = [
+            (getattr(other, kind) - getattr(plant, kind)) / step for kind in ("mass", "damping", "stiffness")
+        ]
         if any(m.any() for m in matrix):
             mass, damping, stiffness = (m @ scene.displacements for m in matrix)
             forces = -(s**2 * mass + s * damping + stiffness).T

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -83,8 +84,7 @@ def _ranges(values: FloatArray) -> list[tuple[str, float, float, BoolArray]]:
     edges = np.linspace(low, high, _PARTS + 1)
     place = np.clip(np.digitize(values, edges[1:-1]), 0, _PARTS - 1)
     return [
-        (f"{a:.3g} to {b:.3g}", float(a), float(b), place == i)
-        for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True))
+        (f"{a:.3g} to {b:.3g}", float(a), float(b), place == i) for i, (a, b) in enumerate(pairwise(edges))
     ]
 
 
@@ -114,7 +114,7 @@ def _bands(comparison: Comparison) -> tuple[MapCell, ...]:
     after = _density(comparison, len(comparison.errors) - 1)[1]
     used = frequency < 0.65 * comparison.record.band_hz
     found = []
-    for low, high in zip(_BANDS[:-1], _BANDS[1:], strict=True):
+    for low, high in pairwise(_BANDS):
         inside = used & (frequency >= low) & (frequency < high)
         if np.any(inside):
             found.append((low, high, inside))

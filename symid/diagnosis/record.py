@@ -76,6 +76,11 @@ class Record:
         """Highest frequency that is used."""
         return min(_BAND_OF_MOTION * self.motion_hz, _WIDEST * self.log.sampling_frequency)
 
+    @property
+    def noise_from_hz(self) -> float:
+        """Frequency above which nothing but noise is taken to be left in readings."""
+        return _HIGH * self.log.sampling_frequency
+
     @cached_property
     def n_bins(self) -> int:
         """Frequencies used."""
@@ -94,7 +99,7 @@ class Record:
     @cached_property
     def omega(self) -> FloatArray:
         """Angular frequencies, rad/s; the first is small instead of zero, where free bodies have no response."""
-        omega = 2 * np.pi / self.period * np.arange(self.n_bins)
+        omega = np.asarray(2 * np.pi / self.period * np.arange(self.n_bins), dtype=np.float64)
         omega[0] = 1e-3 * omega[1]
         return omega
 
@@ -112,12 +117,12 @@ class Record:
     @cached_property
     def row_time(self) -> FloatArray:
         """Time of the rows, s."""
-        return np.arange(self.n_rows) * (self.period / self.n_rows)
+        return np.asarray(np.arange(self.n_rows) * (self.period / self.n_rows), dtype=np.float64)
 
     @cached_property
     def fine_time(self) -> FloatArray:
         """Time of the fine grid, s."""
-        return np.arange(self.n_fine) * (self.period / self.n_fine)
+        return np.asarray(np.arange(self.n_fine) * (self.period / self.n_fine), dtype=np.float64)
 
     @cached_property
     def in_log(self) -> BoolArray:
@@ -139,7 +144,7 @@ class Record:
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal as if it had not been recorded late."""
-        return self._spectrum(values) * np.exp(1j * self.omega * self.late.get(name, 0.0))
+        return np.asarray(self._spectrum(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
 
     @cached_property
     def whole_force(self) -> FloatArray:

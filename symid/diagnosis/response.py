@@ -50,7 +50,7 @@ class Response:
 
     def of_forces(self, forces: ComplexArray) -> ComplexArray:
         """Outputs for forces on the bodies of shape (n_bins, n_bodies)."""
-        return np.einsum("okj,kj->ok", self.outputs[:, :, :-1], forces)
+        return np.asarray(np.einsum("okj,kj->ok", self.outputs[:, :, :-1], forces))
 
     def displacements(self, position: ComplexArray, forces: ComplexArray) -> ComplexArray:
         """Displacements of shape (n_bodies, n_bins) for the driven position and forces on the bodies."""
@@ -84,7 +84,7 @@ def response_of(
         matrix[:, :n, :n] += stiffness[:, None, None] * np.outer(direction, direction)
     matrix[:, :n, n] = -plant.drive
     matrix[:, n, :n] = plant.sensors[record.signals[0]][0]
-    inverse = np.linalg.inv(matrix)
+    inverse = np.asarray(np.linalg.inv(matrix), dtype=np.complex128)
     outputs = [inverse[:, n, :]]
     for name in record.signals[1:]:
         row, order = plant.sensors[name]

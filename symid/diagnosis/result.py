@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 
 Verdict = Literal["no_gap", "parameters", "effect", "unexplained"]
@@ -224,7 +224,7 @@ class Signals:
     nominal: FloatArray
     reidentified: FloatArray
     explained: FloatArray
-    compared: FloatArray
+    compared: BoolArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Between, Body, Spring
+from symid.diagnosis.march import Pointwise, marched
 from symid.diagnosis.record import Record
 from symid.diagnosis.response import Response, noise_weights, response_of
 
@@ -96,6 +97,11 @@ class Scene:
         Forces of effects on the bodies.
     density : array of shape (n_outputs, n_bins)
         Weights of the outputs over frequency.
+    marched : array of shape (n_bins, n_bodies), optional
+        Forces of effects that were integrated with the hidden motion; `displacements` are then those of the
+        integration, and the response is that of the axis with equivalent springs and dampers in their place.
+    impedances : tuple of Impedance
+        What hangs on the axis besides.
     """
 
     record: Record
@@ -105,6 +111,8 @@ class Scene:
     observed: ComplexArray
     forces: ComplexArray
     density: FloatArray
+    marched: ComplexArray | None = None
+    impedances: tuple[Impedance, ...] = ()
 
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
@@ -129,8 +137,22 @@ class Scene:
     @cached_property
     def predicted(self) -> ComplexArray:
         """Drive force and further readings without effects of the drive and of sensors, shape (n_outputs, n_bins)."""
+        if self.marched is not None:
+            return self._from_motion(self.law_forces + self.forces + self.marched)
         of_motion = self.response.of_position * self.record.motion
         return of_motion + self.response.of_forces(self.law_forces + self.forces)
+
+    def _from_motion(self, forces: ComplexArray) -> ComplexArray:
+        """Outputs that belong to the displacements: the balance of a driven body, and the readings."""
+        plant, s = self.response.plant, 1j * self.record.omega
+        body = min(np.flatnonzero(plant.drive), key=lambda i: abs(plant.stiffness[i, i]))
+        rows = zip((plant.mass[body], plant.damping[body], plant.stiffness[body]), (2, 1, 0), strict=True)
+        balance = sum(s**k * (row @ self.displacements) for row, k in rows) - forces[:, body]
+        outputs = [balance / plant.drive[body]]
+        for name in self.record.signals[1:]:
+            row, order = plant.sensors[name]
+            outputs.append(s**order * (row @ self.displacements))
+        return np.stack(outputs)
 
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
@@ -185,10 +207,12 @@ def place_of(spring: Spring) -> str:
 
 def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:
     direction = np.zeros(len(bodies))
-    first, second = (at.first, at.second) if isinstance(at, Between) else (at, at.on)
-    for body, sign in ((first, 1.0), (second, -1.0)):
+    ends = (
+        ((at.second, 1.0), (at.first, -at.ratio)) if isinstance(at, Between) else ((at, 1.0), (at.on, -1.0))
+    )
+    for body, share in ends:
         if getattr(body, "name", None) in bodies:
-            direction[bodies.index(body.name)] += sign
+            direction[bodies.index(body.name)] += share
     return direction
 
 
@@ -199,6 +223,7 @@ def scene_of(
     before: Scene | None = None,
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
+    marching: Sequence[tuple[FloatArray, Pointwise]] = (),
 ) -> Scene:
     """The axis under a record.
 
@@ -215,14 +240,32 @@ def scene_of(
         Forces of effects on the bodies.
     impedances : sequence of Impedance
         What hangs on the axis besides.
+    marching : sequence of (array, callable)
+        Direction and force of laws in hidden joints that are integrated with their motion.
     """
     response = response_of(record, parameters, impedances)
     n = len(response.plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     acting = of_effects if before is None else of_effects + before.law_forces
+    if marching:
+        moved, pushes = marched(record, response.plant, acting, marching)
+        own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, marching, strict=True))
+        weights = noise_weights(record, response)
+        return Scene(
+            record,
+            parameters,
+            response,
+            moved,
+            moved,
+            of_effects,
+            weights,
+            np.asarray(own),
+            tuple(impedances),
+        )
     moved = response.displacements(record.motion, acting)
     observed = _as_measured(record, response, moved)
-    return Scene(record, parameters, response, moved, observed, of_effects, noise_weights(record, response))
+    weights = noise_weights(record, response)
+    return Scene(record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances))
 
 
 def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.diagnosis.effects import Effect
-from symid.diagnosis.fit import Fit, fitted, refitted, with_effects
+from symid.diagnosis.effects import Effect, JointEffect
+from symid.diagnosis.fit import Fit, fitted, is_hidden, refitted, with_effects
 from symid.diagnosis.screening import PRICE, Candidate, screened
 from symid.errors import SettingError
 
-LEAST_WORTH = 20.0
+LEAST_WORTH = 30.0
 """Gain of the logarithm of the likelihood, less its price, that an effect must bring: the best of all places and shapes
 brings less in noise alone."""
 LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
 _LEAST_POWER = 0.06
-_CONFIRMED = 5
-_CONFIRMED_WHITE = 3
+_EXPLAINED = 1.4
+_MARCHED = 3
+_POLISHED = 3
+_TIE = 2.0
 _MOST_EFFECTS = 3
-_ITERATIONS = 8
+_ITERATIONS = 6
+_REFINED = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +103,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
     turns: list[Turn] = []
     current = fit
     for _ in range(_MOST_EFFECTS):
-        turn = _turn(current, library, [current] if turns or nominal is None else [current, nominal])
+        turn = _turn(current, library, None if turns else nominal)
         if turns and not turn.is_worth_another:
             break
         turns.append(turn)
@@ -110,29 +113,79 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
     return tuple(turns)
 
 
-def _turn(fit: Fit, library: Sequence[Effect], starts: Sequence[Fit]) -> Turn:
+def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
+    """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
+    found = screened(fit, library)
     confirmed: dict[tuple[str, str], Confirmed] = {}
-    found: dict[tuple[str, str], Candidate] = {}
-    for start in starts:
-        candidates = screened(start, library)
-        white = sorted(candidates, key=lambda c: -c.white_worth)[:_CONFIRMED_WHITE]
-        first = candidates[:_CONFIRMED]
-        for candidate in [*first, *(c for c in white if c not in first)]:
-            own = _confirmed(fit, start, candidate)
+    for start, candidates, marched in _stages(fit, found, library, nominal):
+        for candidate in candidates:
+            own = _confirmed(fit, start, candidate, marched=marched)
             if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
                 confirmed[own.key] = own
-        for candidate in candidates if start is fit else ():
-            found[candidate.placed.key] = candidate
-    return Turn(fit, tuple(sorted(confirmed.values(), key=lambda c: -c.worth)), tuple(found.values()))
+        best = max(confirmed.values(), key=lambda c: c.worth, default=None)
+        if best is not None and best.fit.mean_square < _EXPLAINED:
+            break
+    else:
+        for own in sorted(confirmed.values(), key=lambda c: -c.worth)[:_POLISHED]:
+            finer = _judged(fit, refitted(own.fit, _ITERATIONS))
+            if finer is not None and finer.gain > own.gain:
+                confirmed[own.key] = finer
+    driven = fit.state.scene.axis.drive.at
+
+    def order(own: Confirmed) -> float:
+        return -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
+
+    return Turn(fit, tuple(sorted(confirmed.values(), key=order)), tuple(found))
 
 
-def _confirmed(fit: Fit, start: Fit, candidate: Candidate) -> Confirmed | None:
+def _stages(
+    fit: Fit, found: list[Candidate], library: Sequence[Effect], nominal: Fit | None
+) -> Iterator[tuple[Fit, list[Candidate], bool]]:
+    """Start, candidates and whether hidden motion is integrated, the cheapest first."""
+    promising = [c for c in found if max(c.worth, c.white_worth) > LEAST_WORTH / 2]
+    white = sorted(promising, key=lambda c: -c.white_worth)
+    yield fit, promising[:3], False
+    yield fit, _distinct([*promising[3:6], *white[:3]], promising[:3]), False
+    if nominal is None:
+        return
+    other = screened(nominal, library)
+    yield nominal, other[:4], False
+    hidden = [c for c in other if _can_march(nominal, c)]
+    yield nominal, hidden[:_MARCHED], True
+
+
+def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Candidate]:
+    kept: list[Candidate] = []
+    for candidate in candidates:
+        if not any(candidate is c for c in (*others, *kept)):
+            kept.append(candidate)
+    return kept
+
+
+def _can_march(fit: Fit, candidate: Candidate) -> bool:
+    """Whether a candidate acts on hidden motion, and its force is known point by point."""
+    item, scene = candidate.placed, fit.state.scene
+    if not isinstance(item.effect, JointEffect) or not is_hidden(scene, item.effect.joint(scene, item.at)):
+        return False
+    return item.effect.pointwise(scene, item.shape, item.amplitudes) is not None
+
+
+def _confirmed(fit: Fit, start: Fit, candidate: Candidate, *, marched: bool) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it."""
+    item = replace(candidate.placed, marched=marched)
     try:
-        state = with_effects(start.state, start.weighting, (*start.state.placed, candidate.placed))
-        found = refitted(fitted(state, start.weighting, _ITERATIONS), 4)
-    except (SettingError, np.linalg.LinAlgError):
+        with np.errstate(over="ignore", invalid="ignore"):
+            state = with_effects(start.state, start.weighting, (*start.state.placed, item))
+            if not np.all(np.isfinite(state.rows)):
+                return None
+            found = refitted(fitted(state, start.weighting, _ITERATIONS), _REFINED)
+    except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
+    return _judged(fit, found)
+
+
+def _judged(fit: Fit, found: Fit) -> Confirmed | None:
+    """The gain of a model over that without its last effect, on the same rows."""
     item = found.state.placed[-1]
     if not np.isfinite(found.mean_square) or (item.effect.positive and item.amplitudes[0] < 0):
         return None

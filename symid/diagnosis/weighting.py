@@ -198,7 +198,7 @@ class Autoregression:
             past = np.roll(rows, k + 1, axis=-1)
             left -= np.einsum("ij,...jm->...im", self.coefficients[:, k], past)
         white = np.einsum("ij,...jm->...im", self.whitening, left)[..., self.usable]
-        return white.reshape(*rows.shape[:-2], rows.shape[-2] * int(self.usable.sum()))
+        return np.asarray(white.reshape(*rows.shape[:-2], rows.shape[-2] * int(self.usable.sum())))
 
     def back(self, white: FloatArray) -> FloatArray:
         """The adjoint of `apply` for one set of rows."""

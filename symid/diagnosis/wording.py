@@ -44,7 +44,8 @@ def sentence(
         return f"There is no gap: the model leaves {before}."
     if verdict == "parameters":
         nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
-        return f"The structure is right and only parameter values were off: re-identified, the model leaves {before}{nominal}."
+        values = "The structure is right and only parameter values were off"
+        return f"{values}: re-identified, the model leaves {before}{nominal}."
     if verdict == "unexplained":
         nearest = f"; the nearest is {rivals[0].effect} at {rivals[0].at}" if rivals else ""
         return f"There is a gap of {before} that nothing in the library explains{nearest}."

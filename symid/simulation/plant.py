@@ -155,9 +155,10 @@ class ForwardDynamics:
     sensors: Mapping[str, tuple[FloatArray, int]]
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
-        """Physical parameters in a matrix."""
+        """Physical parameters in a matrix, but for those that may be negative: masses, springs, dampers."""
         entries = (entry for row in self.motion[_MATRICES.index(matrix)] for entry in row)
-        return {name for entry in entries for name in self.names(entry)}
+        names = {name for entry in entries for name in self.names(entry)}
+        return names.difference(self.axis.signed_parameters)
 
     def names(self, polynomial: Polynomial) -> set[str]:
         """Physical parameters in a polynomial."""

@@ -16,7 +16,7 @@ from sympy.polys.rings import PolyElement
 from symid.axis import Axis, Between, Body, Joint
 from symid.errors import EliminationError
 from symid.signals import derivative_name, split_derivative
-from symid.symbolic.expressions import is_smooth, positive, time_derivative
+from symid.symbolic.expressions import positive, time_derivative
 from symid.symbolic.kernel import EliminationRow
 from symid.symbolic.lagrange import Kinematics, LawInput
 from symid.symbolic.measurement import Measurement
@@ -147,12 +147,9 @@ class SignalWriter:
         expression = entry.expression.xreplace(
             {sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]}
         )
-        if power and not is_smooth(expression):
-            jumps = sorted(
-                {str(self._written(e, entry)) for e in expression.atoms(sp.Function) if not is_smooth(e)}
-            )
-            self.dropped.update(dict.fromkeys(jumps))
         for _ in range(power):
+            jumps = expression.atoms(sp.sign, positive)
+            self.dropped.update(dict.fromkeys(sorted(str(self._written(jump, entry)) for jump in jumps)))
             expression = time_derivative(expression, displacements)
         return self._written(expression, entry) if expression != 0 else expression
 

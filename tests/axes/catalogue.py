@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
-from axes.plant import Plant, Sensor, Values, coulomb, cubic, friction, pendulum, plant
+from axes.plant import Plant, Sensor, Values, coulomb, cubic, drag, friction, pendulum, plant, ripple
 from symid import (
     GROUND,
     Acceleration,
     Axis,
     Between,
     Body,
+    Cogging,
     CoulombFriction,
     Damper,
     Drive,
@@ -22,6 +23,7 @@ from symid import (
     OffsetForce,
     PendulumWeight,
     Position,
+    QuadraticDrag,
     Spring,
     Term,
     Velocity,
@@ -697,6 +699,37 @@ def _hardening_spring() -> Case:
     )
 
 
+def _ripple_and_drag() -> Case:
+    """Laws of effects whose second derivatives stand in the regressor, because the structure is not measured."""
+    structure = Body("structure", mass="Ms")
+    motor = Body("motor", mass="Mm", on=structure)
+    declared = Axis(
+        "ripple_and_drag",
+        (
+            structure,
+            Spring("foundation", structure, stiffness="Ks", damping="Fs"),
+            motor,
+            QuadraticDrag(motor, "c"),
+            Cogging(motor, "As", "Ac", pitch=0.5),
+        ),
+        Drive("F", motor),
+        (Position("q2", motor), Acceleration("ddq1", structure)),
+    )
+    return Case(
+        declared,
+        {"Ms": 3.0, "Ks": 200.0, "Fs": 4.0, "Mm": 2.0, "c": 5.0, "As": 1.5, "Ac": -0.7},
+        lambda p: plant(
+            [[p.Ms, 0], [0, p.Mm]],
+            [[p.Fs, 0], [0, 0]],
+            [[p.Ks, 0], [0, 0]],
+            [-1, 1],
+            nonlinear=[([-1, 1], drag(p.c)), ([-1, 1], ripple(p.As, p.Ac, 0.5))],
+            force_size=5,
+        ),
+        {"q2": Sensor((-1, 1)), "ddq1": Sensor((1, 0), 2)},
+    )
+
+
 def _parallel_masses() -> Case:
     """Two masses rigidly side by side: only their sum can be seen."""
     first = Body("first", mass="M1")
@@ -775,6 +808,7 @@ def cases() -> dict[str, Case]:
         _accelerometer_only(),
         _friction_in_the_spring(),
         _hardening_spring(),
+        _ripple_and_drag(),
         _parallel_masses(),
         _single_letters(),
         *chain_cases(),

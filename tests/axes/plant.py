@@ -131,6 +131,27 @@ def cubic(stiffness: float) -> Force:
     return lambda q: [stiffness * c for c in product(q, product(q, q))]
 
 
+def drag(coefficient: float) -> Force:
+    """c v |v|."""
+
+    def force(displacement: Jet) -> Jet:
+        velocity = displacement[1:]
+        return [coefficient * np.sign(velocity[0]) * square for square in product(velocity, velocity)]
+
+    return force
+
+
+def ripple(sine_force: float, cosine_force: float, pitch: float) -> Force:
+    """Sine and cosine along the stroke."""
+
+    def force(displacement: Jet) -> Jet:
+        angle = [2 * np.pi / pitch * q for q in displacement]
+        ahead = [angle[0] + np.pi / 2, *angle[1:]]
+        return [sine_force * s + cosine_force * c for s, c in zip(sine(angle), sine(ahead), strict=True)]
+
+    return force
+
+
 @dataclass(frozen=True)
 class Motion:
     """Derivatives of displacements and force: x[k] of shape (bodies, samples), force[k] of shape (samples,)."""

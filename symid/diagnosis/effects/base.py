@@ -11,6 +11,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis.axis import length_unit
+from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
@@ -68,6 +69,10 @@ class JointEffect(Effect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         """Spectra of the forces for unit amplitudes, of shape (n_amplitudes, n_bins)."""
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise | None:
+        """Its force point by point, for hidden joints; None if it does not depend on the motion there."""
+        return None
+
     def joint(self, scene: Scene, place: str) -> Joint:
         """The joint that stands for a place."""
         return scene.joints[place]
@@ -118,12 +123,15 @@ class Placed:
         Where it sits.
     shape, amplitudes : tuple of float
         Values.
+    marched : bool
+        Whether a hidden joint is integrated with its force.
     """
 
     effect: Effect
     at: str
     shape: Shape
     amplitudes: tuple[float, ...]
+    marched: bool = False
 
     @property
     def key(self) -> tuple[str, str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects.base import (
+    Effect,
     JointEffect,
     LinearEffect,
     Pull,
@@ -17,6 +18,8 @@ from symid.diagnosis.effects.base import (
     joint_units,
     sampled,
 )
+from symid.diagnosis.march import Pointwise
+from symid.diagnosis.response import response_of
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
@@ -29,6 +32,7 @@ _SHARE_OF_BAND = 0.6
 _LOWEST_MODE = 3.0
 _SHARE_OF_MOTION = 0.9
 _MODES = 40
+_MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
 _DAMPINGS = (0.01, 0.05, 0.2)
 
 
@@ -39,7 +43,7 @@ class OffsetForce(JointEffect):
     amplitudes = ("F0",)
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, 1.0 * scene.record.in_log)
+        return sampled(scene, scene.record.in_log.astype(float))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return (str(joint_units(scene, place)[0]),)
@@ -105,7 +109,7 @@ def repeating_pitches(
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
     along = np.bincount(place, weights=pull[inside], minlength=n)
     padded = 4 * n
-    waves = np.fft.rfftfreq(padded, d=(high - low) / n)
+    waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
     strength = np.abs(np.fft.rfft(along, padded)) ** 2
     used = (waves > 1.0 / (high - low)) & (waves < 1 / LEAST_PITCH)
     speeds, edges = np.histogram(np.abs(joint.v[inside]), bins=48)
@@ -147,37 +151,44 @@ class PeriodicDisturbance(JointEffect):
         return force, force, "Hz"
 
 
-class PayloadChange(JointEffect):
-    """dm a from a moment on."""
+class PayloadChange(Effect):
+    """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
 
     name = "payload_change"
-    amplitudes = ("dm",)
-    shape_names = ("t0",)
+    amplitudes = ("share",)
+    shape_names = ("dm", "t0")
+    fixed = True
     per_log = True
 
-    def joint(self, scene: Scene, place: str) -> Joint:
-        return scene.bodies[place]
+    def places(self, scene: Scene) -> Iterable[str]:
+        return tuple(scene.bodies)
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
-        body = self.joint(scene, place)
+        body, record = scene.bodies[place], scene.record
         response = -scene.response.of_force(body.direction)
-        record = scene.record
         felt = record.from_fine(body.a)
         energy = np.sum(record.fine(response * scene.density * felt) ** 2, axis=0) * record.in_log
         later = np.cumsum((pull(response) * body.a * record.in_log)[::-1])[::-1]
         after = np.cumsum(energy[::-1])[::-1] / energy.sum()
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
-        return [(t,) for t in best_peaks(score[::step], record.fine_time[::step], _TRIALS) if t > 0]
+        times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
+        mass = float(body.direction @ scene.response.plant.mass @ body.direction)
+        return [(x * abs(mass), t) for t in times if t > 0 for x in _MASS_CHANGES]
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        time = scene.record.fine_time
-        smooth = np.clip(0.5 + (time - shape[0]) / (4 * time[1]), 0, 1)
-        return sampled(scene, joint.a * smooth * scene.record.in_log)
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        record, (change, moment) = scene.record, shape
+        direction = scene.bodies[place].direction
+        inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
+        other = response_of(record, scene.parameters, [*scene.impedances, (direction, inertia)])
+        outputs = other.of_position * record.motion + other.of_forces(scene.law_forces + scene.forces)
+        time = record.fine_time
+        later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
+        return record.from_fine(record.fine(outputs - scene.predicted) * later)[None]
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
-        return str(force * Unit.of("s") ** 2 / length), "s"
+        return "1", str(force * Unit.of("s") ** 2 / length), "s"
 
 
 class Backlash(JointEffect):
@@ -201,6 +212,10 @@ class Backlash(JointEffect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, -np.clip(joint.q, -shape[0] / 2, shape[0] / 2))
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (stiffness,), half = amplitudes, shape[0] / 2
+        return Pointwise(lambda k, q, v: -stiffness * min(max(q, -half), half))
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
         return str(force / length), str(length)
@@ -220,6 +235,10 @@ class StiffnessNonlinearity(JointEffect):
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, joint.q**3)
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (cubic,) = amplitudes
+        return Pointwise(lambda k, q, v: cubic * q * q * q)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
@@ -252,7 +271,7 @@ class FlexibleMode(LinearEffect):
 
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
         own, s = 2 * math.pi * shape[0], 1j * omega
-        return -(s**4) / (s**2 + 2 * shape[1] * own * s + own**2)
+        return np.asarray(-(s**4) / (s**2 + 2 * shape[1] * own * s + own**2), dtype=np.complex128)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,6 +12,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.base import JointEffect, LinearEffect, Pull, Shape, joint_units, sampled
+from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
@@ -35,7 +37,7 @@ class ViscousFriction(LinearEffect):
         return [name for name in scene.joints if name not in _declared(scene, DeclaredViscous)]
 
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
-        return 1j * omega
+        return np.asarray(1j * omega)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
@@ -55,6 +57,10 @@ class CoulombFriction(JointEffect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, np.sign(joint.v))
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (level,) = amplitudes
+        return Pointwise(lambda k, q, v: level, dry=True)
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return (str(joint_units(scene, place)[0]),)
 
@@ -73,6 +79,10 @@ class StribeckFriction(JointEffect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, np.sign(joint.v) * np.exp(-((joint.v / shape[0]) ** 2)))
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (level,), (speed,) = amplitudes, shape
+        return Pointwise(lambda k, q, v: level * math.exp(-((v / speed) ** 2)), dry=True)
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
         return str(force), str(length / Unit.of("s"))
@@ -82,10 +92,14 @@ class AsymmetricFriction(JointEffect):
     """Half the difference of the Coulomb and viscous coefficients of both directions: dFs + dFv abs(v)."""
 
     name = "asymmetric_friction"
-    amplitudes = ("dFs", "dFv")
+    amplitudes: tuple[str, ...] = ("dFs", "dFv")
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, 1.0 * scene.record.in_log, np.abs(joint.v))
+        return sampled(scene, scene.record.in_log.astype(float), np.abs(joint.v))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        constant, viscous = amplitudes
+        return Pointwise(lambda k, q, v: constant + viscous * abs(v))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
@@ -95,17 +109,24 @@ class AsymmetricFriction(JointEffect):
 class CoulombAsymmetry(AsymmetricFriction):
     """Half the difference of the Coulomb levels of both directions: while the axis moves, a constant force."""
 
-    amplitudes = ("dFs",)
+    amplitudes: tuple[str, ...] = ("dFs",)
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, 1.0 * scene.record.in_log)
+        return sampled(scene, scene.record.in_log.astype(float))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (constant,) = amplitudes
+        return Pointwise(lambda k, q, v: constant)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return (str(joint_units(scene, place)[0]),)
 
 
 class PreslidingFriction(JointEffect):
-    """Fs (z - sign(v)), z(1) = (v - abs(v) z) / reach: Coulomb friction that builds up over a displacement (Dahl)."""
+    """Coulomb friction that builds up over a displacement (Dahl): Fs z, z(1) = (v - abs(v) z) / reach.
+
+    Where Coulomb friction is declared, it takes that away: Fs (z - sign(v)).
+    """
 
     name = "presliding_friction"
     amplitudes = ("Fs",)
@@ -116,7 +137,22 @@ class PreslidingFriction(JointEffect):
         return [(float(x),) for x in _REACHES]
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, dahl_state(joint.q, shape[0]) - np.sign(joint.v))
+        state = dahl_state(joint.q, shape[0])
+        declared = joint.name in _declared(scene, DeclaredCoulomb)
+        return sampled(scene, state - np.sign(joint.v) if declared else state)
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (level,), (reach,) = amplitudes, shape
+        state, before = 0.0, 0.0
+
+        def force(k: int, q: float, v: float) -> float:
+            nonlocal state, before
+            decay = math.exp(-abs(q - before) / reach)
+            state = 1 - (1 - state) * decay if q >= before else (1 + state) * decay - 1
+            before = q
+            return level * state
+
+        return Pointwise(force)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
@@ -150,42 +186,79 @@ class LoadDependentFriction(JointEffect):
         drive = scene.record.fine(scene.record.measured[0])
         return sampled(scene, np.abs(drive) * np.sign(joint.v))
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (coefficient,) = amplitudes
+        levels = np.abs(coefficient * scene.record.fine(scene.record.measured[0])).tolist()
+        return Pointwise(lambda k, q, v: levels[k], dry=True)
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return ("1",)
 
 
-class SlopedFriction(JointEffect):
-    """sign(v) (dF1 x + dF2 x^2), x from 0 to 1 over the stroke."""
+class _AlongStroke(JointEffect):
+    """Coulomb friction whose level varies along the stroke, with a mean level of its own where none is declared."""
 
     name = "position_dependent_friction"
-    amplitudes = ("dF1", "dF2")
+
+    def __init__(self, *, level: bool) -> None:
+        self.level = level
+        self.amplitudes = ("Fs",) * level + self.varying
+
+    varying: tuple[str, str]
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        declared = _declared(scene, DeclaredCoulomb)
+        return [name for name in scene.joints if (name not in declared) == self.level]
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        sign = np.sign(joint.v)
+        return sampled(scene, *[sign] * self.level, *(sign * x for x in self.variation(joint, shape)))
+
+    @abstractmethod
+    def variation(self, joint: Joint, shape: Shape) -> tuple[FloatArray, FloatArray]:
+        """Level along the stroke for unit amplitudes."""
+
+
+class SlopedFriction(_AlongStroke):
+    """sign(v) (dF1 x + dF2 x^2), x from 0 to 1 over the stroke."""
+
+    varying = ("dF1", "dF2")
+
+    def variation(self, joint: Joint, shape: Shape) -> tuple[FloatArray, FloatArray]:
         low, high = joint.range
-        x, sign = (joint.q - low) / (high - low), np.sign(joint.v)
-        return sampled(scene, sign * x, sign * x**2)
+        x = (joint.q - low) / (high - low)
+        return x, x**2
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return (str(joint_units(scene, place)[0]),) * 2
+        return (str(joint_units(scene, place)[0]),) * len(self.amplitudes)
 
 
-class WavyFriction(JointEffect):
+class WavyFriction(_AlongStroke):
     """sign(v) (dFs sin(2 pi q/p) + dFc cos(2 pi q/p))."""
 
-    name = "position_dependent_friction"
-    amplitudes = ("dFs", "dFc")
+    varying = ("dFs", "dFc")
     shape_names = ("pitch",)
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         return [(float(x * scene.joints[place].stroke),) for x in _STROKES]
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        phase, sign = 2 * math.pi / shape[0] * joint.q, np.sign(joint.v)
-        return sampled(scene, sign * np.sin(phase), sign * np.cos(phase))
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        return (float(np.clip(shape[0], 0.02 * scene.joints[place].stroke, 4 * scene.joints[place].stroke)),)
+
+    def variation(self, joint: Joint, shape: Shape) -> tuple[FloatArray, FloatArray]:
+        phase = 2 * math.pi / shape[0] * joint.q
+        return np.sin(phase), np.cos(phase)
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        sine, cosine = amplitudes[-2:]
+        mean, wave = (amplitudes[0] if self.level else 0.0), 2 * math.pi / shape[0]
+        return Pointwise(
+            lambda k, q, v: max(mean + sine * math.sin(wave * q) + cosine * math.cos(wave * q), 0.0), dry=True
+        )
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
-        return str(force), str(force), str(length)
+        return (*[str(force)] * len(self.amplitudes), str(length))
 
 
 class FrictionDrift(JointEffect):
@@ -221,6 +294,12 @@ class FrictionDrift(JointEffect):
         parts = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
         return sampled(scene, *(part * fading for part in parts))
 
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        fading = _fading(scene, shape[0]).tolist()
+        level = amplitudes[0] if self.coulomb else 0.0
+        viscous = amplitudes[-1] if self.viscous else 0.0
+        return Pointwise(lambda k, q, v: fading[k] * (math.copysign(1.0, v) * level + viscous * v))
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
         of_viscous = str(force * Unit.of("s") / length)
@@ -241,6 +320,10 @@ class QuadraticDrag(JointEffect):
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, joint.v * np.abs(joint.v))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (coefficient,) = amplitudes
+        return Pointwise(lambda k, q, v: coefficient * v * abs(v))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)

@@ -146,10 +146,8 @@ class EncoderRipple(Effect):
 
 def _reading(scene: Scene, signal: str) -> Joint:
     record = scene.record
-    if signal == record.signals[0]:
-        spectrum = record.motion
-    else:
-        spectrum = record.measured[record.signals.index(signal)]
+    place = record.signals.index(signal)
+    spectrum = record.measured[place] if place else record.motion
     return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
 
 

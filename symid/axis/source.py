@@ -1,0 +1,266 @@
+"""An axis as the text of an axis file: bodies as variables, then ``axis = Axis(...)``."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import Field, dataclass, fields, replace
+from pathlib import Path
+
+from symid.axis.axis import Axis
+from symid.axis.elements import Between, Body, Ground
+from symid.errors import SettingError, SymidError
+from symid.signals import is_signal_name
+
+_WIDTH = 88
+"""Longest line. What does not fit has one argument a line, which formatters of longer lines leave as it is."""
+_NAMED = ("mass", "inertia", "stiffness", "damping")
+"""Fields that are written with their name wherever they stand."""
+
+
+def axis_source(axis: Axis, summary: str | None = None) -> str:
+    """Text of the axis file that declares an axis.
+
+    Parameters
+    ----------
+    axis : Axis
+        The axis; all its laws must be those of symid.
+    summary : str, optional
+        What the file says of the axis in its first line; its name and bodies by default.
+
+    Raises
+    ------
+    SettingError
+        If a law is a class of the user's own, which the file would not know.
+
+    Examples
+    --------
+    >>> from symid.axis import StribeckFriction, load_axis
+    >>> axis = load_axis("rigid_1m")
+    >>> print(axis_source(axis.with_effect(StribeckFriction(axis.bodies[0], "dF", velocity=0.05))))
+    \"""Axis rigid_1m: motor.\"""
+    <BLANKLINE>
+    from symid import (
+        Axis,
+        Body,
+        CoulombFriction,
+        Drive,
+        Position,
+        StribeckFriction,
+        ViscousFriction,
+    )
+    <BLANKLINE>
+    motor = Body("motor", mass="M")
+    <BLANKLINE>
+    axis = Axis(
+        "rigid_1m",
+        elements=(
+            motor,
+            ViscousFriction(motor, "Fv"),
+            CoulombFriction(motor, "Fs"),
+            StribeckFriction(motor, "dF", velocity=0.05),
+        ),
+        drive=Drive("F", motor),
+        sensors=(Position("q", motor),),
+    )
+    <BLANKLINE>
+    """
+    for law in axis.laws:
+        if not type(law).__module__.startswith("symid.axis."):
+            raise SettingError(
+                f"law {type(law).__name__} of axis {axis.name!r} is not one of symid's, and an axis file that is "
+                f"written knows no others: copy the file that declares it and add to that"
+            )
+    calls = {name for value in _parts(axis) if (name := _class_name(value))}
+    variables = _variables(axis, {*calls, "axis"})
+
+    def assignment(name: str, value: object) -> str:
+        return _call(value, variables).written(f"{name} = ", 0)
+
+    bodies = [assignment(variables[body], body) for body in _in_order(axis.bodies)]
+    joints = [assignment(name, at) for at, name in variables.items() if isinstance(at, Between)]
+    blocks = (
+        _docstring(summary or f"Axis {axis.name}: {', '.join(body.name for body in axis.bodies)}."),
+        _import(calls),
+        "\n".join(bodies),
+        "\n".join(joints),
+        assignment("axis", axis),
+    )
+    return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis:
+    """Write an axis to a file, from which `load_axis` reads it; what the file held before is lost.
+
+    Parameters
+    ----------
+    axis : Axis
+        The axis.
+    file : str or Path
+        A file NAME.py. The axis is called NAME in it.
+    summary : str, optional
+        As in `axis_source`.
+
+    Returns
+    -------
+    Axis
+        The axis under its new name.
+
+    Raises
+    ------
+    SettingError
+        If the file's name cannot be that of an axis, or a law is not one of symid's.
+    SymidError
+        If the file cannot be written.
+    """
+    path = Path(file)
+    if path.suffix != ".py" or not is_signal_name(path.stem):
+        raise SettingError(
+            f"axis file {path.name!r} cannot name an axis: use NAME.py, NAME of letters, digits and underscores"
+        )
+    named = replace(axis, name=path.stem)
+    text = axis_source(named, summary)
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise SymidError(f"axis file {str(path)!r} cannot be written: {error.strerror}") from error
+    return named
+
+
+@dataclass(frozen=True)
+class _Call:
+    """A call, or a tuple if it has no name, with its arguments as text or as further calls."""
+
+    name: str
+    arguments: tuple[tuple[str, _Call | str], ...]
+
+    def written(self, first: str, indent: int, last: str = "") -> str:
+        """Text behind `first`, on one line if that and `last` fit, else with one argument a line."""
+        line = f"{' ' * indent}{first}{self.in_line}{last}"
+        if len(line) <= _WIDTH:
+            return line
+        inner = indent + 4
+        lines = [
+            argument.written(key, inner, ",")
+            if isinstance(argument, _Call)
+            else f"{' ' * inner}{key}{argument},"
+            for key, argument in self.arguments
+        ]
+        return "\n".join([f"{' ' * indent}{first}{self.name}(", *lines, f"{' ' * indent}){last}"])
+
+    @property
+    def in_line(self) -> str:
+        """Text on one line."""
+        inside = ", ".join(
+            key + (argument.in_line if isinstance(argument, _Call) else argument)
+            for key, argument in self.arguments
+        )
+        single = not self.name and len(self.arguments) == 1
+        return f"{self.name}({inside}{',' if single else ''})"
+
+
+def _text(value: object, variables: Mapping[object, str]) -> _Call | str:
+    """A value as text, or as a call if it is a record or a tuple."""
+    if isinstance(value, tuple):
+        return _Call("", tuple(("", _text(item, variables)) for item in value))
+    if isinstance(value, Ground):
+        return "GROUND"
+    if isinstance(value, (Body, Between)) and value in variables:
+        return variables[value]
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, float):
+        return repr(float(value))
+    if value is None or isinstance(value, int):
+        return repr(value)
+    return _call(value, variables)
+
+
+def _call(value: object, variables: Mapping[object, str]) -> _Call:
+    """The call that makes a record: its first fields without their names, no field that has its default."""
+    arguments: list[tuple[str, _Call | str]] = []
+    named = False
+    for field in fields(value):  # type: ignore[arg-type]  # all elements are dataclasses
+        content = getattr(value, field.name)
+        if _is_default(field, content):
+            named = True
+            continue
+        named = named or bool(field.kw_only) or field.name in _NAMED
+        named = named or not isinstance(content, (str, Body, Between))
+        arguments.append((f"{field.name}=" if named else "", _text(content, variables)))
+    return _Call(type(value).__name__, tuple(arguments))
+
+
+def _is_default(field: Field[object], content: object) -> bool:
+    """Whether a field can be left out; 1 and 1.0 are not the same to the signature of an axis."""
+    return type(content) is type(field.default) and content == field.default
+
+
+def _parts(value: object) -> Iterator[object]:
+    """All records in an axis, and what they are made of."""
+    yield value
+    if isinstance(value, tuple):
+        for item in value:
+            yield from _parts(item)
+    elif hasattr(value, "__dataclass_fields__"):
+        for field in fields(value):  # type: ignore[arg-type]  # a dataclass, as its attribute tells
+            content = getattr(value, field.name)
+            if not _is_default(field, content):
+                yield from _parts(content)
+
+
+def _class_name(value: object) -> str | None:
+    if isinstance(value, Ground):
+        return "GROUND"
+    return type(value).__name__ if hasattr(value, "__dataclass_fields__") else None
+
+
+def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:
+    """Names for the bodies, and for pairs of bodies between which several elements lie."""
+    names: dict[object, str] = {}
+
+    def give(value: object, name: str) -> None:
+        while name in taken or name in names.values():
+            name += "_"
+        names[value] = name
+
+    for body in axis.bodies:
+        give(body, body.name)
+    holders = (*axis.elements, axis.drive)
+    counted = Counter(at for holder in holders if isinstance(at := getattr(holder, "at", None), Between))
+    for at, count in counted.items():
+        if count > 1:
+            give(at, f"{at.first.name}_{at.second.name}")
+    return names
+
+
+def _in_order(bodies: tuple[Body, ...]) -> list[Body]:
+    """Bodies behind those that carry or turn them."""
+    ordered: dict[Body, None] = {}
+
+    def place(body: Body) -> None:
+        for other in (body.on, body.geared.to if body.geared else None):
+            if isinstance(other, Body):
+                place(other)
+        ordered.setdefault(body)
+
+    for body in bodies:
+        place(body)
+    return list(ordered)
+
+
+def _docstring(summary: str) -> str:
+    plain = summary.replace("\\", "/").replace('"', "'").strip()
+    return textwrap.fill(f'"""{plain}', 110, break_long_words=False) + '"""'
+
+
+def _import(names: set[str]) -> str:
+    ordered = sorted(names, key=lambda name: (not name.isupper(), name))
+    line = f"from symid import {', '.join(ordered)}"
+    return (
+        line
+        if len(line) <= _WIDTH
+        else "\n".join(["from symid import (", *(f"    {n}," for n in ordered), ")"])
+    )

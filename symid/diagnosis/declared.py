@@ -1,0 +1,126 @@
+"""The effects that were found as elements of a new axis: what is derived, generated and identified like any other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeAlias
+
+from symid.axis import (
+    Axis,
+    Backlash,
+    Between,
+    Body,
+    Cogging,
+    CoulombFriction,
+    OffsetForce,
+    OneSidedFriction,
+    PositionStiffness,
+    QuadraticDrag,
+    SlopedFriction,
+    Spring,
+    StiffnessNonlinearity,
+    StribeckFriction,
+    ViscousFriction,
+    WavyFriction,
+)
+from symid.axis.axis import Element
+from symid.axis.elements import Joint as Place
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects.friction import SlopedFriction as Sloped
+from symid.diagnosis.effects.friction import WavyFriction as Wavy
+from symid.diagnosis.scene import Scene, place_of
+from symid.errors import SettingError
+
+Values: TypeAlias = dict[str, float]
+"""Value of each new parameter, SI."""
+
+_SIMPLE: dict[str, tuple[Callable[..., Element], int]] = {
+    "viscous_friction": (ViscousFriction, 1),
+    "coulomb_friction": (CoulombFriction, 1),
+    "stribeck_friction": (StribeckFriction, 1),
+    "quadratic_drag": (QuadraticDrag, 1),
+    "offset_force": (OffsetForce, 1),
+    "position_stiffness": (PositionStiffness, 1),
+    "cogging": (Cogging, 2),
+    "backlash": (Backlash, 1),
+    "stiffness_nonlinearity": (StiffnessNonlinearity, 1),
+}
+"""Element of an effect, and how many of its values are parameters; the rest are numbers of the declaration."""
+
+
+def with_found(scene: Scene, placed: Sequence[Placed]) -> tuple[Axis, Values]:
+    """The axis with effects added, and the values of its parameters.
+
+    Parameters
+    ----------
+    scene : Scene
+        The fitted model.
+    placed : sequence of Placed
+        Effects to add.
+
+    Raises
+    ------
+    SettingError
+        If an effect is no element: what depends on time, on the drive force, or lies in a signal.
+    """
+    axis, values = scene.axis, dict(scene.parameters)
+    for item in placed:
+        if item.effect.name == "flexible_mode":
+            axis = _with_mode(axis, item, values)
+            continue
+        elements, own = _elements(scene, item)
+        axis = axis.with_effect(*elements)
+        values |= own
+    return axis, {name: values[name] for name in axis.physical_parameters}
+
+
+def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values]:
+    place = _place(scene.axis, item.at)
+    values = item.values(scene)
+    names = [f"{item.at}_{name}" for name, _, _ in values]
+    numbers = [value for _, value, _ in values]
+    if item.effect.name in _SIMPLE:
+        make, n = _SIMPLE[item.effect.name]
+        return [make(place, *names[:n], *numbers[n:])], dict(zip(names[:n], numbers, strict=False))
+    if item.effect.name == "asymmetric_friction":
+        names, numbers = [*names, f"{item.at}_dFv"][:2], [*numbers, 0.0][:2]
+        return [OneSidedFriction(place, *names)], dict(zip(names, numbers, strict=True))
+    if isinstance(item.effect, (Wavy, Sloped)):
+        mean = int(item.effect.level)
+        level: list[Element] = [CoulombFriction(place, names[0])] if mean else []
+        first, second = names[mean : mean + 2]
+        low, high = scene.joints[item.at].range
+        if isinstance(item.effect, Wavy):
+            level.append(WavyFriction(place, first, second, item.shape[0]))
+        else:
+            level.append(SlopedFriction(place, first, second, low, high))
+        return level, dict(zip(names[: mean + 2], numbers, strict=False))
+    raise SettingError(
+        f"{item.effect.name} at {item.at} is no element of an axis: it depends on time or on the drive force, or "
+        "lies in a signal; write the axis without it"
+    )
+
+
+def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
+    """The axis with a part of a body's mass hung on a spring."""
+    (mass,), (frequency, ratio) = item.amplitudes, item.shape
+    body = next(b for b in axis.free_bodies if b.name == item.at)
+    own = 2 * math.pi * frequency
+    names = [f"{item.at}_mode_{letter}" for letter in ("m", "k", "c")]
+    slides = body.mass is not None
+    added = Body(
+        f"{item.at}_mode",
+        mass=names[0] if slides else None,
+        inertia=None if slides else names[0],
+    )
+    spring = Spring(added.name, Between(first=body, second=added), stiffness=names[1], damping=names[2])
+    values |= dict(zip(names, (mass, mass * own**2, 2 * ratio * own * mass), strict=True))
+    values[str(body.mass or body.inertia)] -= mass
+    return axis.with_effect(added, spring)
+
+
+def _place(axis: Axis, name: str) -> Place:
+    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
+    found = next((body for body in axis.free_bodies if body.name == name), None)
+    return found if found is not None else next(s.at for s in springs if place_of(s) == name)
