@@ -32,15 +32,15 @@ class Sines:
 
 
 def motion(seed: int) -> Sines:
-    """Strokes of 0.1 m with faster, smaller motion up to 30 Hz on them."""
+    """Strokes of 0.1 m with faster, smaller motion up to 20 Hz on them."""
     rng = np.random.default_rng(seed)
-    frequencies = np.concatenate([rng.uniform(0.25, 0.4, 2), rng.uniform(1, 3, 3), np.geomspace(5, 30, 8)])
+    frequencies = np.concatenate([rng.uniform(0.25, 0.4, 2), rng.uniform(1, 3, 3), np.geomspace(5, 20, 8)])
     amplitudes = np.concatenate([[0.08, 0.04], np.full(3, 4e-3), 0.6 / (2 * np.pi * frequencies[5:]) ** 2])
     return Sines(amplitudes, frequencies, rng.uniform(0, 2 * np.pi, frequencies.size))
 
 
 def rigid_log(
-    missing: Callable | None = None, *, seconds: float = 8.0, seed: int = 1, noise: dict[str, float] = QUIET
+    missing: Callable | None = None, *, seconds: float = 6.0, seed: int = 1, noise: dict[str, float] = QUIET
 ) -> Log:
     """A log of `RIGID` with a missing force of (t, q, v, a, path), which may also be a later force: (M a + ...)(t)."""
     t, path = np.arange(round(seconds * RATE)) / RATE, motion(seed)
