@@ -10,7 +10,7 @@ import click
 from symid.errors import SymidError
 
 COMMANDS = {
-    "demo": "Identify the shipped EMPS axis from its real log.",
+    "demo": "Identify the shipped EMPS axis from its real log, diagnose its gap and write a report.",
     "show": "Equations, regressor and parameter maps of an axis.",
     "generate": "Write the generated modules of axes.",
     "simulate": "A log of an axis under its controller.",

@@ -6,8 +6,12 @@ import click
 
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
+from symid.cli.progress import working
 from symid.codegen import load_generated
+from symid.diagnosis import diagnose
 from symid.identification import Preparation, identify, predict, read_axis_log
+from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.html import html_path, write_html
 from symid.report.identification import identification_record, print_identification
 
 PUBLISHED_RECIPE = Preparation(
@@ -16,10 +20,18 @@ PUBLISHED_RECIPE = Preparation(
 """Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 
 
-@click.command("demo", epilog="Example: symid demo")
+@click.command("demo", epilog="Example: symid demo --report emps_report.html")
+@click.option(
+    "--report",
+    metavar="OUT.html",
+    default="emps_report.html",
+    show_default=True,
+    help="The page that is written.",
+)
 @json_option
-def command(json_file: str | None) -> None:
-    """Identify the EMPS axis from its real log with the published recipe, and apply the result to the second log."""
+def command(report: str, json_file: str | None) -> None:
+    """Identify the EMPS axis from its real log with the published recipe, diagnose its gap, and write a report."""
+    page = html_path(report)
     axis = load_axis("emps")
     folder = shipped_folder("data") / "emps"
     log, other = (
@@ -27,8 +39,14 @@ def command(json_file: str | None) -> None:
         for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat")
     )
     found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
-    record = identification_record(found, predict(found, other))
+    with working("diagnosing"):
+        diagnosis = diagnose(axis, log, validation=other, nominal=found.physical_parameters)
+    write_html(diagnosis, page)
+    identified, gap = identification_record(found, predict(found, other)), diagnosis_record(diagnosis)
     if json_file:
-        write_json(record, json_file)
+        write_json({"identification": identified, "diagnosis": gap, "report": str(page)}, json_file)
     if json_file != "-":
-        print_identification(record)
+        print_identification(identified)
+        click.echo()
+        print_diagnosis(gap)
+        click.echo(f"\nreport: {page.resolve()}")

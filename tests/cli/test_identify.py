@@ -83,7 +83,12 @@ def test_demo_needs_nothing(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert run("demo") == 0
-    assert "95.1089" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "95.1089" in shown
+    assert "noise floor" in shown
+    assert str(tmp_path / "emps_report.html") in shown.replace("\n", "")
+    assert "</html>" in (tmp_path / "emps_report.html").read_text(encoding="utf-8")
+    assert run("demo", "--report", "report.pdf") == 2
 
 
 def test_json_has_the_promised_keys(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,1 @@
+"""Diagnoses of real logs and of the failures of other tools."""
