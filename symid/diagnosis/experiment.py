@@ -10,7 +10,7 @@ tempered as in `evidence`, and a motion is as good as the less favourable of bot
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,6 +28,7 @@ from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import Confirmed, Turn
+from symid.diagnosis.weighting import Weighting
 from symid.errors import LogError, SettingError
 from symid.simulation import Limits, Trajectory
 
@@ -39,7 +40,8 @@ _HIGHEST_HZ = 100.0
 _LEAST_ROWS = 64
 _LEAST_LOG_ODDS = math.log(3.0)
 _MOST_LOG_ODDS = math.log(1e6)
-_ITERATIONS = 6
+_ITERATIONS = 10
+_Left = Callable[[State, State, Weighting], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,12 +170,12 @@ def next_experiment_of(
     limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
     drive = record.log[record.dynamics.axis.drive.signal]
     room = _room(record, limits, seconds or record.duration)
-    rehearsed = _best(rivals, _linear(rivals, room, force or float(np.abs(drive).max())))
-    considered = {trajectory.name: _odds(value) for trajectory, value in rehearsed}
-    if not rehearsed or rehearsed[0][1] < _LEAST_LOG_ODDS:
+    rehearsed = _best(rivals, _trials(rivals, room, force or float(np.abs(drive).max())))
+    considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in rehearsed}
+    if not rehearsed or rehearsed[0].log_odds < _LEAST_LOG_ODDS:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
-    trajectory, value = rehearsed[0]
-    return Experiment(_words(rivals, trajectory, value), rivals.keys, trajectory, _odds(value), considered)
+    best, value = rehearsed[0].trajectory, rehearsed[0].log_odds
+    return Experiment(_words(rivals, best, value), rivals.keys, best, _odds(value), considered)
 
 
 def limits_seen(record: Record) -> Limits:
@@ -215,22 +217,30 @@ def _rivals(found: Diagnosis) -> Rivals | None:
     return next(iter((*doubtful, *ranked)), None)
 
 
-def _linear(rivals: Rivals, room: Room, force: float) -> list[tuple[Trajectory, float]]:
-    """Motions with the logarithm of the odds that is expected after each, the less favourable case."""
-    found: dict[int, tuple[Trajectory, float]] = {}
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A motion, what the sensors would read with either cause, and the expected logarithm of the odds."""
+
+    trajectory: Trajectory
+    records: tuple[Record, ...]
+    log_odds: float
+
+
+def _trials(rivals: Rivals, room: Room, force: float) -> list[_Trial]:
+    """Motions that stay within the force, the most promising first; gentler where they need to be."""
+    found: dict[int, _Trial] = {}
+    drive = rivals.record.dynamics.axis.drive.signal
     for share in _GENTLER:
         for i, trajectory in enumerate(manoeuvres(room.gentler(share))):
             if i in found:
                 continue
             try:
-                records = [reading(model, trajectory, rivals.record) for model in rivals.models]
+                records = tuple(reading(model, trajectory, rivals.record) for model in rivals.models)
             except LogError:  # too short
                 continue
-            drive = rivals.record.dynamics.axis.drive.signal
-            if max(np.abs(r.log[drive]).max() for r in records) > _FORCE_MARGIN * force:
-                continue
-            found[i] = trajectory, min(_expected(rivals, i, r) for i, r in enumerate(records))
-    return list(found.values())
+            if max(np.abs(record.log[drive]).max() for record in records) <= _FORCE_MARGIN * force:
+                found[i] = _Trial(trajectory, records, _judged(rivals, records, _linear))
+    return sorted(found.values(), key=lambda trial: -trial.log_odds)
 
 
 def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
@@ -277,18 +287,41 @@ def _samples(record: Record, spectrum: ComplexArray) -> FloatArray:
     return np.asarray(scipy.fft.irfft(padded, record.n_extended))[: record.log.n_samples]
 
 
-def _expected(rivals: Rivals, right: int, record: Record) -> float:
-    """Logarithm of the odds expected from a record of the right cause, by what the other's columns leave."""
-    truth, weighting = applied(rivals.models[right], record)
-    if weighting.kept.sum() < _LEAST_ROWS:
-        return 0.0
-    gains = []
-    for model in (rivals.models[1 - right], rivals.turn.before.state):
-        state = applied(model, record)[0].weighted(weighting)
-        fit = unfitted(replace(state, rows=weighting.rows(state.errors - truth.errors)), weighting)
-        n = weighting.kept.sum() * len(fit.left)
-        gains.append(0.5 * n * record.freedom * math.log1p(fit.mean_square))
-    return _log_odds(rivals, right, *gains)
+def _judged(rivals: Rivals, records: Sequence[Record], left: _Left) -> float:
+    """Logarithm of the odds expected for the right cause, the less favourable case."""
+    found = []
+    for right, record in enumerate(records):
+        truth, weighting = applied(rivals.models[right], record)
+        if weighting.kept.sum() < _LEAST_ROWS:
+            return 0.0
+        n = weighting.kept.sum() * len(weighting.density) * record.freedom
+        gains = [
+            0.5 * n * min(left(start, truth, weighting) for start in _starts(model, truth, weighting))
+            for model in (rivals.models[1 - right], rivals.turn.before.state)
+        ]
+        found.append(_log_odds(rivals, right, *gains))
+    return min(found)
+
+
+def _starts(model: State, truth: State, weighting: Weighting) -> list[State]:
+    """A model with its own values of the axis, and with those of the truth: a fit may end at either."""
+    own = applied(model, weighting.record)[0]
+    near = applied(truth, weighting.record, placed=model.placed)[0]
+    return [state.weighted(weighting) for state in (own, near)]
+
+
+def _linear(model: State, truth: State, weighting: Weighting) -> float:
+    """Logarithm by which the mean square of noise grows with what the model's columns leave of the truth."""
+    rows = weighting.rows(model.errors - truth.errors)
+    return math.log1p(unfitted(replace(model, rows=rows), weighting).mean_square)
+
+
+def _fitted(model: State, truth: State, weighting: Weighting) -> float:
+    """The same with both fitted to readings with noise."""
+    model_left, truth_left = (
+        fitted(state, weighting, _ITERATIONS).mean_square for state in (model, truth.weighted(weighting))
+    )
+    return math.log(model_left / truth_left)
 
 
 def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -> float:
@@ -296,30 +329,14 @@ def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -
     return (over_other - PRICE * (own - other)) / temperature(over_none - PRICE * own)
 
 
-def _best(rivals: Rivals, expected: Sequence[tuple[Trajectory, float]]) -> list[tuple[Trajectory, float]]:
+def _best(rivals: Rivals, trials: Sequence[_Trial]) -> list[_Trial]:
     """Rehearsals, best first: of motions from which more is expected than a rehearsal has shown, at most a few."""
-    found: list[tuple[Trajectory, float]] = []
-    for trajectory, bound in sorted(expected, key=lambda item: -item[1])[:_REHEARSED]:
-        if bound > max([_LEAST_LOG_ODDS, *(value for _, value in found)]):
-            found.append((trajectory, min(bound, _rehearsed(rivals, trajectory))))
-    return sorted(found, key=lambda item: -item[1])
-
-
-def _rehearsed(rivals: Rivals, trajectory: Trajectory) -> float:
-    """Logarithm of the odds, the less favourable case, with both causes fitted to readings with noise."""
-    found = []
-    for right in (0, 1):
-        record = reading(rivals.models[right], trajectory, rivals.record)
-        first, weighting = applied(rivals.models[right], record)
-        if weighting.kept.sum() < _LEAST_ROWS:
-            return 0.0
-        models = (rivals.models[1 - right], rivals.turn.before.state)
-        states = [first, *(applied(model, record)[0].weighted(weighting) for model in models)]
-        fits = [fitted(state, weighting, _ITERATIONS) for state in states]
-        density = np.max([weighting.density, *(fit.state.scene.density for fit in fits)], axis=0)
-        truth, other, none = (fit.log_likelihood(density) for fit in fits)
-        found.append(_log_odds(rivals, right, truth - other, truth - none))
-    return min(found)
+    found: list[_Trial] = []
+    for trial in trials[:_REHEARSED]:
+        if trial.log_odds > max([_LEAST_LOG_ODDS, *(other.log_odds for other in found)]):
+            rehearsed = _judged(rivals, trial.records, _fitted)
+            found.append(replace(trial, log_odds=min(trial.log_odds, rehearsed)))
+    return sorted(found, key=lambda trial: -trial.log_odds)
 
 
 def _odds(log_odds: float) -> float:
