@@ -151,6 +151,10 @@ class PeriodicDisturbance(JointEffect):
         return force, force, "Hz"
 
 
+_CHANGES_WITHIN = np.array([0.04, 0.96])
+"""Shares of the log between which a mass may change: what differs at the ends is a start that is not known."""
+
+
 class PayloadChange(Effect):
     """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
 
@@ -174,7 +178,8 @@ class PayloadChange(Effect):
         step = max(1, score.size // 400)
         times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
         mass = float(body.direction @ scene.response.plant.mass @ body.direction)
-        return [(x * abs(mass), t) for t in times if t > 0 for x in _MASS_CHANGES]
+        first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
+        return [(x * abs(mass), t) for t in times if first < t < last for x in _MASS_CHANGES]
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         record, (change, moment) = scene.record, shape
