@@ -165,18 +165,21 @@ def concluded(
     logs : tuple of Log
         What was identified from, and the validation log if there is one.
     """
+    upheld = comparison.upheld
+    comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
     floor = gap.noise_floor.rms
     chances = outcome(
         turns,
+        upheld,
         gap.nominal.rms / floor if gap.nominal else None,
         gap.reidentified.rms / floor,
         gap.explained.rms / floor,
     )
     verdict: Verdict = chances.verdict  # type: ignore[assignment]  # one of its four names
-    accepted = [turn for turn in turns if turn.accepts] if verdict == "effect" else []
+    accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict == "effect" else []
     if not accepted:
-        comparison, fits = comparison.without_effects, fits[:1]
+        comparison, fits = comparison.with_effects(0), fits[:1]
         gap, found = comparison.gap(), maps(comparison)
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, turns[0], chances)
