@@ -1,9 +1,10 @@
 """The signature of each effect: what the re-identified model leaves of a log in which the effect is hidden.
 
-The machines are those of `benchmarks.blind`, a simulator that shares nothing with symid; the effect is made so strong that the
-gap is some fifty times the noise. The plain axis is fitted to the log as the diagnosis does, and its force error is drawn over
-that which shows the effect: velocity, position, time, frequency and so on. Motion forward and backward have colours of
-their own; black is the mean of both, or the spectrum.
+The machines are those of `benchmarks.blind`, a simulator that shares nothing with symid; the effect is made so strong
+that the gap is some fifty times the noise. The plain axis is fitted to the log as the diagnosis does, and its force
+error is drawn over that which shows the effect: velocity, position, time, frequency and so on. Motion forward and
+backward have colours of their own, lines are means in bins. For a spring the error is that of its own force, from both
+its ends.
 
 Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/EFFECT.png
 """
@@ -11,7 +12,7 @@ Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/E
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -22,17 +23,20 @@ from matplotlib.figure import Figure
 
 import symid
 from symid import Axis, Log
+from symid.data import LowPass, derivatives
 from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.diagnose import ITERATIONS, data_of
 from symid.diagnosis.fit import first_state, fitted, refitted
 from symid.report.colours import MEASURED, MODEL, NOISE
 from symid.report.plots import PLOT_STYLE
 
-from .blind import draw, gap, laws
+from .blind import draw, gap, laws, motion
+from .blind.engine import CONTROL_HZ, LOG_TICKS
 
 FOLDER = Path(__file__).parents[1] / "docs" / "effects"
 SEED, RATIO = 7, 50.0
 _SHOWN = 5000
+_BINS, _LEAST_IN_BIN = 60, 2
 _LEAST_SPEED = 2e-3
 
 
@@ -40,41 +44,52 @@ _LEAST_SPEED = 2e-3
 class Signature:
     """Where an effect is hidden, and over what the force error is drawn.
 
-    `lacking` is a law that the model does without: the effect is then what the machine has anyway.
+    `shape` fixes numbers of the effect other than its size. `lacking` is a law that the model does without: the effect
+    is then what the machine has anyway. Where `shaken`, a multisine is added to the force.
     """
 
-    axis: str
     at: str
     panels: tuple[str, ...]
-    sensors: tuple[str, ...] = ("q",)
+    shape: dict[str, float] = field(default_factory=dict)
     lacking: str | None = None
-    ratio: float = RATIO
+    shaken: bool = False
+
+    @property
+    def axis(self) -> str:
+        """The ball screw for effects in a spring, else the rigid axis."""
+        return "ballscrew_2m1s" if self.at == "transmission" else "rigid_1m"
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Both ends of the spring where there is one."""
+        return ("qm", "ql") if self.at == "transmission" else ("q",)
 
 
-_SCREW = ("qm", "ql")
 SIGNATURES = {
-    "viscous_friction": Signature("rigid_1m", "motor", ("velocity", "time"), lacking="ViscousFriction"),
-    "coulomb_friction": Signature("rigid_1m", "motor", ("velocity", "time"), lacking="CoulombFriction"),
-    "stribeck_friction": Signature("rigid_1m", "motor", ("velocity", "low speed")),
-    "asymmetric_friction": Signature("rigid_1m", "motor", ("velocity", "position")),
-    "presliding_friction": Signature("rigid_1m", "motor", ("since reversal", "velocity")),
-    "load_dependent_friction": Signature("rigid_1m", "motor", ("drive force", "velocity")),
-    "position_dependent_friction": Signature("rigid_1m", "motor", ("position", "velocity")),
-    "friction_drift": Signature("rigid_1m", "motor", ("time", "velocity")),
-    "quadratic_drag": Signature("rigid_1m", "motor", ("velocity", "position")),
-    "offset_force": Signature("rigid_1m", "motor", ("velocity", "position")),
-    "position_stiffness": Signature("rigid_1m", "motor", ("position", "velocity")),
-    "cogging": Signature("rigid_1m", "motor", ("part of the stroke", "position")),
-    "periodic_disturbance": Signature("rigid_1m", "motor", ("frequency", "part of the time")),
-    "payload_change": Signature("rigid_1m", "motor", ("time", "acceleration")),
-    "backlash": Signature("ballscrew_2m1s", "transmission", ("spring", "frequency"), _SCREW),
-    "stiffness_nonlinearity": Signature("ballscrew_2m1s", "transmission", ("spring", "frequency"), _SCREW),
-    "flexible_mode": Signature("rigid_1m", "motor", ("frequency", "acceleration")),
-    "delay": Signature("rigid_1m", "actuator", ("change of force", "frequency")),
-    "actuator_lag": Signature("rigid_1m", "actuator", ("change of force", "frequency")),
-    "saturation": Signature("rigid_1m", "actuator", ("drive force", "time")),
-    "gain_nonlinearity": Signature("rigid_1m", "actuator", ("drive force", "acceleration")),
-    "encoder_ripple": Signature("rigid_1m", "q", ("velocity", "part of the stroke")),
+    "viscous_friction": Signature("motor", ("velocity", "time"), lacking="ViscousFriction"),
+    "coulomb_friction": Signature("motor", ("velocity", "time"), lacking="CoulombFriction"),
+    "stribeck_friction": Signature("motor", ("velocity", "low speed"), {"vs": 0.02}),
+    "asymmetric_friction": Signature("motor", ("velocity", "position"), {"side": 1.0}),
+    "presliding_friction": Signature("motor", ("since reversal", "velocity")),
+    "load_dependent_friction": Signature("motor", ("drive force", "acceleration")),
+    "position_dependent_friction": Signature("motor", ("position", "time"), {"pitch": 0.15, "phase": 0.0}),
+    "friction_drift": Signature("motor", ("time", "velocity"), {"time": 4.0}),
+    "quadratic_drag": Signature("motor", ("velocity", "time")),
+    "offset_force": Signature("motor", ("velocity", "position"), {"side": 1.0}),
+    "position_stiffness": Signature("motor", ("position", "time")),
+    "cogging": Signature("motor", ("part of the stroke", "frequency"), {"pitch": 0.01, "phase": 0.0}),
+    "periodic_disturbance": Signature("motor", ("frequency", "part of the time"), {"frequency": 8.0}),
+    "payload_change": Signature("motor", ("time", "acceleration"), {"time": 6.0}),
+    "backlash": Signature("transmission", ("spring", "frequency"), shaken=True),
+    "stiffness_nonlinearity": Signature("transmission", ("spring", "frequency"), shaken=True),
+    "flexible_mode": Signature(
+        "motor", ("frequency", "time"), {"frequency": 30.0, "damping": 0.02}, shaken=True
+    ),
+    "delay": Signature("actuator", ("change of force", "frequency")),
+    "actuator_lag": Signature("actuator", ("change of force", "frequency")),
+    "saturation": Signature("actuator", ("drive force", "time")),
+    "gain_nonlinearity": Signature("actuator", ("drive force", "acceleration"), {"cubic": 1.0}),
+    "encoder_ripple": Signature("q", ("part of the stroke", "velocity"), {"pitch": 0.004, "phase": 0.0}),
 }
 
 
@@ -93,19 +108,42 @@ class Residual:
         return self.over["velocity"] > 0
 
 
+def moves() -> np.ndarray:
+    """Position and velocity at the controller's rate: to and fro at six speeds, with short rests."""
+    speeds, ways = (0.4, 0.01, 0.2, 0.04, 0.5, 0.1), (0.2, 0.02, 0.2, 0.06, 0.2, 0.1)
+    rest = np.zeros(CONTROL_HZ // 10)
+    parts = [rest]
+    for speed, way in zip(speeds, ways, strict=True):
+        for side in (1, -1):
+            parts += [motion.velocity_profile(side * way, speed, 6.0, 0.02), rest]
+    v = np.concatenate(parts)
+    v = v[: v.size // LOG_TICKS * LOG_TICKS]
+    return np.stack([np.cumsum(v) / CONTROL_HZ, v])
+
+
 @cache
-def setting(axis: str, sensors: tuple[str, ...]) -> draw.Setting:
-    """The machine in which effects are hidden."""
-    return draw.draw_setting(axis, sensors, np.random.default_rng(SEED))
+def setting(axis: str, sensors: tuple[str, ...], *, shaken: bool) -> draw.Setting:
+    """The machine in which effects are hidden, on moves that show them, shaken where that is needed to see them."""
+    drawn = draw.draw_setting(axis, sensors, np.random.default_rng(SEED))
+    path = moves()
+    force = np.zeros(path.shape[1])
+    if shaken:
+        shaking = drawn.motions["identification"][2]
+        force[: shaking.size] = shaking[: force.size]
+    machine = replace(drawn, motions=dict.fromkeys(draw.SECONDS, np.vstack([path, force])))
+    plain = draw.simulate(machine, (), "identification", disturbed=False)
+    peaks = {"force": plain.readings["F"], "deflection": plain.deflection}
+    return replace(machine, travel={name: float(np.abs(x).max()) for name, x in peaks.items()})
 
 
 def log_with(effect: str, signature: Signature) -> tuple[Log, dict[str, float]]:
     """A log of the machine with the effect, and the parameters of the plain axis."""
-    machine = setting(signature.axis, signature.sensors)
+    machine = setting(signature.axis, signature.sensors, shaken=signature.shaken)
     hidden: tuple[laws.Effect, ...] = ()
     if not signature.lacking:
-        drawn = laws.draw(effect, signature.at, np.random.default_rng(SEED + 4))
-        hidden, _ = draw.tamed(machine, (draw.sized(machine, drawn, signature.ratio),))
+        drawn = laws.draw(effect, signature.at, np.random.default_rng(SEED))
+        shaped = replace(drawn, numbers=drawn.numbers | signature.shape)
+        hidden, _ = draw.tamed(machine, (draw.sized(machine, shaped, RATIO),))
     run = draw.simulate(machine, hidden, "identification", disturbed=False)
     readings = draw.measured(machine, run.readings, "identification")
     force = symid.load_axis(signature.axis).drive.signal
@@ -139,10 +177,20 @@ def residual_of(effect: str) -> Residual:
         "acceleration": np.gradient(signals.velocity) * rate,
         "change of force": np.gradient(signals.reidentified) * rate,
     }
-    if len(signature.sensors) == 2:
-        one, other = signature.sensors
-        over["spring"] = np.interp(time, log.time, log[other] - log[one])
-    return Residual(signals.measured - signals.reidentified, over, signals.compared, comparison)
+    error = signals.measured - signals.reidentified
+    if signature.at == "transmission":
+        over["spring"], error = (np.interp(time, log.time, x) for x in spring_force(log, base.parameters))
+    return Residual(error, over, signals.compared, comparison)
+
+
+def spring_force(log: Log, p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Deflection of a ball screw's spring, and its force beyond the best spring and damper, from both encoders."""
+    low_pass = LowPass(120.0)
+    qm, ql = (low_pass.apply(log[name], log.sampling_frequency) for name in ("qm", "ql"))
+    v, a = derivatives(ql, log.sampling_period, 2)
+    force, bent = -(p["Ml"] * a + p["Fvl"] * v), ql - qm
+    columns = np.stack([bent, np.gradient(bent), np.ones_like(bent)], axis=1)
+    return bent, force - columns @ np.linalg.lstsq(columns / 1e-6, force, rcond=None)[0] / 1e-6
 
 
 LABELS = {
@@ -161,7 +209,7 @@ def draw_over(axes: Axes, found: Residual, name: str, inside: tuple[float, float
     """Force error over a quantity, by direction of motion, with means of each direction in bins."""
     x = _SCALES.get(name, 1.0) * found.over[name]
     moving = found.used & (np.abs(found.over["velocity"]) > _LEAST_SPEED)
-    low, high = inside or tuple(np.quantile(x[moving], [0.002, 0.998]))
+    low, high = inside or tuple(np.quantile(x[moving], [0.0003, 0.9997]))
     kept = moving & (x >= low) & (x <= high)
     step = max(1, int(kept.sum()) // _SHOWN)
     for way, colour, mark, label in (
@@ -171,17 +219,20 @@ def draw_over(axes: Axes, found: Residual, name: str, inside: tuple[float, float
         own = np.flatnonzero(kept & way)
         axes.plot(x[own[::step]], found.error[own[::step]], mark, color=colour, ms=1.4, mew=0, alpha=0.35)
         axes.plot([], [], mark, color=colour, ms=4, label=label)
-        if own.size > 200 and name != "time":
-            axes.plot(*_means(x[own], found.error[own]), color=colour, linewidth=1.6)
+        if name not in ("time", "acceleration"):
+            axes.plot(*_means(x[own], found.error[own], (low, high)), color=colour, linewidth=1.6)
     axes.set_xlim(low, high)
+    axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(LABELS[name])
 
 
-def _means(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means of bins that hold equally many samples."""
-    order = np.argsort(x)
-    bins = [b for b in np.array_split(order, 40) if b.size]
-    return np.array([x[b].mean() for b in bins]), np.array([y[b].mean() for b in bins])
+def _means(x: np.ndarray, y: np.ndarray, between: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Means in bins of equal width; nan, which breaks a line, where a bin holds next to nothing."""
+    edges = np.linspace(*between, _BINS + 1)
+    count = np.histogram(x, edges)[0]
+    sums = np.histogram(x, edges, weights=y)[0]
+    means = np.divide(sums, count, out=np.full(_BINS, np.nan), where=count >= _LEAST_IN_BIN)
+    return (edges[1:] + edges[:-1]) / 2, means
 
 
 def draw_part(axes: Axes, found: Residual, name: str, share: float) -> None:
@@ -196,12 +247,13 @@ def draw_since_reversal(axes: Axes, found: Residual) -> None:
     v, q = found.over["velocity"], found.over["position"]
     turn = np.flatnonzero(np.diff(np.sign(v)) != 0)
     begin = turn[np.searchsorted(turn, np.arange(v.size), side="right") - 1]
-    way = 1e6 * np.abs(q - q[begin])
+    way = np.log10(np.maximum(1e6 * np.abs(q - q[begin]), 0.1))
     for forward, colour, mark, label in ((True, MEASURED, "o", "forward"), (False, MODEL, "^", "backward")):
-        kept = (found.forward == forward) & (way > 0.3) & (way < 1e4) & (np.arange(v.size) > turn[0])
-        axes.semilogx(way[kept], found.error[kept], mark, color=colour, ms=1.8, mew=0, alpha=0.5)
+        kept = (found.forward == forward) & (way > 0) & (way < 4.5) & (np.arange(v.size) > turn[0])
+        axes.plot(way[kept], found.error[kept], mark, color=colour, ms=1.8, mew=0, alpha=0.5)
         axes.plot([], [], mark, color=colour, ms=4, label=label)
-        axes.plot(*_means(way[kept], found.error[kept]), color=colour, linewidth=1.6)
+        axes.plot(*_means(way[kept], found.error[kept], (0.0, 4.5)), color=colour, linewidth=1.6)
+    axes.set_xticks(range(5), ["1", "10", "100", "1000", "10 000"])
     axes.set_xlabel("way since the last reversal [µm]")
 
 
@@ -222,7 +274,7 @@ def draw_panel(axes: Axes, found: Residual, panel: str) -> None:
     elif panel == "since reversal":
         draw_since_reversal(axes, found)
     elif panel == "low speed":
-        draw_over(axes, found, "velocity", (-0.1, 0.1))
+        draw_over(axes, found, "velocity", (-0.06, 0.06))
     elif panel == "part of the stroke":
         draw_part(axes, found, "position", 0.2)
     elif panel == "part of the time":
