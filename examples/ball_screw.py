@@ -46,9 +46,8 @@ def main() -> None:
     )
     controller = tuned_cascade(plant_of(axis, TRUE), "qm", bandwidth_hz=15.0)
     log = simulate(axis, TRUE, reference, controller).log
-    held = Preparation(
-        late={"tau": -log.sampling_period / 2}
-    )  # the drive holds its force from sample to sample
+    # the drive holds its force from sample to sample, so that it acts half a sample late
+    held = Preparation(late={"tau": -log.sampling_period / 2})
     found = identify(derive(axis, ("qm", "qt")), log, preparation=held)
     print(found.status)
     deviations = found.physical[0].standard_deviations

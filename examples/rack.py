@@ -39,9 +39,8 @@ def main() -> None:
         [10.0, 30.0], [5.0, 20.0], acceleration=60.0, jerk=2000.0, dwell=0.2, sampling_period=1 / 2000
     )
     log = simulate(axis, TRUE, reference, tuned_cascade(plant_of(axis, TRUE), "q")).log
-    held = Preparation(
-        late={"tau": -log.sampling_period / 2}
-    )  # the drive holds its force from sample to sample
+    # the drive holds its force from sample to sample, so that it acts half a sample late
+    held = Preparation(late={"tau": -log.sampling_period / 2})
     found = identify(model, log, preparation=held)
     for name, value in found.minimal_parameters.items():
         print(f"{name} = {value:.4f}")

@@ -40,9 +40,8 @@ def main() -> None:
         [0.4], [0.1, 0.3, 0.8], acceleration=5.0, jerk=200.0, dwell=0.2, sampling_period=1 / 2000
     )
     log = simulate(axis, TRUE, reference, tuned_cascade(plant_of(axis, TRUE), "z")).log
-    held = Preparation(
-        late={"F": -log.sampling_period / 2}
-    )  # the drive holds its force from sample to sample
+    # the drive holds its force from sample to sample, so that it acts half a sample late
+    held = Preparation(late={"F": -log.sampling_period / 2})
     found = identify(derive(axis), log, preparation=held)
     print(found.status)
     for name, value in found.physical_parameters.items():

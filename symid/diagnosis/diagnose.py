@@ -311,7 +311,7 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
                 reidentified_std=float(before[i]),
                 explained=new,
                 explained_std=float(after[i]),
-                absorbed=len(fits) > 1 and abs(new - old) > limit,
+                absorbed=len(fits) > 1 and bool(abs(new - old) > limit),
             )
         )
     return tuple(found)
