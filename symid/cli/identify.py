@@ -29,13 +29,16 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
+    LogMapping,
     Prediction,
     Preparation,
     identify,
     measured_signals,
     predict,
     read_axis_log,
+    read_mapping,
 )
+from symid.identification.mapping import require_known
 from symid.report.identification import identification_record, print_identification
 
 if TYPE_CHECKING:
@@ -51,6 +54,11 @@ log_options = shared(
     ),
     click.option(
         "--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."
+    ),
+    click.option(
+        "--mapping",
+        metavar="FILE.json",
+        help="Columns, units, gains and layout of a foreign file, from symid import; other options override it.",
     ),
 )
 
@@ -226,18 +234,33 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
 
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
-    """A log by the log options."""
+    """A log by the log options; what a mapping guessed is said on standard error and becomes notes of the log."""
+    mapping = mapping_of(options)
+    require_known(mapping, declared)
     gains = {
         name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
     }
-    return read_axis_log(
+    log = read_axis_log(
         declared,
         file,
         measured=signal_list(options["measured"]),
-        columns=assignments(options["column"], "--column"),
-        units=assignments(options["unit"], "--unit"),
-        gains=gains,
+        columns={**mapping.columns, **assignments(options["column"], "--column")},
+        units={**mapping.units, **assignments(options["unit"], "--unit")},
+        gains={**mapping.gains, **gains},
+        layout=mapping.layout,
+        sampling_period=mapping.sampling_period,
     )
+    if not mapping.guesses:
+        return log
+    click.echo(f"{options['mapping']} guesses: {'; '.join(mapping.guesses)}", err=True)
+    return replace(
+        log, notes=(*log.notes, *(f"guessed in the mapping: {guess}" for guess in mapping.guesses))
+    )
+
+
+def mapping_of(options: dict[str, Any]) -> LogMapping:
+    """The mapping of ``--mapping``, an empty one without it."""
+    return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
 
 
 def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
@@ -257,16 +280,22 @@ def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparati
 
 def _late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
     """Seconds by which signals were recorded late, as given."""
-    late = {
-        name: seconds_of(text, f"--late {name}")
-        for name, text in assignments(options["late"], "--late").items()
-    }
+    late = late_of(options)
     unknown = [name for name in (*late, *options["held"]) if name not in declared.signal_units]
     if unknown:
         raise SettingError(
             f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
         )
     return late
+
+
+def late_of(options: dict[str, Any]) -> dict[str, float]:
+    """Seconds by which signals were recorded late, by ``--late`` and the mapping."""
+    given = assignments(options["late"], "--late")
+    return {
+        **mapping_of(options).late,
+        **{name: seconds_of(text, f"--late {name}") for name, text in given.items()},
+    }
 
 
 def _standstill(options: dict[str, Any]) -> float | None:

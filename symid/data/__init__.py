@@ -12,19 +12,25 @@ from symid.data.filtering import (
     faithful_share,
     kept_indices,
 )
+from symid.data.foreign import ForeignColumn, foreign_columns
+from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
 from symid.data.reading import REFERENCE, read_log
 from symid.data.spline import QuinticSpline
+from symid.data.tables import Table, open_table
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
     "MINIMUM_SAMPLES",
     "REFERENCE",
     "Clock",
+    "ForeignColumn",
+    "Layout",
     "Log",
     "LowPass",
     "Piece",
     "QuinticSpline",
+    "Table",
     "ZeroPhaseFilter",
     "central_difference",
     "central_difference_gain",
@@ -32,11 +38,14 @@ __all__ = [
     "decimation_filter",
     "derivatives",
     "faithful_share",
+    "foreign_columns",
+    "guessed_layout",
     "in_pieces",
     "inspect_clock",
     "inspect_spans",
     "inspect_values",
     "kept_indices",
     "kept_of",
+    "open_table",
     "read_log",
 ]

@@ -16,6 +16,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.checks import inspect_spans, inspect_values
 from symid.data.clock import Clock, inspect_clock
+from symid.data.layout import Layout
 from symid.data.log import Log
 from symid.data.tables import Table, open_table
 from symid.errors import LogError
@@ -61,6 +62,8 @@ def read_log(
     units: Mapping[str, str] = _NOTHING,
     gains: Mapping[str, float] = _NO_GAINS,
     time_column: str = _TIME,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
 ) -> Log:
     """Read and check the signals of an axis from a CSV, Parquet or MATLAB (v5 to v7) file.
 
@@ -79,6 +82,10 @@ def read_log(
         factor that is applied after the conversion to SI.
     time_column : str
         Column of the time, unless `columns` names one.
+    layout : Layout, optional
+        Of a CSV file that is not one line of names and then values.
+    sampling_period : float, optional
+        Time between two samples, s, of a file without a column of the time.
 
     Returns
     -------
@@ -92,7 +99,9 @@ def read_log(
         fit, a value is no number, the clock is not uniform, a signal is constant.
     """
     file = Path(path)
-    table = open_table(file)
+    table = open_table(file, layout)
+    if sampling_period is not None:
+        table = with_clock(table, sampling_period)
     given = _Mapping(table.headers, expected, alternatives, {_TIME: time_column, **columns}, units, gains)
     try:
         sources = _sources(given, named=columns.keys())
@@ -103,6 +112,31 @@ def read_log(
         raise (
             error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
         ) from error.__cause__
+
+
+def with_clock(table: Table, sampling_period: float) -> Table:
+    """The table with a last column `t` of the time, for a file that has none.
+
+    Raises
+    ------
+    LogError
+        If there is such a column, or the period is not positive.
+    """
+    if _TIME in table.headers:
+        raise LogError(f"there is a column {_TIME!r}: give no sampling period beside it")
+    if not 0 < sampling_period < np.inf:
+        raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
+    last = len(table.headers)
+
+    def read(positions: Sequence[int]) -> list[FloatArray | str]:
+        others = [position for position in positions if position != last]
+        columns = iter(table.read(others))
+        found = dict(zip(others, columns, strict=True))
+        size = max((c.size for c in found.values() if not isinstance(c, str)), default=0)
+        found[last] = sampling_period * np.arange(size, dtype=np.float64)
+        return [found[position] for position in positions]
+
+    return Table((*table.headers, _TIME), read)
 
 
 def _sources(given: _Mapping, named: Collection[str]) -> tuple[_Source, ...]:

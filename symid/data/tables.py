@@ -18,6 +18,7 @@ import polars as pl
 import scipy
 
 from symid.arrays import FloatArray
+from symid.data.layout import Layout, first_lines
 from symid.errors import LogError
 
 SUFFIXES: Final = (".csv", ".parquet", ".mat")
@@ -44,8 +45,8 @@ class Table:
     read: Callable[[Sequence[int]], list[FloatArray | str]]
 
 
-def open_table(path: Path) -> Table:
-    """Table in a file, by its suffix.
+def open_table(path: Path, layout: Layout | None = None) -> Table:
+    """Table in a file, by its suffix; a CSV file by its layout if one is given, whatever its suffix.
 
     Raises
     ------
@@ -57,11 +58,13 @@ def open_table(path: Path) -> Table:
     if not path.exists():
         raise LogError(f"{path}: there is no such file: check the path")
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {_suffixes()} file")
     try:
         if path.stat().st_size == 0:
             raise LogError(f"{path}: is empty: give a file with a header and samples")
+        if layout is not None and suffix not in (".parquet", ".mat"):
+            return _open_laid_out(path, layout)
         if suffix == ".csv":
             return _open_csv(path)
         return _open_parquet(path) if suffix == ".parquet" else _open_mat(path)
@@ -97,6 +100,28 @@ def _open_csv(path: Path) -> Table:
     return Table(headers, lambda positions: _read_csv(path, separator, width, positions))
 
 
+def _open_laid_out(path: Path, layout: Layout) -> Table:
+    """A CSV file whose layout is known: any encoding, lines above the header, lines of units."""
+    lines, skipped = first_lines(path, layout.encoding), layout.above + 1 + layout.below
+    if len(lines) <= skipped:
+        raise LogError(
+            f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
+        )
+    headers = layout.headers(lines)
+    width = max(len(headers), len(_fields(lines[skipped], layout.separator)))
+
+    def read(positions: Sequence[int]) -> list[FloatArray | str]:
+        try:
+            text = path.read_text(encoding=layout.encoding)
+        except UnicodeError as error:
+            raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
+        values = text.split("\n", skipped)[-1].encode("utf-8")
+        frame = _scan_csv(values, layout.separator, width, positions, pl.String(), skip_rows=0)
+        return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
+
+    return Table(headers, read)
+
+
 def _first_lines(path: Path) -> tuple[str, str]:
     with path.open("rb") as file:
         lines = [file.readline(1_000_000) for _ in range(2)]
@@ -130,14 +155,19 @@ def _read_csv(path: Path, separator: str, width: int, positions: Sequence[int]) 
 
 
 def _scan_csv(
-    path: Path, separator: str, width: int, positions: Sequence[int], dtype: pl.DataType
+    path: Path | bytes,
+    separator: str,
+    width: int,
+    positions: Sequence[int],
+    dtype: pl.DataType,
+    skip_rows: int = 1,
 ) -> pl.DataFrame:
     names = [f"column_{position}" for position in range(width)]
     wanted = [names[position] for position in positions]
     return pl.read_csv(
         path,
         has_header=False,
-        skip_rows=1,
+        skip_rows=skip_rows,
         separator=separator,
         decimal_comma=separator != ",",  # points are understood as well
         schema={name: dtype if name in wanted else pl.String() for name in names},

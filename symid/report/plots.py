@@ -141,11 +141,11 @@ def _draw(figure: Figure, place: Any, panel: Panel) -> None:
     top = figure.add_subplot(grid[0, 0])
     below = figure.add_subplot(grid[1, 0], sharex=top)
     curves = {"measured": (panel.measured, MEASURED, 2.0), "predicted": (panel.predicted, MODEL, 0.7)}
-    _draw_over_time(top, panel.time, curves, f"{panel.output} [{panel.unit}]")
+    draw_over_time(top, panel.time, curves, f"{panel.output} [{panel.unit}]")
     top.set_title(panel.title, loc="left")
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
     top.tick_params(labelbottom=False)
-    _draw_over_time(below, panel.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{panel.unit}]")
+    draw_over_time(below, panel.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{panel.unit}]")
     below.set_xlabel("time [s]")
     _draw_scatter(
         figure.add_subplot(grid[0, 1]), panel.predicted[used], error[used], panel.output, panel.unit
@@ -159,7 +159,7 @@ def _short(source: str) -> str:
     return " ".join([*words, Path(path).name])
 
 
-def _draw_over_time(
+def draw_over_time(
     axes: Axes, time: FloatArray, curves: dict[str, tuple[FloatArray, str, float]], label: str
 ) -> None:
     """Curves over time; of long logs the envelope of each bundle of samples, so that no peak is lost."""
