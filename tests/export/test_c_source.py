@@ -1,0 +1,124 @@
+"""The exported C against numpy's generated modules, the simulation and the equations written by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axes.catalogue import cases, derived, generated
+from axes.effects import EFFECTS, values_of, with_effect
+from axes.plant import random_motion
+from export.compiler import Compiled
+from symid import Axis
+from symid.codegen.generate import compiled
+from symid.export import c_source
+from symid.simulation import Engine, plant_of
+from symid.symbolic import derive
+
+SAMPLES = 40
+
+
+def accelerations(code: Compiled, values: Mapping[str, float], x: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Derivatives of states by the compiled function, of shape (2 n, samples)."""
+    p = code.parameters(values)
+    samples = zip(np.ascontiguousarray(x.T), force, strict=True)
+    return np.array([code.function("derivative", p, state, f, shape=state.shape) for state, f in samples]).T
+
+
+def close(found: np.ndarray, wanted: np.ndarray, terms: np.ndarray) -> None:
+    """Equal to rounding, relative to the largest term of the sum."""
+    np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-12 * float(np.max(terms)))
+
+
+@pytest.mark.parametrize("name", list(cases()))
+def test_regressor_output_and_minimal_parameters_are_those_of_numpy(name: str, tmp_path: Path) -> None:
+    case = cases()[name]
+    measured = case.sensor_sets[-1]
+    model = generated(name, measured)
+    code = Compiled.of(c_source(derived(name, measured), case.values), name, tmp_path)
+    orders = max(model.highest_derivatives.values()) + 3
+    motion = random_motion(case.plant(), orders, SAMPLES, seed=7)
+    signals = motion.signals(case.declared.drive.signal, case.sensors, model.signals)
+    W, y = model.sample(signals)
+    for k in range(SAMPLES):
+        row = np.array([signals[s][k] for s in model.signals])
+        np.testing.assert_allclose(code.function("regressor", row, shape=W[:, k].shape), W[:, k], rtol=1e-12)
+        np.testing.assert_allclose(code.function("output", row, shape=(len(y),)), y[:, k], rtol=1e-12)
+    X = model.minimal_parameters(*(case.values[p] for p in model.physical_units))
+    found = code.function("minimal_parameters", code.parameters(case.values), shape=X.shape)
+    np.testing.assert_allclose(found, X, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", list(cases()))
+def test_forward_dynamics_are_those_written_by_hand_and_those_simulated(name: str, tmp_path: Path) -> None:
+    case = cases()[name]
+    code = Compiled.of(c_source(derived(name, case.sensor_sets[0]), case.values), name, tmp_path)
+    machine, plant = case.plant(), plant_of(case.declared, case.values)
+    motion = random_motion(machine, 3, SAMPLES, seed=3)
+    order = [b.name for b in case.declared.free_bodies]
+    places = [order.index(body) for body in plant.bodies]
+    x = np.vstack([motion.x[0][places], motion.x[1][places]])
+    found = accelerations(code, case.values, x, motion.force[0])
+    np.testing.assert_array_equal(found[: len(places)], x[len(places) :])
+    by_hand, by_engine = motion.x[2][places], simulated(plant, x, motion.force[0])
+    sizes = np.abs(np.linalg.inv(machine.M)) @ (
+        np.abs(machine.K) @ np.abs(motion.x[0]) + np.abs(machine.C) @ np.abs(motion.x[1])
+    ) + np.abs(motion.x[2])
+    close(found[len(places) :], by_hand, sizes)
+    close(found[len(places) :], by_engine, sizes)
+
+
+def simulated(plant, x: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Accelerations by the engine of the simulation, of shape (n, samples)."""
+    states = zip(x.T, force, strict=True)
+    return np.array([Engine(plant, state.copy()).acceleration(float(f)) for state, f in states]).T
+
+
+@pytest.mark.parametrize("name", list(EFFECTS))
+def test_effects_are_in_both(name: str, tmp_path: Path) -> None:
+    axis, values = with_effect(name), values_of(name)
+    values = {p: values[p] for p in axis.physical_parameters}
+    measured = tuple(s.signal for s in axis.sensors)
+    model = derive(axis, measured)
+    code = Compiled.of(c_source(model, values), axis.name, tmp_path)
+    x = states_of(axis, np.random.default_rng(5))
+    force = np.random.default_rng(6).normal(size=SAMPLES) * 100
+    plant, module = plant_of(axis, values), compiled(model)
+    found = accelerations(code, values, x, force)
+    close(found[len(plant.bodies) :], simulated(plant, x, force), np.array(50.0))
+    signals = {s: np.random.default_rng(i).normal(size=SAMPLES) * 1e-2 for i, s in enumerate(module.signals)}
+    W, _ = module.sample(signals)
+    for k in range(SAMPLES):
+        row = np.array([signals[s][k] for s in module.signals])
+        np.testing.assert_allclose(code.function("regressor", row, shape=W[:, k].shape), W[:, k], rtol=1e-12, atol=1e-15)
+
+
+def states_of(axis: Axis, draw: np.random.Generator) -> np.ndarray:
+    """States within a joint's play and beyond it."""
+    n = len(axis.free_bodies)
+    q = 0.1 * draw.normal(size=(1, SAMPLES)) + 5e-5 * draw.normal(size=(n, SAMPLES))
+    return np.vstack([q, 0.1 * draw.normal(size=(n, SAMPLES))])
+
+
+def test_sensors_read_what_the_simulation_reads(tmp_path: Path) -> None:
+    case = cases()["direct_3m2s"]
+    code = Compiled.of(c_source(derived("direct_3m2s", ("q2",)), case.values), "direct_3m2s", tmp_path)
+    x, dx = np.arange(1.0, 7.0) ** 2, np.arange(1.0, 7.0) ** 3
+    read = code.function("sensors", x, dx, shape=(3,))
+    np.testing.assert_array_equal(read, [4.0 - 1.0, 4.0**3, 6.0**3 - 5.0**3])
+
+
+def test_a_rest_speed_smooths_friction(tmp_path: Path) -> None:
+    values = {"M": 2.0, "Fv": 0.0, "Fs": 4.0}
+    exported = c_source(derived("rigid_1m", ("q",)), values)
+    (tmp_path / "sharp").mkdir(), (tmp_path / "smooth").mkdir()
+    sharp = Compiled.of(exported, "rigid_1m", tmp_path / "sharp")
+    smooth = Compiled.of(exported, "rigid_1m", tmp_path / "smooth", "-DSYMID_REST_SPEED=1e-3")
+    x = np.array([[0.0] * 3, [5e-4, -5e-4, 2e-3]])
+    force = np.zeros(3)
+    assert accelerations(sharp, values, x, force)[1].tolist() == [-2.0, 2.0, -2.0]
+    assert accelerations(smooth, values, x, force)[1].tolist() == pytest.approx([-1.0, 1.0, -2.0])
+    assert any("rest" in loss for loss in exported.losses)
