@@ -50,7 +50,7 @@ void {name}_output(const double signals[], double y[{equations}]);
 void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]);
 
 /* dx = f(x, {force}) of the state x = {{{state}}}:
- * displacements against the ground, then velocities. sign(0) = 0: see above. */
+ * displacements of the bodies against the ground (of one on a geared body: against that), then velocities. */
 void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], double {force}, double dx[{n_state}]);
 
 /* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
