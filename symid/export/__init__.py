@@ -1,7 +1,7 @@
-"""Export of an identified axis to where its users simulate and control: C, MuJoCo, FMU, JSON."""
+"""Export of an identified axis to where its users simulate and control."""
 
 from symid.export.c_source import c_source
 from symid.export.exported import Exported
+from symid.export.mjcf import mjcf
 
-
-__all__ = ["Exported", "c_source"]
+__all__ = ["Exported", "c_source", "mjcf"]

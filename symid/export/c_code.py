@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import keyword
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import sympy as sp
-from sympy.printing.c import C99CodePrinter
+from sympy.printing.c import C99CodePrinter, reserved_words, reserved_words_c99
 
-_RESERVED = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long "
-    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
-    "NAN INFINITY HUGE_VAL HUGE_VALF HUGE_VALL EOF NULL p x dx signals force W y X sign positive main".split()
-)
+_RESERVED = {
+    *reserved_words,
+    *reserved_words_c99,
+    *("NAN", "INFINITY", "HUGE_VAL", "EOF", "NULL"),
+    *("p", "x", "dx", "signals", "W", "y", "X", "sign", "positive", "force"),
+}
 _MOST_FACTORS = 4
 
 
@@ -59,7 +59,7 @@ def c_name(name: str) -> str:
     >>> c_name("Mm"), c_name("double")
     ('Mm', 'double_')
     """
-    taken = name in _RESERVED or keyword.iskeyword(name) or name.startswith(("M_", "FP_", "MATH_"))
+    taken = name in _RESERVED or name.startswith(("M_", "FP_", "MATH_", "HUGE_VAL"))
     return f"{name}_" if taken else name
 
 

@@ -190,9 +190,7 @@ def model_signals(model: DerivedModel) -> tuple[str, ...]:
 
 def _regressor(model: DerivedModel, signals: Sequence[str]) -> str:
     entries = {
-        f"W[{i}][{j}]": entry
-        for i, row in enumerate(model.minimal.regressor)
-        for j, entry in enumerate(row)
+        f"W[{i}][{j}]": entry for i, row in enumerate(model.minimal.regressor) for j, entry in enumerate(row)
     }
     return _of_signals(entries, signals)
 
@@ -292,12 +290,16 @@ def _readings(dynamics: SymbolicDynamics) -> str:
 def _used(dynamics: SymbolicDynamics) -> list[str]:
     """Parameters that the dynamics depend on, in the order of the declaration."""
     matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
-    symbols = set().union(*(m.free_symbols for m in matrices), *(j.force.free_symbols for j in dynamics.joints))
+    symbols = set().union(
+        *(m.free_symbols for m in matrices), *(j.force.free_symbols for j in dynamics.joints)
+    )
     return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]
 
 
 def _can_stick(dynamics: SymbolicDynamics) -> bool:
-    return any(str(f.func) in ("sign", "positive") for j in dynamics.joints for f in j.force.atoms(sp.Function))
+    return any(
+        str(f.func) in ("sign", "positive") for j in dynamics.joints for f in j.force.atoms(sp.Function)
+    )
 
 
 def _imperfections(model: DerivedModel) -> tuple[str, ...]:

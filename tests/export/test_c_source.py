@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from axes.catalogue import PINION, cases, derived, generated
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from export.compiler import Compiled
+
 from symid import Axis
 from symid.codegen.generate import compiled
 from symid.export import c_source
@@ -23,7 +23,9 @@ COORDINATES = {"rack_and_pinion": np.array([[1.0, 0.0], [-PINION, 1.0]])}
 """State displacements in those of the catalogue where they differ: a load on a geared carriage moves relative to it."""
 
 
-def accelerations(code: Compiled, values: Mapping[str, float], x: np.ndarray, force: np.ndarray) -> np.ndarray:
+def accelerations(
+    code: Compiled, values: Mapping[str, float], x: np.ndarray, force: np.ndarray
+) -> np.ndarray:
     """Derivatives of states by the compiled function, of shape (2 n, samples)."""
     p = code.parameters(values)
     samples = zip(np.ascontiguousarray(x.T), force, strict=True)
@@ -94,7 +96,9 @@ def test_effects_are_in_both(name: str, tmp_path: Path) -> None:
     W, _ = module.sample(signals)
     for k in range(SAMPLES):
         row = np.array([signals[s][k] for s in module.signals])
-        np.testing.assert_allclose(code.function("regressor", row, shape=W[:, k].shape), W[:, k], rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(
+            code.function("regressor", row, shape=W[:, k].shape), W[:, k], rtol=1e-12, atol=1e-15
+        )
 
 
 def states_of(axis: Axis, draw: np.random.Generator) -> np.ndarray:
