@@ -3,5 +3,6 @@
 from symid.export.c_source import c_source
 from symid.export.exported import Exported
 from symid.export.mjcf import mjcf
+from symid.export.parameters import parameter_record
 
-__all__ = ["Exported", "c_source", "mjcf"]
+__all__ = ["Exported", "c_source", "mjcf", "parameter_record"]

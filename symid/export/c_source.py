@@ -126,7 +126,7 @@ def c_source(model: DerivedModel, values: Mapping[str, float], header: str | Non
     values : mapping of str to float
         Physical parameters, SI; they stand in the source as `<axis>_values`.
     header : str, optional
-        Name of the header's file; that of the axis by default.
+        Name of the header's file without its suffix; that of the axis by default.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def c_source(model: DerivedModel, values: Mapping[str, float], header: str | Non
     """
     dynamics = symbolic_dynamics(model.axis)
     losses = (*((_REST,) if _can_stick(dynamics) else ()), *_imperfections(model))
-    words = _words(model, dynamics, values, losses) | {"header": header or f"{model.axis.name}.h"}
+    words = _words(model, dynamics, values, losses) | {"header": f"{header or model.axis.name}.h"}
     return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
 
 

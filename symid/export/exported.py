@@ -25,3 +25,10 @@ class Exported:
     def text(self) -> str:
         """Text of the main file."""
         return next(iter(self.files.values()))
+
+    @property
+    def whole(self) -> str:
+        """All files as one text: what the main one includes stands before it."""
+        main, *others = self.files.values()
+        lines = (line for line in main.splitlines(keepends=True) if not line.startswith('#include "'))
+        return "\n".join([*others, "".join(lines)])
