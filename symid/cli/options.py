@@ -18,6 +18,7 @@ from symid.units import Unit, to_si
 json_option = click.option(
     "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
 )
+dark_option = click.option("--dark", is_flag=True, help="Draw on a dark background.")
 measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
 gain_option = click.option(
     "--controller-gain",
