@@ -19,7 +19,7 @@ CORRELATED = 0.5
 """Absolute correlation beyond which two parameters get an ellipse."""
 
 
-def draw_bode(place: Any, response: Response, force: str, force_unit: str, palette: Palette) -> None:
+def draw_bode(place: Any, response: Response, palette: Palette) -> None:
     """Magnitude, phase and coherence below each other.
 
     Parameters
@@ -28,8 +28,6 @@ def draw_bode(place: Any, response: Response, force: str, force_unit: str, palet
         Where to draw.
     response : Response
         What to draw.
-    force, force_unit : str
-        Input.
     palette : Palette
         Colours.
     """
@@ -41,7 +39,7 @@ def draw_bode(place: Any, response: Response, force: str, force_unit: str, palet
     )
     for axes, of in curves:
         for some, size, alpha, label in (
-            (~sure, 1.5, 0.4, f"measured, coherence below {COHERENT}"),
+            (~sure, 1.5, 0.4, f"coherence below {COHERENT}"),
             (sure, 3.4, 1.0, "measured (H1)"),
         ):
             (dots,) = axes.plot(
@@ -50,11 +48,20 @@ def draw_bode(place: Any, response: Response, force: str, force_unit: str, palet
             dots.set(markersize=size, alpha=alpha)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
     magnitude.set(
-        xscale="log", yscale="log", ylabel=f"{response.quantity} / {force} [{response.unit} / {force_unit}]"
+        xscale="log", yscale="log", ylabel=f"{response.quantity} / {response.force} [{response.unit}]"
     )
-    magnitude.set_title(f"Frequency response {force} → {response.signal}", loc="left")
+    magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=22)
     magnitude.set_ylim(*_seen(np.abs(response.identified), np.abs(response.measured[sure])))
-    magnitude.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.85, markerscale=2)
+    handles, labels = magnitude.get_legend_handles_labels()
+    magnitude.legend(
+        handles[::-1],
+        labels[::-1],
+        loc="lower left",
+        bbox_to_anchor=(-0.02, 0.99),
+        ncols=3,
+        frameon=False,
+        markerscale=1.5,
+    )
     phase.set(ylabel="phase [°]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")
     coherence.axhline(COHERENT, color=palette.ink, linewidth=0.7, linestyle="--")
@@ -98,39 +105,28 @@ def draw_ellipse(
     """Regions that hold both parameters with a probability of 68 % and 95 %, and the deviations of each alone."""
     i, j, rho = pair
     names = list(units)
-    centre = (float(values[i]), float(values[j]))
     part = covariance[np.ix_((i, j), (i, j))]
-    spread, directions = np.linalg.eigh(part / np.outer(*[np.sqrt(np.diag(part))] * 2))
+    deviations = np.array([_scale(values[k]) * np.sqrt(covariance[k, k]) for k in (i, j)])
+    spread, directions = np.linalg.eigh(part / np.sqrt(np.outer(np.diag(part), np.diag(part))))
+    turn = np.linspace(0, 2 * np.pi, 181)
     for level, style in ((0.95, "-"), (0.68, "--")):
         radii = np.sqrt(scipy.stats.chi2.ppf(level, 2) * np.maximum(spread, 0.0))
-        turn = np.linspace(0, 2 * np.pi, 181)
         outline = directions @ (radii[:, None] * np.array([np.cos(turn), np.sin(turn)]))
-        x, y = (c + np.sqrt(part[k, k]) * outline[k] for k, c in enumerate(centre))
+        x, y = deviations[:, None] * outline
         axes.fill(x, y, facecolor=palette.fill, edgecolor="none", alpha=0.6)
         axes.plot(x, y, color=palette.model, linewidth=1.3, linestyle=style, label=f"{level:.0%} together")
-    axes.errorbar(
-        *centre,
-        xerr=np.sqrt(part[0, 0]),
-        yerr=np.sqrt(part[1, 1]),
-        color=palette.ink,
-        capsize=2,
-        linewidth=0.9,
-        label="one deviation of each",
-    )
-    axes.set_xlabel(f"{names[i]} [{units[names[i]]}]")
-    axes.set_ylabel(f"{names[j]} [{units[names[j]]}]")
+    x_alone, y_alone = deviations[:1], deviations[1:]
+    axes.errorbar(0.0, 0.0, y_alone, x_alone, color=palette.ink, capsize=2, linewidth=0.9, label="each alone")
+    axes.set_xlabel(_label(names[i], values[i], units[names[i]]))
+    axes.set_ylabel(_label(names[j], values[j], units[names[j]]))
     axes.set_title(f"{names[i]}, {names[j]}: correlation {rho:+.2f}".replace("-", "−"), loc="left")
-    axes.margins(0.1)
-    axes.locator_params(nbins=4)
-    axes.ticklabel_format(useOffset=False)
+    axes.locator_params(nbins=5)
 
 
-def free_corner(pair: tuple[int, int, float]) -> str:
-    """Where an ellipse leaves room for a legend.
+def _scale(value: float) -> float:
+    """To percent of the value; a value of 0 has none."""
+    return 100.0 / abs(value) if value else 1.0
 
-    Examples
-    --------
-    >>> free_corner((0, 1, -0.9))
-    'upper right'
-    """
-    return "upper right" if pair[2] < 0 else "upper left"
+
+def _label(name: str, value: float, unit: str) -> str:
+    return f"{name} [% of {abs(value):.4g} {unit}]" if value else f"{name} [{unit}]"

@@ -9,9 +9,10 @@ import numpy as np
 import scipy
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Axis, Position, Velocity
+from symid.axis import Axis, Position, Velocity, length_unit
 from symid.data import Log
 from symid.simulation import plant_of
+from symid.units import Unit
 
 _AVERAGES = 8
 """At least so many segments of a log are averaged."""
@@ -62,8 +63,8 @@ class Response:
 
     Parameters
     ----------
-    signal, quantity, unit : str
-        The sensor, what is compared (velocity or acceleration) and the unit of the response.
+    force, signal, quantity, unit : str
+        The drive, the sensor, what is compared (velocity or acceleration) and the unit of the response.
     frequency : array of shape (n,)
         Hz.
     measured : complex array of shape (n,)
@@ -74,6 +75,7 @@ class Response:
         Of the identified axis without its nonlinear laws.
     """
 
+    force: str
     signal: str
     quantity: str
     unit: str
@@ -103,7 +105,7 @@ def response_of(axis: Axis, values: dict[str, float], signal: str, logs: Sequenc
     """
     (sensor,) = axis.measured((signal,))
     moves = isinstance(sensor, (Position, Velocity))
-    period = logs[0].sampling_period
+    period, second = logs[0].sampling_period, Unit.of("s")
     same = [log for log in logs if log.sampling_period == period]
     length = 2 ** int(np.log2(2 * min(log.n_samples for log in same) / (_AVERAGES + 1)))
     settings = {"fs": 1 / period, "nperseg": length, "detrend": "linear"}
@@ -119,19 +121,15 @@ def response_of(axis: Axis, values: dict[str, float], signal: str, logs: Sequenc
     frequency, uu, uy, yy = frequency[kept], uu[kept], uy[kept], yy[kept]
     attenuation = np.sinc(2 * frequency * period) if isinstance(sensor, Position) else np.ones(frequency.size)
     return Response(
+        force=axis.drive.signal,
         signal=signal,
         quantity="velocity" if moves else "acceleration",
-        unit=str(axis.signal_units[signal] if not moves else _velocity_unit(axis, signal)),
+        unit=f"{length_unit(sensor.body) / second ** (1 if moves else 2)} per {axis.signal_units[axis.drive.signal]}",
         frequency=frequency,
         measured=np.asarray(uy / uu / attenuation),
         coherence=np.abs(uy) ** 2 / (uu * yy),
         identified=identified_response(axis, values, signal, frequency, 1 if moves else 2),
     )
-
-
-def _velocity_unit(axis: Axis, signal: str) -> str:
-    (sensor,) = axis.measured((signal,))
-    return "rad/s" if sensor.body.turns else "m/s"
 
 
 def identified_response(

@@ -142,4 +142,4 @@ def _densities(axes: Axes, panel: Panel, error: FloatArray, palette: Palette) ->
         )
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"{panel.output} [{panel.unit}/√Hz]")
-    axes.legend(loc="upper right", frameon=True, edgecolor="none", framealpha=0.85)
+    axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.85)

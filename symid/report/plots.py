@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -16,7 +16,7 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Prediction
-from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse, free_corner
+from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
 from symid.report.motion import Motion, Response, response_of
 from symid.report.panels import Panel, draw_panel
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 PLOT_STYLE: Any = LIGHT.style
 _MOST_ELLIPSES, _MOST_RESPONSES = 4, 2
-_PANEL, _BODE, _WIDTH = 6.0, 5.2, 12.0
-"""Heights of a panel and of the Bode diagrams, and width, in inches."""
+_PANEL, _BODE, _ELLIPSES, _WIDTH = 6.0, 5.2, 3.2, 12.0
+"""Heights of a panel, of the Bode diagrams and of the ellipses, and width, in inches."""
 
 
 def figure_path(file: str | Path) -> Path:
@@ -93,83 +93,39 @@ def identification_figure(
     )
     if axis is not None and runs:
         panels = _with_motion(panels, axis, runs)
-    bottom = _Bottom.of(found, axis, runs)
-    heights = [_PANEL] * len(panels) + ([_BODE] if bottom.columns else [])
+    responses = _responses(found, axis, runs)
+    units, values, covariance = _parameters(found)
+    pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
+    heights = [_PANEL] * len(panels) + [_BODE] * bool(responses) + [_ELLIPSES] * bool(pairs)
     with mpl.rc_context(palette.style):
         figure = Figure(figsize=(_WIDTH, sum(heights)), layout="constrained")
         places: Any = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         for place, panel in zip(places, panels, strict=False):
             draw_panel(place, panel, palette)
-        if bottom.columns:
-            bottom.draw(places[-1], palette)
+        if responses:
+            columns: Any = places[len(panels)].subfigures(1, len(responses), squeeze=False)[0]
+            for place, response in zip(columns, responses, strict=True):
+                draw_bode(place, response, palette)
+        if pairs:
+            grid: Any = places[-1].subplots(1, max(len(pairs), 3), squeeze=False)[0]
+            for axes, pair in zip(grid, pairs, strict=False):
+                draw_ellipse(axes, pair, values, covariance, units, palette)
+            for axes in grid[len(pairs) :]:
+                axes.axis("off")
+            places[-1].legend(
+                *grid[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False
+            )
     return figure
 
 
-@dataclass(frozen=True, eq=False)
-class _Bottom:
-    """Frequency responses of the sensors, and confidence ellipses.
-
-    Parameters
-    ----------
-    responses : tuple of Response
-        At most two.
-    force, force_unit : str
-        Their input.
-    pairs : list of (int, int, float)
-        Correlated parameters.
-    units, values, covariance
-        Of the parameters.
-    """
-
-    responses: tuple[Response, ...]
-    force: str
-    force_unit: str
-    pairs: list[tuple[int, int, float]]
-    units: Mapping[str, str]
-    values: FloatArray
-    covariance: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        found: Identification | OutputErrorIdentification,
-        axis: Axis | None,
-        runs: Sequence[Log],
-    ) -> _Bottom:
-        """What there is to draw of an identification."""
-        units, values, covariance = _parameters(found)
-        pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
-        force, responses, force_unit = found.model.force, [], ""
-        if axis is not None and _has_response(found, axis, runs):
-            identified = runs[: len(found.logs)]
-            force_unit = str(axis.signal_units[force])
-            responses = [
-                response_of(axis, found.physical_parameters, signal, identified)
-                for signal in found.model.measured[:_MOST_RESPONSES]
-            ]
-        return cls(tuple(responses), force, force_unit, pairs, units, values, covariance)
-
-    @property
-    def columns(self) -> int:
-        """How many there are beside each other."""
-        return len(self.responses) + bool(self.pairs)
-
-    def draw(self, place: Any, palette: Palette) -> None:
-        """Draw into a subfigure."""
-        parts = place.subfigures(1, self.columns, squeeze=False)[0]
-        for part, response in zip(parts, self.responses, strict=False):
-            draw_bode(part, response, self.force, self.force_unit, palette)
-        if not self.pairs:
-            return
-        several = len(self.pairs) > 1
-        rows = -(-len(self.pairs) // 2)
-        grid = np.ravel(parts[-1].subplots(rows, 1 + several, squeeze=False))
-        for axes, pair in zip(grid, self.pairs, strict=False):
-            draw_ellipse(axes, pair, self.values, self.covariance, self.units, palette)
-        for axes in grid[len(self.pairs) :]:
-            axes.axis("off")
-        corner = free_corner(self.pairs[0])
-        grid[0].legend(loc=corner, frameon=True, edgecolor="none", framealpha=0.85, fontsize=7)
+def _responses(
+    found: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
+) -> list[Response]:
+    """Frequency responses of the first sensors, where the axis is known well enough."""
+    if axis is None or not _has_response(found, axis, runs):
+        return []
+    identified, signals = runs[: len(found.logs)], found.model.measured[:_MOST_RESPONSES]
+    return [response_of(axis, found.physical_parameters, signal, identified) for signal in signals]
 
 
 def _has_response(found: Identification | OutputErrorIdentification, axis: Axis, runs: Sequence[Log]) -> bool:
