@@ -13,7 +13,27 @@ _RESERVED = {
     *reserved_words_c99,
     *("NAN", "INFINITY", "HUGE_VAL", "EOF", "NULL"),
     *("p", "x", "dx", "signals", "W", "y", "X", "sign", "positive", "force"),
+    *(
+        "n",
+        "h",
+        "r",
+        "v",
+        "d",
+        "q",
+        "i",
+        "j",
+        "k",
+        "low",
+        "high",
+        "impulse",
+        "response",
+        "joint",
+        "joints",
+        "inverse",
+    ),
+    *("sweep", "sweeps", "moved", "moving", "speed", "own", "wanted", "change", "now", "has_jump"),
 }
+"""Words of C and names that the functions use themselves."""
 _MOST_FACTORS = 4
 
 
@@ -24,7 +44,7 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]  # sympy has no types
         return f"{int(expression)}.0"
 
     def _print_Rational(self, expression: Any) -> str:
-        return f"({expression.p}.0/{expression.q}.0)"
+        return f"{expression.p}.0/{expression.q}.0"
 
     def _print_Pow(self, expression: Any) -> str:
         base, power = expression.args

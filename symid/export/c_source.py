@@ -12,7 +12,8 @@ import sympy as sp
 
 from symid.codegen.lowering import PolynomialLowering, as_factor, signal_names
 from symid.export.c_code import assignments, c_code, c_name
-from symid.export.dynamics import LawJoint, SymbolicDynamics, symbolic_dynamics
+from symid.export.c_step import step_function
+from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported
 from symid.signals import split_derivative
 from symid.symbolic.pipeline import DerivedModel
@@ -52,6 +53,9 @@ void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]
 /* dx = f(x, {force}) of the state x = {{{state}}}:
  * displacements of the bodies against the ground (of one on a geared body: against that), then velocities. */
 void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], double {force}, double dx[{n_state}]);
+
+/* Advance the state x by h under a constant {force}. Friction sticks and breaks loose; of first order in h. */
+void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}, double h);
 
 /* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
@@ -104,6 +108,7 @@ void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], do
 {derivative}
 }}
 
+{step}
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}])
 {{
 {readings}
@@ -111,8 +116,8 @@ void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], doubl
 """
 
 _REST = (
-    "Friction at rest: a joint that Coulomb friction holds still chatters around 0 in a fixed-step simulation, "
-    "because sign(0) = 0 and no event is sought; compile with -DSYMID_REST_SPEED=1e-4 to smooth it."
+    "Friction at rest: the derivative takes sign(0) = 0 and seeks no event, so that a fixed-step solver chatters "
+    "around rest; use the step function, in which joints stick, or compile with -DSYMID_REST_SPEED=1e-4."
 )
 
 
@@ -137,7 +142,7 @@ def c_source(model: DerivedModel, values: Mapping[str, float], header: str | Non
     (['.c', '.h'], True)
     """
     dynamics = symbolic_dynamics(model.axis)
-    losses = (*((_REST,) if _can_stick(dynamics) else ()), *_imperfections(model))
+    losses = (*((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()), *_imperfections(model))
     words = _words(model, dynamics, values, losses) | {"header": f"{header or model.axis.name}.h"}
     return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
 
@@ -173,6 +178,9 @@ def _words(
         "output": _output(model, signals),
         "forward": _forward(model),
         "derivative": _derivative(dynamics),
+        "step": step_function(
+            dynamics, lambda names: _lines(_members(names)), _renamed, c_name(axis.drive.signal)
+        ),
         "readings": _readings(dynamics),
     }
 
@@ -264,7 +272,7 @@ def _joint(
     row = [joint.displacement.get(body, sp.Integer(0)) for body in dynamics.bodies]
     symbol = sp.Symbol(f"f_{joint.name}_")
     q, velocity = (sp.Symbol(f"{letter}_{joint.name}_") for letter in "qv")
-    law = joint.force.xreplace({sp.Symbol("q"): q, sp.Symbol("v"): velocity})
+    law = joint.force.xreplace({DISPLACEMENT: q, VELOCITY: velocity})
     statements = {q: sp.Add(*map(sp.Mul, row, x)), velocity: sp.Add(*map(sp.Mul, row, v)), symbol: law}
     needed = law.free_symbols | {symbol}
     lines = [
@@ -294,12 +302,6 @@ def _used(dynamics: SymbolicDynamics) -> list[str]:
         *(m.free_symbols for m in matrices), *(j.force.free_symbols for j in dynamics.joints)
     )
     return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]
-
-
-def _can_stick(dynamics: SymbolicDynamics) -> bool:
-    return any(
-        str(f.func) in ("sign", "positive") for j in dynamics.joints for f in j.force.atoms(sp.Function)
-    )
 
 
 def _imperfections(model: DerivedModel) -> tuple[str, ...]:

@@ -17,6 +17,9 @@ from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
 
+DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
+"""Of a joint, in the force of its laws; no parameter's name ends with an underscore."""
+
 
 @dataclass(frozen=True, eq=False)
 class LawJoint:
@@ -29,12 +32,18 @@ class LawJoint:
     displacement : mapping of str to sympy.Expr
         Its displacement as coefficients of the bodies' absolute displacements.
     force : sympy.Expr
-        What opposes the motion, in parameters and in displacement ``q`` and velocity ``v`` of the joint.
+        What opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`.
     """
 
     name: str
     displacement: Mapping[str, sp.Expr]
     force: sp.Expr
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the force jumps where the joint reverses, so that it can stick."""
+        jumps = (f for f in self.force.atoms(sp.Function) if str(f.func) in ("sign", "positive"))
+        return any(VELOCITY in f.free_symbols for f in jumps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +88,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     >>> from symid.axis import load_axis
     >>> dynamics = symbolic_dynamics(load_axis("rigid_1m"))
     >>> dynamics.mass, dynamics.joints[0].force
-    (Matrix([[M]]), Fs*sign(v))
+    (Matrix([[M]]), Fs*sign(joint_v_))
     """
     operators = operator_model(inverse_dynamics(axis))
     bodies = tuple(operators.motion)
@@ -134,5 +143,6 @@ def _joints(operators: OperatorModel, kinematics: Kinematics) -> tuple[LawJoint,
         if key not in names:
             name = "_".join(sorted(row))
             names[key] = name if name not in names.values() else f"{name}_{len(names)}"
-        forces[key] = forces.get(key, sp.Integer(0)) + sp.cancel(parameter) * entry.expression
+        law = entry.expression.xreplace({sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY})
+        forces[key] = forces.get(key, sp.Integer(0)) + sp.cancel(parameter) * law
     return tuple(LawJoint(name, dict(key), forces[key]) for key, name in names.items())

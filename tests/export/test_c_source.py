@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -127,3 +128,56 @@ def test_a_rest_speed_smooths_friction(tmp_path: Path) -> None:
     assert accelerations(sharp, values, x, force)[1].tolist() == [-2.0, 2.0, -2.0]
     assert accelerations(smooth, values, x, force)[1].tolist() == pytest.approx([-1.0, 1.0, -2.0])
     assert any("rest" in loss for loss in exported.losses)
+
+
+def stepped(
+    code: Compiled, values: Mapping[str, float], forces: np.ndarray, held: float, h: float
+) -> np.ndarray:
+    """States by the step function after each held force, of shape (samples, 2 n)."""
+    x, p, states = np.zeros(2 * code_bodies(code)), code.parameters(values), []
+    step = code.library[f"{code.name}_step"]
+    for force in forces:
+        for _ in range(round(held / h)):
+            step(p.ctypes, x.ctypes, ctypes.c_double(float(force)), ctypes.c_double(h))
+        states.append(x.copy())
+    return np.array(states)
+
+
+def code_bodies(code: Compiled) -> int:
+    """Bodies of a compiled axis, by the number of states that its derivative has in the catalogue."""
+    return len(cases()[code.name].declared.free_bodies)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "rigid_1m",
+        "direct_2m1s",
+        "ballscrew_2m1s",
+        "vertical_2m1s",
+        "emps_asymmetric",
+        "both_ends",
+        "pendulum",
+        "ripple_and_drag",
+    ],
+)
+def test_steps_stick_and_slide_as_the_simulation_does(name: str, tmp_path: Path) -> None:
+    case = cases()[name]
+    code = Compiled.of(c_source(derived(name, case.sensor_sets[0]), case.values), name, tmp_path)
+    plant = plant_of(case.declared, case.values)
+    t = np.arange(300) * 1e-3
+    level = 0.5 * float(np.sum(np.diag(plant.mass))) + 2 * sum(law.limits(0.0)[1] for law in plant.laws)
+    weight = -float(np.sum(plant.constant))
+    forces = np.where(t < 0.2, level * np.sin(2 * np.pi * 7 * t), 0.0) + weight
+    engine, wanted = Engine(plant), []
+    for force in forces:
+        engine.advance(float(force), 1e-3)
+        wanted.append(engine.state.copy())
+    wanted = np.array(wanted)
+    n = len(plant.bodies)
+    coarse, fine = (stepped(code, case.values, forces, 1e-3, h) for h in (2e-5, 1.25e-6))
+    errors = [
+        np.max(np.abs(found[:, :n] - wanted[:, :n])) / np.ptp(wanted[:, :n]) for found in (coarse, fine)
+    ]
+    assert errors[0] < 1e-3
+    assert errors[1] < errors[0] / 5
