@@ -18,10 +18,11 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.export import Exported, c_source, mjcf, parameter_record
+from symid.errors import SettingError
+from symid.export import Exported, c_source, mjcf, parameter_record, write_fmu
 from symid.symbolic import derive
 
-SUFFIXES = {"c": ".c", "mjcf": ".xml", "json": ".json"}
+FORMATS = ("c", "mjcf", "fmu", "json")
 
 
 @click.command(
@@ -35,7 +36,12 @@ SUFFIXES = {"c": ".c", "mjcf": ".xml", "json": ".json"}
     metavar="P.json",
     help="Physical parameters, or what `symid identify --json` or `symid diagnose --write-axis` wrote.",
 )
-@click.option("--to", type=click.Choice(list(SUFFIXES)), required=True, help="C99, MuJoCo, or JSON.")
+@click.option(
+    "--to",
+    type=click.Choice(FORMATS),
+    required=True,
+    help="C99, MuJoCo, unit for co-simulation (FMI 2.0), or JSON.",
+)
 @measured_option
 @click.option("-o", "--output", metavar="FILE", help="Where to write [standard output].")
 @json_option
@@ -64,6 +70,10 @@ def command(axis: str, **options: Any) -> None:
 def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any]) -> Exported:
     if options["to"] == "mjcf":
         return mjcf(declared, values)
+    if options["to"] == "fmu":
+        if not options["output"]:
+            raise SettingError("a unit is a file: give its name with -o FILE.fmu")
+        return Exported({}, write_fmu(derive(declared), values, options["output"]))
     identified = json.loads(Path(options["parameters"]).read_text(encoding="utf-8"))
     model = derive(declared, signal_list(options["measured"]) or identified.get("measured"))
     if options["to"] == "c":
@@ -74,8 +84,10 @@ def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any])
 
 
 def _write(exported: Exported, output: str) -> list[str]:
-    """Write the main file, and the others beside it."""
+    """Write the main file, and the others beside it; a unit is written already."""
     path = Path(output)
+    if not exported.files:
+        return [output]
     main, *others = exported.files
     files = {path: exported.files[main]} | {path.with_suffix(s): exported.files[s] for s in others}
     for file, text in files.items():
