@@ -92,3 +92,18 @@ def test_a_mistake_is_one_line(
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_a_diagnosis_found_is_exported(capsys: pytest.CaptureFixture[str]) -> None:
+    write_log(rigid_log(lambda t, q, v, a, path: 300 * v * abs(v), seconds=5.0), Path("run.csv"))
+    assert run("diagnose", "rigid_1m", "run.csv", "--write-axis", "explained.py") == 0
+    values = json.loads(Path("explained.json").read_text())
+    drag = values["motor_c"]
+    assert drag == pytest.approx(300, rel=0.1)
+    capsys.readouterr()
+    arguments = ("export", "explained.py", "--parameters", "explained.json")
+    for target, suffix in (("c", ".c"), ("mjcf", ".xml"), ("fmu", ".fmu")):
+        assert run(*arguments, "--to", target, "-o", f"explained{suffix}") == 0
+    assert "v_motor_*fabs(v_motor_)" in Path("explained.c").read_text()
+    assert f'damping="{values["Fv"]!r} {drag!r}"' in Path("explained.xml").read_text()
