@@ -6,9 +6,11 @@ it; what joins bodies that are no neighbours runs above. A sensor is an arrow to
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -106,6 +108,22 @@ def plot_schematic(axis: Axis, file: str | Path, palette: Palette = LIGHT) -> No
     """
     path = figure_path(file)
     schematic(axis, palette).savefig(path, dpi=150)
+
+
+def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:
+    """The schematic as an SVG element for a page; the same text every time.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> schematic_svg(load_axis("rigid_1m"))[:5]
+    '<svg '
+    """
+    text = io.StringIO()
+    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": axis.name}):
+        schematic(axis, palette).savefig(text, format="svg", metadata=nothing)
+    return text.getvalue()[text.getvalue().index("<svg ") :]
 
 
 def schematic(axis: Axis, palette: Palette = LIGHT) -> Figure:
@@ -313,5 +331,6 @@ class _Drawing:
     def _stroke(self, x: list[float], y: list[float]) -> None:
         self.axes.plot(x, y, color=self.palette.ink, linewidth=symbols.LINE)
 
-    def _text(self, x: float, y: float, text: str, ha: str = "center", **look: str) -> None:
-        self.axes.text(x, y, text, ha=ha, va="center", fontsize=8.5, **{"color": self.palette.ink, **look})  # type: ignore[arg-type]
+    def _text(self, x: float, y: float, text: str, ha: str = "center", **look: Any) -> None:
+        look = {"color": self.palette.ink, "fontsize": 8.5, "va": "center", "ha": ha, **look}
+        self.axes.text(x, y, text, parse_math=False, **look)

@@ -142,3 +142,15 @@ def test_nothing_known_of_the_floor_or_the_spectrum_is_no_obstacle(tmp_path):
 def test_a_file_that_cannot_be_a_page_is_refused_with_its_name(name, tmp_path):
     with pytest.raises(SettingError, match="report"):
         html_path(tmp_path / name)
+
+
+def test_the_page_holds_the_schematic_of_the_axis(tmp_path):
+    found = diagnosis_example(KINDS[0])
+    first, second = (
+        re.search('<figure class="schematic".*?</figure>', written(found, tmp_path), re.DOTALL) for _ in "12"
+    )
+    drawing = first[0]
+    for body in found.axis.bodies:
+        assert f'id="body {body.name}"' in drawing
+        assert f">{body.name}<" in drawing
+    assert drawing == second[0]
