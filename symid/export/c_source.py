@@ -15,6 +15,7 @@ from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_step import step_function
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported
+from symid.export.losses import losses_of_signals
 from symid.signals import split_derivative
 from symid.symbolic.pipeline import DerivedModel
 
@@ -142,7 +143,11 @@ def c_source(model: DerivedModel, values: Mapping[str, float], header: str | Non
     (['.c', '.h'], True)
     """
     dynamics = symbolic_dynamics(model.axis)
-    losses = (*((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()), *_imperfections(model))
+    losses = (
+        *((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()),
+        *losses_of_signals(model.axis),
+        *_imperfections(model),
+    )
     words = _words(model, dynamics, values, losses) | {"header": f"{header or model.axis.name}.h"}
     return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from symid.axis import Acceleration, Axis, Body, PendulumWeight, Position, Sensor
 from symid.export.exported import Exported
+from symid.export.losses import losses_of_signals
 from symid.export.mechanism import Mechanism, Path, mechanism
 from symid.simulation import plant_of
 
@@ -84,7 +85,7 @@ class _Writer:
     def __init__(self, axis: Axis, machine: Mechanism, timestep: float) -> None:
         self.axis, self.machine, self.timestep = axis, machine, timestep
         self.tendons: dict[Path, str] = {}
-        self.losses = list(machine.losses)
+        self.losses = [*machine.losses, *losses_of_signals(axis)]
         if any(p.frictionloss for p in machine.paths.values()):
             self.losses.append(_SOFT)
 

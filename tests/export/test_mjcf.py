@@ -14,8 +14,9 @@ from axes.shipped import VALUES
 
 from symid import Axis, load_axis
 from symid.axis import Body
-from symid.export import mjcf
+from symid.export import c_source, mjcf
 from symid.simulation import Engine, plant_of
+from symid.symbolic import derive
 
 EXPRESSED = ("drag", "stiffness", "hardening", "backlash")
 LOST = [name for name in EFFECTS if name not in EXPRESSED]
@@ -120,3 +121,17 @@ def test_motion_under_a_given_force_is_that_of_the_simulation(name: str) -> None
     )
     ours, theirs = followed(axis, values, forces, period)
     assert np.max(np.abs(ours - theirs)) < 2e-3 * np.ptp(ours)
+
+
+def test_what_signals_lose_is_said_in_every_format() -> None:
+    axis = (
+        load_axis("motor_bench")
+        .with_signal("iq", noise=0.1)
+        .with_signal("qm", noise=1e-6, resolution=5e-6, delay=1e-3)
+    )
+    values = VALUES["motor_bench"]
+    for exported in (mjcf(axis, values), c_source(derive(axis), values)):
+        for signal in ("Pt", "iq", "qm"):
+            assert any(loss.startswith(f"{signal}:") for loss in exported.losses), signal
+    model = mujoco.MjModel.from_xml_string(mjcf(axis, values).text)
+    assert model.sensor_delay[model.sensor("qm").id] == 1e-3
