@@ -24,6 +24,7 @@ from symid.axis import (
     AsymmetricFriction,
     Axis,
     Backlash,
+    Between,
     Body,
     CoulombFriction,
     Damper,
@@ -151,7 +152,8 @@ def _links(axis: Axis) -> Iterator[_Link]:
     for element in axis.elements:
         match element:
             case Spring():
-                yield _link(element.at, symbols.spring, element.stiffness, f"spring {element.name}")
+                label = element.stiffness + _ratio(element.at)
+                yield _link(element.at, symbols.spring, label, f"spring {element.name}")
                 if element.damping:
                     yield _link(element.at, symbols.damper, element.damping, f"damping of {element.name}")
             case Damper():
@@ -165,6 +167,11 @@ def _links(axis: Axis) -> Iterator[_Link]:
 def _link(at: Joint, sign: Sign, label: str, name: str) -> _Link:
     first, second = (at.on, at) if isinstance(at, Body) else (at.first, at.second)
     return _Link(first.name, second.name, sign, label, name)
+
+
+def _ratio(at: Joint) -> str:
+    """How far the second body moves for one of the first, where a spring is in a gear."""
+    return f", × {at.ratio:.4g}" if isinstance(at, Between) and at.ratio != 1 else ""
 
 
 def _label(law: Law) -> str:
