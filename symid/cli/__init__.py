@@ -18,6 +18,7 @@ COMMANDS = {
     "simulate": "A log of an axis under its controller.",
     "identify": "Parameters and their deviations from logs.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
+    "export": "An identified axis as C, MuJoCo model or JSON, and what it loses there.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
 

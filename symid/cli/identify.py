@@ -13,6 +13,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.options import (
     assignments,
     cascade_gains,
+    dark_option,
     gain_option,
     json_option,
     measured_option,
@@ -136,8 +137,11 @@ loop_options = shared(
 )
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @click.option(
-    "--plot", metavar="FILE", help="Draw measured and predicted force and the residual (png, svg or pdf)."
+    "--plot",
+    metavar="FILE",
+    help="Draw model and measurement, residual, frequency response and confidence ellipses (png, svg or pdf).",
 )
+@dark_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
@@ -148,9 +152,17 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
     found, validation, record = by_method(declared, model, runs, validating, options)
     if options["plot"]:
+        from symid.report.colours import DARK, LIGHT
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
-        plot_identification(found, options["plot"], validation)
+        plot_identification(
+            found,
+            options["plot"],
+            validation,
+            axis=declared,
+            runs=[*runs, *([validating] if validation is not None and validating else [])],
+            palette=DARK if options["dark"] else LIGHT,
+        )
     if options["json_file"]:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":

@@ -23,6 +23,7 @@ from symid.diagnosis.diagnose import (
     concluded,
     data_of,
     effect_values,
+    fits_of,
     standard_deviations,
     timing,
 )
@@ -108,7 +109,7 @@ def diagnose_against(
     base = _machine(state, weighting)
     start = unfitted(with_effects(state, weighting, _same(state, base)), weighting)
     turns = judged_together(search(base, library, start if len(data.record.dynamics.bodies) > 1 else None))
-    fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
+    fits = fits_of(base, turns)
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, turns, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)

@@ -120,10 +120,17 @@ def _diagnosed(
     state, weighting = first_state(data.record, start, data.training)
     base = refitted(fitted(state, weighting, ITERATIONS))
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    turns = judged_together(search(base, library, before))
-    fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
+    turns = search(base, library, before)
+    upheld = compared(data.validation, None, fits_of(base, turns), data.held_out).upheld
+    turns = judged_together(turns[:upheld] or turns)
+    fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     return concluded(comparison, turns, fits, nominal, logs)
+
+
+def fits_of(base: Fit, turns: Sequence[Turn]) -> list[Fit]:
+    """The re-identified model, and those with effects accepted one by one."""
+    return [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
 
 
 @dataclass(frozen=True, eq=False)

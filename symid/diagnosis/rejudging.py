@@ -15,6 +15,8 @@ from symid.diagnosis.hidden_starts import Start
 from symid.diagnosis.search import Confirmed, Turn, confirmed_from
 
 _ITERATIONS = 3
+_AS_GOOD = 1.1
+"""In another order the fit may end elsewhere: it must leave as little."""
 
 
 def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
@@ -31,9 +33,12 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
     whole = accepted[-1].confirmed[0].fit
     own = whole.state.placed[-len(accepted) :]
     losses = [_without(whole, len(own) - i).mean_square - whole.mean_square for i in range(len(own))]
+    order = [i for _, i in sorted(((loss, i) for i, loss in enumerate(losses)), reverse=True)]
+    if order == sorted(order):
+        return tuple(turns)
     chain: list[Turn] = []
     before = accepted[0].before
-    for _, i in sorted(((loss, i) for i, loss in enumerate(losses)), reverse=True):
+    for i in order:
         found = confirmed_from(before, Start(before, own[i]))
         if found is None:
             return tuple(turns)
@@ -42,7 +47,7 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
             break
         chain.append(turn)
         before = found.fit
-    return tuple(chain)
+    return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)
 
 
 def _without(whole: Fit, from_end: int) -> Fit:

@@ -13,7 +13,8 @@ from symid.arrays import FloatArray
 from symid.data import ForeignColumn, Table
 from symid.errors import LogError
 from symid.report.colours import MEASURED, MODEL
-from symid.report.plots import PLOT_STYLE, draw_over_time, figure_path
+from symid.report.panels import draw_over_time
+from symid.report.plots import PLOT_STYLE, figure_path
 from symid.units import to_si
 
 _MOST_COLUMNS = 12
