@@ -10,8 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from symid.arrays import BoolArray
+from symid.diagnosis.comparison import compared
 from symid.diagnosis.fit import Fit, fitted, with_effects
 from symid.diagnosis.hidden_starts import Start
+from symid.diagnosis.record import Record
 from symid.diagnosis.search import Confirmed, Turn, confirmed_from
 
 _ITERATIONS = 3
@@ -19,21 +22,29 @@ _AS_GOOD = 1.1
 """In another order the fit may end elsewhere: it must leave as little."""
 
 
-def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
+def judged_together(
+    turns: Sequence[Turn], validation: Record, held_out: BoolArray | None
+) -> tuple[Turn, ...]:
     """Turns of the search in the order of what their effects take away, without those that are needless.
 
     Parameters
     ----------
     turns : sequence of Turn
         As the search left them.
+    validation : Record
+        What the gap is measured on; the order is that of the steps of the gap there.
+    held_out : bool array of shape (n_fine,) or None
+        Parts of it that count.
     """
     accepted = [turn for turn in turns if turn.accepts]
     if len(accepted) < 2:
         return tuple(turns)
     whole = accepted[-1].confirmed[0].fit
     own = whole.state.placed[-len(accepted) :]
-    losses = [_without(whole, len(own) - i).mean_square - whole.mean_square for i in range(len(own))]
-    order = [i for _, i in sorted(((loss, i) for i, loss in enumerate(losses)), reverse=True)]
+    without = [_without(whole, len(own) - i) for i in range(len(own))]
+    comparison = compared(validation, None, without, held_out)
+    lost = [comparison.level(1 + i).rms for i in range(len(own))]
+    order = sorted(range(len(own)), key=lambda i: -lost[i])
     if order == sorted(order):
         return tuple(turns)
     chain: list[Turn] = []
@@ -47,7 +58,8 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
             break
         chain.append(turn)
         before = found.fit
-    return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)
+    ends = compared(validation, None, [whole, before], held_out)
+    return tuple(chain) if ends.level(2).rms < _AS_GOOD * ends.level(1).rms else tuple(turns)
 
 
 def _without(whole: Fit, from_end: int) -> Fit:
