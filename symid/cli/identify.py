@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -94,8 +93,6 @@ preparation_options = shared(
     ),
 )
 
-_NO_GAINS = {"position_gain": 0.0, "integral_gain": 0.0}
-
 loop_options = shared(
     gain_option,
     click.option("--rate", type=float, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
@@ -183,7 +180,7 @@ def _by_output_error(
             runs,
             held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
-            preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
+            preparation=Preparation(late=late_of(declared, options), standstill=_standstill(options)),
             nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
         )
     validation = predict_output_error(found, validating) if validating and found.fit else None
@@ -215,35 +212,35 @@ def _identified(
 
 def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
     """The axis under the controller that the options describe, if they do."""
-    from symid.simulation import Cascade, ClosedLoop
+    from symid.simulation import ClosedLoop
 
-    loop, gains = ClosedLoop(declared, rate_hz=options["rate"]), cascade_gains(options["gains"])
-    if not gains:
-        return loop
-    if "velocity_gain" not in gains:
-        raise SettingError("--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller")
-    return replace(loop, controller=Cascade(loop.position, **{**_NO_GAINS, **gains}))
+    return ClosedLoop.with_gains(declared, cascade_gains(options["gains"]), options["rate"])
 
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     """A log by the log options."""
-    gains = {
-        name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
-    }
     return read_axis_log(
-        declared,
-        file,
-        measured=signal_list(options["measured"]),
-        columns=assignments(options["column"], "--column"),
-        units=assignments(options["unit"], "--unit"),
-        gains=gains,
+        declared, file, measured=signal_list(options["measured"]), **foreign_columns(options)
     )
 
 
+def foreign_columns(options: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Columns, units and gains by the log options."""
+    gains = assignments(options["gain"], "--gain")
+    return {
+        "columns": assignments(options["column"], "--column"),
+        "units": assignments(options["unit"], "--unit"),
+        "gains": {name: number(text, f"--gain {name}") for name, text in gains.items()},
+    }
+
+
 def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
-    late = _late(declared, options)
-    for signal in options["held"] + ((declared.drive.signal,) if declared.drive.held else ()):
-        late[signal] = late.get(signal, 0.0) - log.sampling_period / 2
+    held = options["held"] + ((declared.drive.signal,) if declared.drive.held else ())
+    return preparation_of(options, late_of(declared, options)).with_held(held, log.sampling_period)
+
+
+def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
+    """Preparation by the preparation options, but for ``--held``."""
     return Preparation(
         cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
         order=options["order"],
@@ -255,12 +252,15 @@ def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparati
     )
 
 
-def _late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
+def late_times(options: dict[str, Any]) -> dict[str, float]:
+    """Seconds of ``--late``."""
+    given = assignments(options["late"], "--late")
+    return {name: seconds_of(text, f"--late {name}") for name, text in given.items()}
+
+
+def late_of(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
     """Seconds by which signals were recorded late, as given."""
-    late = {
-        name: seconds_of(text, f"--late {name}")
-        for name, text in assignments(options["late"], "--late").items()
-    }
+    late = late_times(options)
     unknown = [name for name in (*late, *options["held"]) if name not in declared.signal_units]
     if unknown:
         raise SettingError(

@@ -105,6 +105,18 @@ def read_log(
         ) from error.__cause__
 
 
+def columns_in(path: str | os.PathLike[str]) -> frozenset[str]:
+    """Names of the columns of a file, with and without their units; LogError if it is no log.
+
+    Parameters
+    ----------
+    path : path-like
+        A file that `read_log` reads.
+    """
+    headers = open_table(Path(path)).headers
+    return frozenset(headers) | {_split(header)[0] for header in headers}
+
+
 def _sources(given: _Mapping, named: Collection[str]) -> tuple[_Source, ...]:
     """Column and factor of each signal that the file has; raises all faults of the assignment together."""
     faults = list(_unknown_keys(given))

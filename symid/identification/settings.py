@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -64,6 +64,19 @@ class Preparation:
                 raise SettingError(f"{name} is {value}: it must be at least {least:g}")
         if self.trim is not None and min(self.trim) < 0:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
+
+    def with_held(self, signals: Iterable[str], sampling_period: float) -> Preparation:
+        """Settings under which forces that are held from sample to sample act half a sample later.
+
+        Examples
+        --------
+        >>> Preparation(late={"F": 1e-3}).with_held(["F"], 1e-3).late
+        {'F': 0.0005}
+        """
+        late = dict(self.late)
+        for signal in signals:
+            late[signal] = late.get(signal, 0.0) - sampling_period / 2
+        return replace(self, late=late)
 
 
 def coherent_band(log: Log, model: GeneratedModel) -> float:
