@@ -15,6 +15,7 @@ COMMANDS = {
     "generate": "Write the generated modules of axes.",
     "simulate": "A log of an axis under its controller.",
     "identify": "Parameters and their deviations from logs.",
+    "batch": "Many logs, one row each: parameters, deviations, verdicts.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }

@@ -224,7 +224,7 @@ def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     )
 
 
-def foreign_columns(options: dict[str, Any]) -> dict[str, dict[str, Any]]:
+def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
     """Columns, units and gains by the log options."""
     gains = assignments(options["gain"], "--gain")
     return {

@@ -13,7 +13,7 @@ from symid.data.filtering import (
     kept_indices,
 )
 from symid.data.log import Log
-from symid.data.reading import REFERENCE, read_log
+from symid.data.reading import REFERENCE, columns_in, read_log
 from symid.data.spline import QuinticSpline
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
@@ -28,6 +28,7 @@ __all__ = [
     "ZeroPhaseFilter",
     "central_difference",
     "central_difference_gain",
+    "columns_in",
     "decimate",
     "decimation_filter",
     "derivatives",
