@@ -164,7 +164,11 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
 
 def _expanded(item: str) -> list[str]:
     if os.path.isdir(item):
-        return sorted(str(path) for path in Path(item).rglob("*") if path.suffix.lower() in SUFFIXES)
+        return sorted(map(str, filter(_seems_a_log, Path(item).rglob("*"))))
     if has_magic(item) and not os.path.exists(item):
         return sorted(path for path in glob(item, recursive=True) if not os.path.isdir(path))
     return [item]
+
+
+def _seems_a_log(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES and not path.is_dir()

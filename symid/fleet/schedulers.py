@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
+from threading import Thread
 from typing import Any, Protocol, TypeVar
 
 import joblib
@@ -89,16 +91,28 @@ def _pool(jobs: int) -> joblib.Parallel:
         backend="loky",
         return_as="generator_unordered",
         inner_max_num_threads=1,
-        initializer=_leave_interrupts_to_the_main_process,
+        initializer=_serve,
     )
 
 
-def _leave_interrupts_to_the_main_process() -> None:
+def _serve() -> None:
+    """Make a worker leave Ctrl-C to the main process, and end when that is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_after, args=(os.getppid(),), daemon=True).start()
+
+
+def _end_after(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
 
 
 def _placed(work: Callable[[Task], Result], place: int, task: Task) -> tuple[int, Result]:
     return place, work(task)
+
+
+_PATIENCE = 10.0
+"""Seconds in which the scheduler of a cluster must answer."""
 
 
 @dataclass(frozen=True)
@@ -109,18 +123,15 @@ class Cluster:
     ----------
     address : str
         Of its scheduler, such as ``tcp://10.0.0.1:8786``.
-    patience : float
-        Seconds in which the scheduler must answer.
     """
 
     address: str
-    patience: float = 10.0
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
         """See `Scheduler`."""
         distributed = _distributed()
         try:
-            client = distributed.Client(self.address, timeout=self.patience, set_as_default=False)
+            client = distributed.Client(self.address, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
             raise SettingError(
                 f"no Dask scheduler answers at {self.address}: start one with 'dask scheduler', or check the address"
