@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -150,7 +151,7 @@ def identify_batch(
     run = scheduler_of(jobs, scheduler, len(names))
     journal = journal_file(files[0]) if files else None
     earlier, former = _earlier(files, journal)
-    tasks = [Task(name, tuple(earlier.get(name, ()))) for name in names]
+    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(name, ()))) for name in names]
     rows: dict[str, Row] = {}
     made = 0
     try:

@@ -11,6 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from threading import Thread
 from typing import Any, Protocol, TypeVar
 
@@ -152,29 +153,39 @@ def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task
     size = max(1, min(_GROUP, len(tasks) // (_AHEAD * threads)))
     groups = iter([tasks[start : start + size] for start in range(0, len(tasks), size)])
     flow, waiting = distributed.as_completed(loop=client.loop), {}
+    suspects: list[Task] = []
 
     def submit(group: Sequence[Task]) -> None:
-        future = client.submit(_grouped, work, group, pure=False, retries=2)
+        future = client.submit(_grouped, work, group, pure=False)
         waiting[future.key] = group
         flow.add(future)
 
-    for _, group in zip(range(_AHEAD * threads), groups, strict=False):
+    for group in islice(groups, _AHEAD * threads):
         submit(group)
     for future in flow:
         group = waiting.pop(future.key)
-        if future.status == "finished":
-            yield from zip(group, future.result(), strict=True)
-        elif isinstance(error := future.exception(), distributed.scheduler.KilledWorker):
-            for task in group if len(group) > 1 else ():
-                submit([task])
-            if len(group) == 1:
-                yield group[0], None
+        if (results := _results(future)) is None:
+            suspects += group
         else:
-            raise SymidError(
-                f"the cluster cannot do the work ({type(error).__name__}: {error}): check its workers"
-            )
+            yield from zip(group, results, strict=True)
         if (following := next(groups, None)) is not None:
             submit(following)
+    for task in suspects:  # one at a time: the death of a worker is laid to all that waited for it
+        results = _results(client.submit(_grouped, work, [task], pure=False))
+        yield task, None if results is None else results[0]
+
+
+def _results(future: Any) -> list[Any] | None:
+    """Results of a group; None if it killed its workers."""
+    distributed = _distributed()
+    try:
+        results: list[Any] = future.result()
+    except distributed.scheduler.KilledWorker:
+        return None
+    except Exception as error:
+        cause = f"{type(error).__name__}: {error}"
+        raise SymidError(f"the cluster cannot do the work ({cause}): check its workers") from error
+    return results
 
 
 def _grouped(work: Callable[[Task], Result], tasks: Sequence[Task]) -> list[Result]:

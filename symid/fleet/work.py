@@ -29,11 +29,14 @@ class Task:
     ----------
     log : str
         Path as given.
+    path : str
+        The same, absolute: a worker may run in another folder.
     known : tuple of str
         Keys of rows that earlier runs made of this path.
     """
 
     log: str
+    path: str
     known: tuple[str, ...] = ()
 
 
@@ -59,18 +62,18 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
     begin = time.perf_counter()
     row: dict[str, Value] = {"log": task.log}
     try:
-        row["recorded"] = time_text(os.stat(task.log).st_mtime)
-        content = content_of(task.log)
+        row["recorded"] = time_text(os.stat(task.path).st_mtime)
+        content = content_of(task.path)
         row["content"] = content
-        axis = _axis_of(axes, task.log)
+        axis = _axis_of(axes, task.path)
         key = hashlib.sha256(f"{content}\n{axis.fingerprint}".encode()).hexdigest()
         if key in task.known:
             return Outcome(task.log, None, unchanged=key)
         row |= {"key": key, "axis": axis.axis.name, "method": axis.settings.method}
         with _threads().limit(limits=1):
-            row |= _identified(axis, task.log)
+            row |= _identified(axis, task.path)
     except (Exception, PanicException) as error:  # noqa: BLE001  a row must tell of whatever a log brings about
-        row |= trouble(task.log, error)
+        row |= trouble(task.path, error)
         if isinstance(error, (MemoryError, OSError)):
             row["key"] = None  # another night may do better
     row |= {"seconds": time.perf_counter() - begin, "finished": time_text(time.time())}
