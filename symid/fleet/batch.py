@@ -143,7 +143,7 @@ def identify_batch(
     >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
     >>> batch = identify_batch("emps", file, settings=BatchSettings(columns={"q": "qm"}))
     >>> batch.table.select("axis", "samples").row(0), round(batch.rows[0]["M"])
-    (('emps', 24841), 96)
+    (('emps', 24841), 95)
     """
     chosen = fleet_axes(axes, settings or BatchSettings(), folder)
     files = result_files(output)  # the Parquet file first
