@@ -63,3 +63,13 @@ def plain_force(path: Sines, t: np.ndarray) -> np.ndarray:
     """Force of the axis as it is declared."""
     v = path.at(t, 1)
     return RIGID["M"] * path.at(t, 2) + RIGID["Fv"] * v + RIGID["Fs"] * np.sign(v)
+
+
+def hung(path, t):
+    """What 30 kg on a spring of 12 Hz and 5 % damping pull with beyond being carried along."""
+    m, w, D = 30.0, 2 * np.pi * 12.0, 0.05
+
+    def pull(s):
+        return m * s**2 * (2 * D * w * s + w**2) / (s**2 + 2 * D * w * s + w**2) - m * s**2
+
+    return path.at(t, response=pull)

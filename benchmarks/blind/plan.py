@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,6 @@ def draw_set(folder: Path, cases: int, seed: int, jobs: int, only: str | None = 
     """Write all cases, seal their labels; SHA-256 of the sealed file."""
     folder.mkdir(parents=True)
     todo = plans(cases, seed, only)
-    with ProcessPoolExecutor(jobs) as pool:
+    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:  # polars' threads do not survive a fork
         labels = list(pool.map(draw_case, todo, [folder] * len(todo)))
     return seal.close(folder, {plan.name: label for plan, label in zip(todo, labels, strict=True)})

@@ -117,9 +117,11 @@ def _write_axis(found: Diagnosis, file: Path) -> None:
     """The axis with the effects found, and values of its parameters."""
     if not found.effects:
         raise SettingError(f"--write-axis {file}: no effect was found, so there is no other axis to write")
-    axis, values = explained_axis(found)
-    write_axis(axis, file, f"{found.axis.name} with what a diagnosis found.")
-    write_json(values, str(file.with_suffix(".json")))
+    explained = explained_axis(found)
+    write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
+    write_json(explained.values, str(file.with_suffix(".json")))
+    for sentence in explained.left_out:
+        click.echo(sentence, err=True)
 
 
 def _limits(values: tuple[str, ...]) -> dict[str, float]:

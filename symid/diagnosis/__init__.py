@@ -1,7 +1,7 @@
 """Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks."""
 
 from symid.diagnosis.against import diagnose_against
-from symid.diagnosis.declared import explained_axis
+from symid.diagnosis.declared import ExplainedAxis, explained_axis
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.experiment import Experiment, limits_seen, next_experiment_of
@@ -29,6 +29,7 @@ __all__ = [
     "Effect",
     "EffectParameter",
     "Experiment",
+    "ExplainedAxis",
     "FoundEffect",
     "Gap",
     "Level",

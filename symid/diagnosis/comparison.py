@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -21,6 +22,10 @@ _DRAWS = 400
 _SEGMENT = 1024
 _USED = 0.65
 _SETTLING = 4
+
+
+_GROWN = 1.1
+"""An error that grows by more on data that took no part in the fit speaks against the effect."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +51,16 @@ class Comparison:
         """The log."""
         return self.weighting.record
 
+    def with_effects(self, n: int) -> Comparison:
+        """The nominal and the re-identified model, and those with one to `n` effects."""
+        return Comparison(self.weighting, self.states[: 2 + n], self.errors[: 2 + n])
+
     @property
-    def without_effects(self) -> Comparison:
-        """The nominal and the re-identified model only."""
-        return Comparison(self.weighting, self.states[:2], self.errors[:2])
+    def upheld(self) -> int:
+        """How many of the effects hold on these data: up to the first with which the error grows."""
+        errors = [self.level(model).rms for model in range(1, len(self.states))]
+        holds = [after <= _GROWN * before for before, after in pairwise(errors)]
+        return next((i for i, held in enumerate(holds) if not held), len(holds))
 
     def squares(self, model: int) -> FloatArray:
         """Squares of the weighted force error in the kept rows."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from symid.axis import (
@@ -50,7 +51,27 @@ _SIMPLE: dict[str, tuple[Callable[..., Element], int]] = {
 """Element of an effect, and how many of its values are parameters; the rest are numbers of the declaration."""
 
 
-def explained_axis(found: Diagnosis) -> tuple[Axis, Values]:
+@dataclass(frozen=True)
+class ExplainedAxis:
+    """An axis with the effects that a diagnosis found.
+
+    Parameters
+    ----------
+    axis : Axis
+        The axis diagnosed with the elements of the effects added.
+    values : dict of str to float
+        Values of its physical parameters, SI.
+    left_out : tuple of str
+        A sentence for each effect that is no element of an axis: what depends on time or on the drive force, or lies
+        in a signal.
+    """
+
+    axis: Axis
+    values: Values
+    left_out: tuple[str, ...]
+
+
+def explained_axis(found: Diagnosis) -> ExplainedAxis:
     """The axis with the effects of a diagnosis added, and the values of its parameters.
 
     Parameters
@@ -61,24 +82,42 @@ def explained_axis(found: Diagnosis) -> tuple[Axis, Values]:
     Raises
     ------
     SettingError
-        If there is no effect, or one is no element: what depends on time, on the drive force, or lies in a signal.
+        If no effect was found, or none of them is an element of an axis.
     """
     accepted = [turn for turn in found.search if turn.accepts] if found.effects else []
     if not accepted:
         raise SettingError("no effect was found: the axis stays as it is declared")
     state = accepted[-1].confirmed[0].fit.state
     axis, values = state.scene.axis, dict(state.scene.parameters)
+    left_out = []
     for item in state.placed:
         if item.effect.name == "flexible_mode":
             axis = _with_mode(axis, item, values)
-            continue
-        elements, own = _elements(state.scene, item)
-        axis = axis.with_effect(*elements)
-        values |= own
-    return axis, {name: values[name] for name in axis.physical_parameters}
+        elif (added := _elements(state.scene, item)) is not None:
+            axis = axis.with_effect(*added[0])
+            values |= added[1]
+        else:
+            left_out.append(_left_out(state.scene, item))
+    if len(left_out) == len(state.placed):
+        raise SettingError("; ".join(left_out))
+    return ExplainedAxis(axis, {name: values[name] for name in axis.physical_parameters}, tuple(left_out))
 
 
-def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values]:
+def _left_out(scene: Scene, item: Placed) -> str:
+    """What an axis file cannot say of an effect."""
+    found = {name: (value, unit) for name, value, unit in item.values(scene) if name != "share"}
+    numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
+    if item.effect.name in ("delay", "actuator_lag"):
+        late = f"--late {scene.axis.drive.signal}={-1e6 * found['T'][0]:.4g}us"
+        return f"{item.effect.name} ({numbers}) is no element of an axis: identify with {late}"
+    where = "depends on time or force, or lies in a signal"
+    return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis: it {where}"
+
+
+def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values] | None:
+    """Elements of an effect and the values of their parameters; None if it is no element."""
+    if not (item.effect.name in (*_SIMPLE, "asymmetric_friction") or isinstance(item.effect, (Wavy, Sloped))):
+        return None
     place = _place(scene.axis, item.at)
     values = item.values(scene)
     names = [f"{item.at}_{name}" for name, _, _ in values]
@@ -89,20 +128,16 @@ def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values]:
     if item.effect.name == "asymmetric_friction":
         names, numbers = [*names, f"{item.at}_dFv"][:2], [*numbers, 0.0][:2]
         return [OneSidedFriction(place, *names)], dict(zip(names, numbers, strict=True))
-    if isinstance(item.effect, (Wavy, Sloped)):
-        mean = int(item.effect.level)
-        level: list[Element] = [CoulombFriction(place, names[0])] if mean else []
-        first, second = names[mean : mean + 2]
-        low, high = scene.joints[item.at].range
-        if isinstance(item.effect, Wavy):
-            level.append(WavyFriction(place, first, second, item.shape[0]))
-        else:
-            level.append(SlopedFriction(place, first, second, low, high))
-        return level, dict(zip(names[: mean + 2], numbers, strict=False))
-    raise SettingError(
-        f"{item.effect.name} at {item.at} is no element of an axis: it depends on time or on the drive force, or "
-        "lies in a signal; write the axis without it"
-    )
+    assert isinstance(item.effect, (Wavy, Sloped))
+    mean = int(item.effect.level)
+    level: list[Element] = [CoulombFriction(place, names[0])] if mean else []
+    first, second = names[mean : mean + 2]
+    low, high = scene.joints[item.at].range
+    if isinstance(item.effect, Wavy):
+        level.append(WavyFriction(place, first, second, item.shape[0]))
+    else:
+        level.append(SlopedFriction(place, first, second, low, high))
+    return level, dict(zip(names[: mean + 2], numbers, strict=False))
 
 
 def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:

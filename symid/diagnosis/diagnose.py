@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,6 +40,11 @@ _BLOCKS = 12
 _ABSORBED_DEVIATIONS = 3.0
 _ABSORBED_SHARE = 0.01
 _LISTED = 20
+_NOISE_ALONE = 1.5
+_ONLY_IN_VALIDATION = (
+    "The model fits the log: the effect shows in the validation log alone. It was identified from two thirds of that, "
+    "and the gap measured on the rest."
+)
 
 
 def diagnose(
@@ -88,7 +93,28 @@ def diagnose(
     >>> found.gap.reidentified.rms > found.gap.explained.rms
     True
     """
-    data = data_of(axis, log, validation, late)
+    found = _diagnosed(axis, (log, validation), nominal, late, library)
+    if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
+        return found
+    other = _diagnosed(axis, (validation, None), nominal, late, library)
+    if other.verdict != "effect":
+        return found
+    return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
+
+
+def _fits_its_log(found: Diagnosis) -> bool:
+    """Whether the re-identified model leaves no more than noise of the log that it was identified from."""
+    return bool(found.search) and found.search[0].before.mean_square < _NOISE_ALONE
+
+
+def _diagnosed(
+    axis: Axis,
+    logs: tuple[Log, Log | None],
+    nominal: Mapping[str, float] | None,
+    late: Mapping[str, float] | None,
+    library: Sequence[Effect],
+) -> Diagnosis:
+    data = data_of(axis, *logs, late)
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
     base = refitted(fitted(state, weighting, ITERATIONS))
@@ -97,7 +123,7 @@ def diagnose(
     )
     fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
-    return concluded(comparison, turns, fits, nominal, (log, validation))
+    return concluded(comparison, turns, fits, nominal, logs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,18 +191,21 @@ def concluded(
     logs : tuple of Log
         What was identified from, and the validation log if there is one.
     """
+    upheld = comparison.upheld
+    comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
     floor = gap.noise_floor.rms
     chances = outcome(
         turns,
+        upheld,
         gap.nominal.rms / floor if gap.nominal else None,
         gap.reidentified.rms / floor,
         gap.explained.rms / floor,
     )
     verdict: Verdict = chances.verdict  # type: ignore[assignment]  # one of its four names
-    accepted = [turn for turn in turns if turn.accepts] if verdict == "effect" else []
+    accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict == "effect" else []
     if not accepted:
-        comparison, fits = comparison.without_effects, fits[:1]
+        comparison, fits = comparison.with_effects(0), fits[:1]
         gap, found = comparison.gap(), maps(comparison)
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, turns[0], chances)
@@ -311,7 +340,7 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
                 reidentified_std=float(before[i]),
                 explained=new,
                 explained_std=float(after[i]),
-                absorbed=len(fits) > 1 and abs(new - old) > limit,
+                absorbed=len(fits) > 1 and bool(abs(new - old) > limit),
             )
         )
     return tuple(found)

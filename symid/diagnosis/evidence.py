@@ -97,20 +97,24 @@ class Outcome:
         }
 
 
-def outcome(turns: Sequence[Turn], nominal: float | None, reidentified: float, explained: float) -> Outcome:
+def outcome(
+    turns: Sequence[Turn], upheld: int, nominal: float | None, reidentified: float, explained: float
+) -> Outcome:
     """Probabilities of the verdicts.
 
     Parameters
     ----------
     turns : sequence of Turn
         Of the search.
+    upheld : int
+        How many of the effects accepted hold on the validation data.
     nominal, reidentified, explained : float
         Force errors on the validation data in multiples of the noise; nominal is None if no values are given.
     """
     if not np.isfinite([reidentified, explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(turns[0]) if turns else 0.0
-    if turns and turns[0].confirmed and not turns[0].accepts:
+    if not upheld:
         there = min(there, 0.1)
     left = _left_over(reidentified, explained)
     good = (

@@ -131,7 +131,10 @@ def _integrated(
     moved = [((c * q).tolist(), (c * v).tolist(), h, w, law) for c, h, w, law in joints]
     order = [*range(n_log, q.size), *range(n_log), *range(n_log, q.size)]
     z, forces = np.zeros(q.size), [np.zeros(q.size) for _ in joints]
-    place, states, pushes = _loop(transition, first + second, second, given, moved, order)
+    try:
+        place, states, pushes = _loop(transition, first + second, second, given, moved, order)
+    except ValueError as error:  # a sine of what has grown without bound
+        raise OverflowError("the hidden motion grows without bound") from error
     back = q.size - n_log
     z[place[back : back + n_log]] = states[back : back + n_log]
     blend = np.linspace(0, 1, back)

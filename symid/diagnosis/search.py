@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
-from symid.diagnosis.effects import Effect, JointEffect
-from symid.diagnosis.fit import Fit, fitted, is_hidden, refitted, with_effects
+from symid.diagnosis.effects import Effect
+from symid.diagnosis.fit import Fit, fitted, refitted, with_effects
+from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.screening import PRICE, Candidate, screened
 from symid.errors import SettingError
 
@@ -20,10 +22,14 @@ LEAST_SHARE = 0.006
 _LEAST_POWER = 0.06
 _EXPLAINED = 1.4
 _MARCHED = 2
+_TWINS = 3
+_HARDLY = 0.1
+"""With more of the mean square left, no candidate has explained it."""
 _TIE = 2.0
 _MOST_EFFECTS = 3
-_ITERATIONS = 6
-_REFINED = 3
+_DIRECT = (6, 3)
+_MARCHING = (12, 8)
+"""Iterations at most, with the first weights and with those that belong to the values found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,9 +122,9 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
     """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
     found = screened(fit, library)
     confirmed: dict[tuple[str, str], Confirmed] = {}
-    for start, candidates, marched in _stages(fit, found, library, nominal):
-        for candidate in candidates:
-            own = _confirmed(fit, start, candidate, marched=marched)
+    for stage in _stages(fit, found, library, nominal, confirmed):
+        for start in stage:
+            own = _confirmed(fit, start)
             if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
                 confirmed[own.key] = own
         best = max(confirmed.values(), key=lambda c: c.worth, default=None)
@@ -133,19 +139,27 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
 
 
 def _stages(
-    fit: Fit, found: list[Candidate], library: Sequence[Effect], nominal: Fit | None
-) -> Iterator[tuple[Fit, list[Candidate], bool]]:
-    """Start, candidates and whether hidden motion is integrated, the cheapest first."""
+    fit: Fit,
+    found: list[Candidate],
+    library: Sequence[Effect],
+    nominal: Fit | None,
+    confirmed: Mapping[tuple[str, str], Confirmed],
+) -> Iterator[Iterable[Start]]:
+    """Starts of fits, the cheapest first."""
     promising = [c for c in found if max(c.worth, c.white_worth) > LEAST_WORTH / 2]
     white = sorted(promising, key=lambda c: -c.white_worth)
-    yield fit, promising[:3], False
-    yield fit, _distinct([*promising[3:6], *white[:3]], promising[:3]), False
+    yield [Start(fit, c.placed) for c in promising[:3]]
+    yield [Start(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3]], promising[:3])]
     if nominal is None:
         return
-    other = screened(nominal, library)
-    yield nominal, other[:4], False
-    hidden = [c for c in other if _can_march(nominal, c)]
-    yield nominal, hidden[:_MARCHED], True
+    other = [Start(nominal, c.placed) for c in screened(nominal, library)]
+    yield other[:4]
+    hidden = [replace(s, placed=replace(s.placed, marched=True)) for s in other]
+    yield [s for s in hidden if can_march(nominal.state.scene, s.placed)][:_MARCHED]
+    best = sorted(confirmed.values(), key=lambda c: -c.worth)
+    yield islice(twins(fit, [c.fit for c in best]), _TWINS)
+    if min((c.fit.mean_square for c in confirmed.values()), default=np.inf) > _HARDLY * fit.mean_square:
+        yield of_grid(fit, nominal, library)
 
 
 def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Candidate]:
@@ -156,23 +170,16 @@ def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Cand
     return kept
 
 
-def _can_march(fit: Fit, candidate: Candidate) -> bool:
-    """Whether a candidate acts on hidden motion, and its force is known point by point."""
-    item, scene = candidate.placed, fit.state.scene
-    if not isinstance(item.effect, JointEffect) or not is_hidden(scene, item.effect.joint(scene, item.at)):
-        return False
-    return item.effect.pointwise(scene, item.shape, item.amplitudes) is not None
-
-
-def _confirmed(fit: Fit, start: Fit, candidate: Candidate, *, marched: bool) -> Confirmed | None:
+def _confirmed(fit: Fit, start: Start) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it."""
-    item = replace(candidate.placed, marched=marched)
+    weighting = start.fit.weighting
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            state = with_effects(start.state, start.weighting, (*start.state.placed, item))
+            state = with_effects(start.fit.state, weighting, (*start.fit.state.placed, start.placed))
             if not np.all(np.isfinite(state.rows)):
                 return None
-            found = refitted(fitted(state, start.weighting, _ITERATIONS), _REFINED)
+            first, then = _MARCHING if start.placed.marched else _DIRECT
+            found = refitted(fitted(state, weighting, first), then)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
     return _judged(fit, found)

@@ -2,22 +2,12 @@
 
 import numpy as np
 import pytest
-from hand_made import RIGID, plain_force, rigid_log
+from hand_made import RIGID, hung, plain_force, rigid_log
 
 from symid import load_axis
 from symid.diagnosis import diagnose
 
 SHIFT = 1e-3
-
-
-def hung(path, t):
-    """What 30 kg on a spring of 12 Hz and 5 % damping pull with beyond being carried along."""
-    m, w, D = 30.0, 2 * np.pi * 12.0, 0.05
-
-    def pull(s):
-        return m * s**2 * (2 * D * w * s + w**2) / (s**2 + 2 * D * w * s + w**2) - m * s**2
-
-    return path.at(t, response=pull)
 
 
 EFFECTS = {

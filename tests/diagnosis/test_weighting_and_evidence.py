@@ -113,7 +113,7 @@ def test_nothing_to_close_has_no_fraction() -> None:
     ],
 )
 def test_verdict_without_any_candidate(nominal: float | None, left: float, verdict: str) -> None:
-    found = outcome((), nominal, left, left)
+    found = outcome((), 0, nominal, left, left)
     assert found.verdict == verdict
     assert sum(found.as_mapping.values()) == pytest.approx(1.0)
     assert found.effect == 0.0

@@ -73,6 +73,10 @@ class JointEffect(Effect):
         """Its force point by point, for hidden joints; None if it does not depend on the motion there."""
         return None
 
+    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        """Shapes and amplitudes that change the motion of a hidden joint on a spring as much as the spring does."""
+        return ()
+
     def joint(self, scene: Scene, place: str) -> Joint:
         """The joint that stands for a place."""
         return scene.joints[place]

@@ -28,6 +28,8 @@ LEAST_PITCH = 1e-3
 _LEAST_STROKE = 5e-3
 _TRIALS = 4
 _DEPTHS = np.geomspace(0.02, 0.9, 10)
+_STRONG = (0.3, 1.0, 2.5, 5.0)
+"""Dead zones, and forces of a cubic spring, relative to those of the linear spring where it is deflected most."""
 _SHARE_OF_BAND = 0.6
 _LOWEST_MODE = 3.0
 _SHARE_OF_MOTION = 0.9
@@ -151,6 +153,10 @@ class PeriodicDisturbance(JointEffect):
         return force, force, "Hz"
 
 
+_CHANGES_WITHIN = np.array([0.1, 0.9])
+"""Shares of the log between which a mass may change: what differs at the ends is a start that is not known."""
+
+
 class PayloadChange(Effect):
     """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
 
@@ -174,7 +180,8 @@ class PayloadChange(Effect):
         step = max(1, score.size // 400)
         times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
         mass = float(body.direction @ scene.response.plant.mass @ body.direction)
-        return [(x * abs(mass), t) for t in times if t > 0 for x in _MASS_CHANGES]
+        first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
+        return [(x * abs(mass), t) for t in times if first < t < last for x in _MASS_CHANGES]
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         record, (change, moment) = scene.record, shape
@@ -216,6 +223,10 @@ class Backlash(JointEffect):
         (stiffness,), half = amplitudes, shape[0] / 2
         return Pointwise(lambda k, q, v: -stiffness * min(max(q, -half), half))
 
+    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        largest = max(map(abs, scene.springs[place].range))
+        return [((x * largest,), (stiffness,)) for x in _STRONG]
+
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
         return str(force / length), str(length)
@@ -239,6 +250,10 @@ class StiffnessNonlinearity(JointEffect):
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         (cubic,) = amplitudes
         return Pointwise(lambda k, q, v: cubic * q * q * q)
+
+    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        largest = max(map(abs, scene.springs[place].range))
+        return [((), (x * stiffness / largest**2,)) for x in _STRONG]
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)

@@ -1,0 +1,143 @@
+"""Where to begin a fit whose effect acts on motion that no sensor sees.
+
+Such motion follows from the model and the effect together, so the error has many minima. Two kinds of start have been
+found to lead to the right one: the values of the same effect at a joint that is seen, and the best of a grid over the
+stiffness and mass of the hidden body and the strength of the effect, each integrated once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from symid.axis import Between, Body, Spring
+from symid.diagnosis.effects import Effect, JointEffect, Placed
+from symid.diagnosis.fit import Fit, first_state, is_hidden, unfitted, with_effects
+from symid.diagnosis.scene import Scene, place_of
+
+_STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
+_MASSES = (0.9, 1.1)
+_KEPT = 2
+"""Starts of the grid that are fitted, for each effect at each place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A model without the effect, and the effect with its first values.
+
+    Parameters
+    ----------
+    fit : Fit
+        Parameters to begin with.
+    placed : Placed
+        The effect.
+    """
+
+    fit: Fit
+    placed: Placed
+
+
+def twins(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
+    """The effects of fitted models at hidden joints, begun with the values found for them or for their twin.
+
+    Parameters
+    ----------
+    fit : Fit
+        The model without the effects.
+    found : sequence of Fit
+        Fitted models, each with one effect more.
+    """
+    scene = fit.state.scene
+    for other in found:
+        item = other.state.placed[-1]
+        if not isinstance(item.effect, JointEffect):
+            continue
+        for place in item.effect.places(scene):
+            moved = replace(item, at=place, marched=True)
+            if moved != item and can_march(scene, moved):
+                state = with_effects(other.state, fit.weighting, fit.state.placed)
+                yield Start(unfitted(state, fit.weighting), moved)
+
+
+def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
+    """Strong effects in the spring of a hidden body, from values near the nominal ones.
+
+    Parameters
+    ----------
+    fit : Fit
+        The re-identified model, whose values count for all that is not hidden.
+    nominal : Fit
+        The model before re-identification.
+    library : sequence of Effect
+        What is considered.
+    """
+    for spring, body in _hidden_springs(nominal.state.scene):
+        grid = list(_near(fit, nominal, spring, body))
+        for effect in library:
+            starts = [
+                Start(near, placed)
+                for near in grid
+                for placed in _placed(effect, near.state.scene, spring)
+                if can_march(near.state.scene, placed)
+            ]
+            yield from sorted(starts, key=_left)[:_KEPT]
+
+
+def can_march(scene: Scene, item: Placed) -> bool:
+    """Whether an effect acts on hidden motion, and its force is known point by point."""
+    effect = item.effect
+    if not isinstance(effect, JointEffect) or not is_hidden(scene, effect.joint(scene, item.at)):
+        return False
+    return effect.pointwise(scene, item.shape, item.amplitudes) is not None
+
+
+def _placed(effect: Effect, scene: Scene, spring: Spring) -> Iterable[Placed]:
+    place, stiffness = place_of(spring), scene.parameters[spring.stiffness]
+    if isinstance(effect, JointEffect) and place in effect.places(scene):
+        for shape, amplitudes in effect.strong(scene, place, stiffness):
+            yield Placed(effect, place, shape, amplitudes, marched=True)
+
+
+def _left(start: Start) -> float:
+    """Sum of squares that the start leaves, but for unknown states at the beginning."""
+    fit = start.fit
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            state = with_effects(fit.state, fit.weighting, (*fit.state.placed, start.placed))
+    except OverflowError:
+        return math.inf
+    if not np.isfinite(state.rows).all():
+        return math.inf
+    left = fit.weighting.known(state.rows, state.beginning)
+    return float(left @ left)
+
+
+def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[Fit]:
+    """Models near the nominal one, with the re-identified values of what is not hidden."""
+    scene, weighting = nominal.state.scene, nominal.weighting
+    axis, mass = scene.axis, str(body.mass or body.inertia)
+    hidden = {mass, spring.stiffness, spring.damping}
+    hidden |= {term.parameter for law in axis.laws if law.at == body for term in law.terms()}
+    values = {n: (scene if n in hidden else fit.state.scene).parameters[n] for n in scene.parameters}
+    for stiffer, heavier in product(_STIFFNESSES, _MASSES):
+        near = values | {
+            spring.stiffness: values[spring.stiffness] * stiffer,
+            mass: values[mass] * heavier,
+        }
+        state, _ = first_state(scene.record, near, weighting.allowed)
+        yield unfitted(state.weighted(weighting), weighting)
+
+
+def _hidden_springs(scene: Scene) -> Iterator[tuple[Spring, Body]]:
+    """Springs whose deflection no sensor tells, with the body that hangs on them."""
+    for spring in (e for e in scene.axis.elements if isinstance(e, Spring)):
+        if not is_hidden(scene, scene.springs[place_of(spring)]):
+            continue
+        ends = (spring.at.first, spring.at.second) if isinstance(spring.at, Between) else (spring.at,)
+        hidden = [b for b in ends if isinstance(b, Body) and is_hidden(scene, scene.joints[b.name])]
+        if hidden:
+            yield spring, hidden[0]
