@@ -18,6 +18,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +27,8 @@ import scipy
 from symid.arrays import BoolArray, FloatArray
 from symid.errors import SettingError
 from symid.fleet.segments import Change, Segment, cut, fitted_segment, places_of_step
+
+Values = TypeVar("Values", FloatArray, BoolArray, npt.NDArray[np.intp])
 
 LEAST_RUNS = 8
 """Runs from which changes are looked for."""
@@ -112,11 +115,12 @@ def control_chart(
             f"values of shape {x.shape}, deviations {s.shape}, {'no' if times is None else len(times)} times: "
             "one of each for each run"
         )
-    known = np.flatnonzero(np.isfinite(x) & np.isfinite(s) & (s > 0))
-    order = known if times is None else np.array(sorted(known, key=lambda i: times[i]), dtype=np.intp)
+    known = [int(i) for i in np.flatnonzero(np.isfinite(x) & np.isfinite(s) & (s > 0))]
+    chosen = known if times is None else sorted(known, key=lambda i: times[i])
     when: list[datetime] | list[float] = (
-        [times[i] for i in order] if times is not None else [float(i) for i in order]
+        [times[i] for i in chosen] if times is not None else [float(i) for i in chosen]
     )
+    order = np.array(chosen, dtype=np.intp)
     return _charted(_Series(when, x[order], s[order]), order)
 
 
@@ -143,7 +147,9 @@ def _days(moment: datetime | float, first: datetime | float) -> float:
 
 
 def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
-    scale = float(np.median(series.deviations)) if order.size else 1.0  # squares of small values keep their digits
+    scale = (
+        float(np.median(series.deviations)) if order.size else 1.0
+    )  # squares of small values keep their digits
     x, variance, time = series.values / scale, (series.deviations / scale) ** 2, series.time
     outlying = np.zeros(x.size, dtype=bool)
     segments: tuple[Segment, ...] = ()
@@ -154,7 +160,9 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
             outlying = _stand_off(x, variance + between)
             weights = np.where(outlying, 0.0, 1 / (variance + between))
             found = cut(time, x, weights, slope_penalty(x.size))
-            settled = [(s.first, s.end, s.drifts) for s in found] == [(s.first, s.end, s.drifts) for s in segments]
+            settled = [(s.first, s.end, s.drifts) for s in found] == [
+                (s.first, s.end, s.drifts) for s in segments
+            ]
             segments, between = found, _variance_within(x, variance, time, found, ~outlying)
             if settled:
                 break
@@ -162,9 +170,7 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
         segments = (fitted_segment(time, x, 1 / variance, 0, x.size, sloping=False),)
         between = _variance_within(x, variance, time, segments, ~outlying)
     weights = np.where(outlying, 0.0, 1 / (variance + between))
-    segments = tuple(
-        fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments
-    )
+    segments = tuple(fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments)
     centre = np.concatenate([s.level + s.slope * (time[s.first : s.end] - s.middle) for s in segments] or [x])
     limit = _LIMIT * np.sqrt(variance + between)
     changes = _changes(series, scale, time, x, weights, segments)
@@ -183,14 +189,14 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
 
 
 def slope_penalty(runs: int) -> float:
-    """What a slope costs in the criterion: a chi-square of one in a thousand, and more for long series.
+    """What a slope costs in the criterion: a chi-square of one in a hundred, and more for long series.
 
     Examples
     --------
     >>> round(slope_penalty(100), 1)
-    15.4
+    11.2
     """
-    return float(scipy.stats.chi2.isf(1e-3, 1)) + math.log(runs)
+    return float(scipy.stats.chi2.isf(1e-2, 1)) + math.log(runs)
 
 
 def _successive_variance(x: FloatArray, variance: FloatArray) -> float:
@@ -268,7 +274,16 @@ def _steps(
     when = series.when
     return [
         Change(
-            "step", after.first, when[after.first], when[first - 1], when[last], new - old, std, (0, 0), old, new
+            "step",
+            after.first,
+            when[after.first],
+            when[first - 1],
+            when[last],
+            new - old,
+            std,
+            (0, 0),
+            old,
+            new,
         )
     ]
 
@@ -286,7 +301,7 @@ def _drift(series: _Series, time: FloatArray, segment: Segment) -> Change:
 
 def _in_units(change: Change, scale: float, factor: float) -> Change:
     """The change in the unit of the parameter, with the interval of its size."""
-    size, std = change.size * scale, change.std * scale
+    size, std = float(change.size) * scale, float(change.std) * scale
     return Change(
         change.kind,
         change.log,
@@ -296,8 +311,8 @@ def _in_units(change: Change, scale: float, factor: float) -> Change:
         size,
         std,
         (size - factor * std, size + factor * std),
-        change.before * scale,
-        change.after * scale,
+        float(change.before) * scale,
+        float(change.after) * scale,
     )
 
 
@@ -306,7 +321,7 @@ def _scaled(s: Segment, scale: float) -> Segment:
     return Segment(s.first, s.end, s.middle, s.level * scale, s.slope * scale, *variances)
 
 
-def _read_only(array: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:  # type: ignore[type-arg]
+def _read_only(array: Values) -> Values:
     array = array.copy()
     array.flags.writeable = False
     return array

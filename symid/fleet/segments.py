@@ -17,6 +17,7 @@ from datetime import datetime
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from symid.arrays import FloatArray
 
@@ -25,6 +26,10 @@ LEAST_LEVEL = 3
 LEAST_SLOPE = 6
 """Points of a segment with a slope."""
 _CREDIBLE = 0.95
+_MOST_PLACES = 1000
+"""Places of cuts that are compared at once; those of a longer series are refined afterwards."""
+_SHORT = 5.0
+"""Runs by which a series counts as short: its scale is estimated, and false alarms would be more frequent."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,9 @@ class Change:
         return self.size / abs(self.before) if self.before else math.nan
 
 
-def cut(time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float) -> tuple[Segment, ...]:
+def cut(
+    time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
+) -> tuple[Segment, ...]:
     """Segments of least penalised cost.
 
     Parameters
@@ -122,27 +129,57 @@ def cut(time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty
     count = time.size
     if count < 2 * LEAST_LEVEL:
         return (fitted_segment(time, values, weights, 0, count, sloping=False),)
-    sums = _Sums.of(time, values, weights)
-    step = 3 * math.log(count)
-    best, came_from, sloping = np.full(count + 1, np.inf), np.zeros(count + 1, int), np.zeros(count + 1, bool)
+    ends, sloping = _best_cut(time, values, weights, slope_penalty)
+    for i in range(len(ends) - 2):
+        ends[i + 1] = _refined(time, values, weights, ends[i : i + 3], sloping[i : i + 2])
+    return tuple(
+        fitted_segment(time, values, weights, first, end, sloping=slopes)
+        for first, end, slopes in zip(ends[:-1], ends[1:], sloping, strict=True)
+    )
+
+
+def _best_cut(
+    time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
+) -> tuple[list[int], list[bool]]:
+    """Ends of the best segments, 0 first, and which have a slope; of a long series cuts are at every few places."""
+    count = time.size
+    places = np.append(np.arange(0, count, -(-count // _MOST_PLACES)), count)
+    sums = _Sums.of(time, values, weights, places)
+    step = 3 * math.log(count) * (1 + _SHORT / count)
+    best, came_from = np.full(places.size, np.inf), np.zeros(places.size, dtype=int)
+    with_slope = np.zeros(places.size, dtype=bool)
     best[0] = -step
-    for end in range(LEAST_LEVEL, count + 1):
-        level, line = sums.costs(end)
-        length = np.log((end - np.arange(end)) / count)
-        level = best[:end] + level + length + step
-        line = best[:end] + line + length + step + slope_penalty
-        level[max(end - LEAST_LEVEL + 1, 0) :] = np.inf
-        line[max(end - LEAST_SLOPE + 1, 0) :] = np.inf
-        sloping[end] = line.min() < level.min()
-        chosen = line if sloping[end] else level
-        came_from[end] = int(np.argmin(chosen))
-        best[end] = chosen[came_from[end]]
-    found, end = [], count
-    while end > 0:
-        first = int(came_from[end])
-        found.append(fitted_segment(time, values, weights, first, end, sloping=bool(sloping[end])))
-        end = first
-    return tuple(reversed(found))
+    for k in range(1, places.size):
+        level, line = sums.costs(k)
+        length = places[k] - places[:k]
+        shared = best[:k] + np.log(length / count) + step
+        level = np.where(length < LEAST_LEVEL, np.inf, level + shared)
+        line = np.where(length < LEAST_SLOPE, np.inf, line + shared + slope_penalty)
+        with_slope[k] = line.min() < level.min()
+        chosen = line if with_slope[k] else level
+        came_from[k] = int(np.argmin(chosen))
+        best[k] = chosen[came_from[k]]
+    ends, sloping, k = [count], [], places.size - 1
+    while k > 0:
+        sloping.append(bool(with_slope[k]))
+        k = int(came_from[k])
+        ends.append(int(places[k]))
+    return ends[::-1], sloping[::-1]
+
+
+def _refined(
+    time: FloatArray, values: FloatArray, weights: FloatArray, ends: list[int], sloping: list[bool]
+) -> int:
+    """Best place of the middle one of three ends, of those that the cut has left out around it."""
+    reach = -(-time.size // _MOST_PLACES) - 1
+    first, middle, last = ends
+    places = range(max(middle - reach, first + LEAST_LEVEL), min(middle + reach, last - LEAST_LEVEL) + 1)
+
+    def misfit(place: int) -> float:
+        sides = ((first, place, sloping[0]), (place, last, sloping[1]))
+        return sum(_misfit(time, values, weights, *side) for side in sides)
+
+    return min(places, key=misfit) if reach else middle
 
 
 def fitted_segment(
@@ -210,24 +247,30 @@ def _misfit(
 
 @dataclass(frozen=True)
 class _Sums:
-    """Cumulative weighted sums of a series, from which the cost of every stretch follows; rows of shape (6, n + 1)."""
+    """Cumulative weighted sums of a series, from which the cost of every stretch follows; shape (6, n_places)."""
 
     rows: FloatArray
 
     @classmethod
-    def of(cls, time: FloatArray, values: FloatArray, weights: FloatArray) -> _Sums:
-        """Those of a series, centred and scaled so that differences of sums keep their digits."""
+    def of(
+        cls, time: FloatArray, values: FloatArray, weights: FloatArray, places: npt.NDArray[np.int64]
+    ) -> _Sums:
+        """Those of a series up to some places, centred and scaled so that differences of sums keep their digits."""
         t = (time - time.mean()) / (np.ptp(time) or 1.0)
         x = values - np.median(values)
-        terms = np.stack([weights, weights * t, weights * t * t, weights * x, weights * x * t, weights * x * x])
-        return cls(np.concatenate([np.zeros((6, 1)), np.cumsum(terms, axis=1)], axis=1))
+        terms = np.stack(
+            [weights, weights * t, weights * t * t, weights * x, weights * x * t, weights * x * x]
+        )
+        return cls(np.concatenate([np.zeros((6, 1)), np.cumsum(terms, axis=1)], axis=1)[:, places])
 
     def costs(self, end: int) -> tuple[FloatArray, FloatArray]:
-        """Least squares of a level and of a line over first..end, for every first below end."""
+        """Least squares of a level and of a line that ends at a place, from every place before it."""
         w, wt, wtt, wx, wxt, wxx = self.rows[:, end : end + 1] - self.rows[:, :end]
         w = np.maximum(w, np.finfo(float).tiny)
         level = np.maximum(wxx - wx * wx / w, 0.0)
         spread = wtt - wt * wt / w
         together = wxt - wt * wx / w
-        gained = np.divide(together**2, spread, out=np.zeros_like(spread), where=spread > 1e-12 * wtt + 1e-300)
+        gained = np.divide(
+            together**2, spread, out=np.zeros_like(spread), where=spread > 1e-12 * wtt + 1e-300
+        )
         return level, np.maximum(level - gained, 0.0)

@@ -139,7 +139,9 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     if x.size < LEAST_RUNS:
         return _too_few(x, variance)
     freedom = x.size - 1
-    unit = float(np.exp(np.mean(np.log(variance))))  # squares of small parameters would leave the range of numbers
+    unit = float(
+        np.exp(np.mean(np.log(variance)))
+    )  # squares of small parameters would leave the range of numbers
     x, variance = x / math.sqrt(unit), variance / unit
     tau2 = variance_at(x, variance, freedom)
     ends = [variance_at(x, variance, scipy.stats.chi2.isf(tail, freedom)) for tail in (_TAIL, 1 - _TAIL)]
@@ -226,7 +228,9 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     known = {name: one for name, one in spreads.items() if math.isfinite(one.probability)}
     if not known:
         most = max((one.runs for one in spreads.values()), default=0)
-        return SpreadVerdict(False, (), f"not told: {most} runs with intervals; {LEAST_RUNS} are required", {})
+        return SpreadVerdict(
+            False, (), f"not told: {most} runs with intervals; {LEAST_RUNS} are required", {}
+        )
     adjusted = dict(zip(known, _holm([one.probability for one in known.values()]), strict=True))
     differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]
     differing.sort(key=lambda name: -known[name].share)
