@@ -16,6 +16,7 @@ COMMANDS = {
     "simulate": "A log of an axis under its controller.",
     "identify": "Parameters and their deviations from logs.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
+    "fleet": "What a batch says of a fleet: spread between runs, changes over time, outliers.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
 

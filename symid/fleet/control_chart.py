@@ -57,6 +57,8 @@ class ControlChart:
         Line of the segment, and three standard deviations about it.
     outside : bool array of shape (n,)
         Runs beyond their limits.
+    isolated : bool array of shape (n,)
+        Runs that stand off their neighbours on both sides, alone or two in a row: nothing else is taken from them.
     between : float
         Standard deviation between runs within the segments.
     segments : tuple of Segment
@@ -72,6 +74,7 @@ class ControlChart:
     centre: FloatArray
     limit: FloatArray
     outside: BoolArray
+    isolated: BoolArray
     between: float
     segments: tuple[Segment, ...]
     changes: tuple[Change, ...]
@@ -182,6 +185,7 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
         centre=_read_only(centre * scale),
         limit=_read_only(limit * scale),
         outside=_read_only(np.abs(x - centre) > limit),
+        isolated=_read_only(outlying),
         between=math.sqrt(between) * scale,
         segments=tuple(_scaled(s, scale) for s in segments),
         changes=changes,

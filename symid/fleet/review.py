@@ -55,7 +55,7 @@ class ParameterReview:
     median : float
         Of their values.
     spread : Spread
-        Between runs, against what the intervals promise.
+        Between runs, against what the intervals promise, without single logs that stand off.
     within : float
         Standard deviation between runs that is left within the segments of the chart.
     chart : ControlChart
@@ -219,12 +219,14 @@ def _parameter_review(rows: pl.DataFrame, name: str) -> ParameterReview | None:
     rows = rows.filter(pl.Series(known))
     values, deviations = values[known], deviations[known]
     chart = control_chart(values, deviations, moments(rows))
+    counted = np.ones(values.size, dtype=bool)
+    counted[chart.order[chart.isolated]] = False
     logs = tuple(map(str, rows["log"]))
     return ParameterReview(
         name=name,
         logs=logs,
         median=float(np.median(values)),
-        spread=spread_between(values, deviations),
+        spread=spread_between(values[counted], deviations[counted]),
         within=chart.between,
         chart=chart,
         outliers=_outliers(logs, values, deviations),
