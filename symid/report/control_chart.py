@@ -125,24 +125,28 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
     """
     spread = 1.4826 * float(np.median(np.abs(values - one.median)))
     reach = _REACH * max(spread, 1e-9 * abs(one.median), 1e-300)
-    low, high = one.median - reach, one.median + reach
+    low, high = max(one.median - reach, values.min()), min(one.median + reach, values.max())
+    margin = 0.12 * (high - low) or reach
+    low, high = float(low - margin), float(high + margin)
     counts, edges = np.histogram(np.clip(values, low, high), bins=_BINS, range=(low, high))
     floor, width = BARS_HEIGHT - 16, BARS_WIDTH / _BINS
-    middles = np.linspace(low, high, 91)
+    middles = np.linspace(low, high, 141)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         density = np.exp(-0.5 * ((middles - one.median) / one.spread.promised) ** 2)
         expected = (
             density * values.size * (edges[1] - edges[0]) / one.spread.promised / math.sqrt(2 * math.pi)
         )
-    known = np.all(np.isfinite(expected))
-    top = 1.15 * max(counts.max(), min(float(expected.max()), 1.6 * counts.max()) if known else 0.0)
+    known = bool(np.all(np.isfinite(expected)))
+    if known:  # a narrow promise would dwarf the bars: its width is what counts
+        expected *= min(1.0, 1.4 * counts.max() / expected.max())
+    top = 1.1 * max(counts.max(), expected.max() if known else 0.0)
     heights = (floor - 2) * counts / top
     bars = "".join(
         f"M{i * width + 0.5:.1f} {floor}v{-h:.1f}h{width - 1:.1f}v{h:.1f}z"
         for i, h in enumerate(heights)
         if h > 0
     )
-    line = floor - (floor - 2) * np.minimum(expected / top, 1.0) if known else np.zeros(0)
+    line = floor - (floor - 2) * expected / top if known else np.zeros(0)
     places = (middles[: line.size] - low) / (high - low) * BARS_WIDTH
     path = "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(places, line, strict=True))
     texts = (_number(value, high - low) for value in (low, one.median, high))
@@ -243,5 +247,11 @@ def _number(value: float, length: float) -> str:
     """A number with the digits that tell it from others over a length."""
     if value == 0:
         return "0"
-    digits = max(math.floor(math.log10(abs(value))) - math.floor(math.log10(length)) + 2, 1)
-    return f"{value:.{min(digits, 9)}g}"
+    order, size = math.floor(math.log10(length)), math.floor(math.log10(abs(value)))
+    if -4 <= size < 6:
+        return f"{value:.{max(1 - order, 0)}f}"
+    return (
+        f"{value:.{min(max(size - order + 1, 0), 9)}e}".replace("e+0", "e")
+        .replace("e+", "e")
+        .replace("e-0", "e-")
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,23 +21,9 @@ from symid.report.html import html_path, page_templates
 _MOST_OPEN = 6
 """Axes that are shown at once; the others open on a click."""
 _MOST_OUTLIERS = 40
-_SHOWN = [
-    "log",
-    "axis",
-    "status",
-    "recorded",
-    "samples",
-    "cutoff_hz",
-    "condition_number",
-    "residual_relative",
-    "seconds",
-    "verdict",
-    "effect",
-    "at",
-    "probability",
-    "message",
-]
-"""Columns of the table of logs beside the parameters, where the results have them."""
+_FIRST = ("log", "axis", "status", "recorded", "verdict", "effect", "at", "probability")
+_LAST = ("message", "residual_relative", "condition_number", "cutoff_hz", "samples", "seconds")
+"""Columns of the table of logs before and after the parameters, where the results have them."""
 _TEXTS = {"log", "axis", "status", "recorded", "verdict", "effect", "at", "message"}
 
 
@@ -151,9 +138,11 @@ def _logs(table: pl.DataFrame) -> dict[str, Any]:
     """Columns of the table of logs; a parameter's deviation stands beside its value."""
     columns: list[dict[str, Any]] = []
     parameters = parameter_names(table)
-    for name in (*(shown for shown in _SHOWN if shown in table.columns), *parameters):
+    for name in (*_FIRST, *parameters, *_LAST):
+        if name not in table.columns:
+            continue
         if name in _TEXTS:
-            texts = ["" if value is None else str(value) for value in table[name]]
+            texts = ["" if value is None else _text(value) for value in table[name]]
             columns.append({"name": name, "text": True, "values": texts})
             continue
         column = {"name": name, "text": False, "values": _plain(table, name)}
@@ -161,6 +150,11 @@ def _logs(table: pl.DataFrame) -> dict[str, Any]:
             column["deviations"] = _plain(table, f"{name}_std")
         columns.append(column)
     return {"count": table.height, "columns": columns}
+
+
+def _text(value: object) -> str:
+    """A value of the table as text; a time to the second."""
+    return re.sub(r"^(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(:\d\d)?)\S*$", r"\1 \2", str(value))
 
 
 def _plain(table: pl.DataFrame, name: str) -> list[float | None]:
