@@ -135,28 +135,28 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     if x.ndim != 1 or x.shape != s.shape:
         raise SettingError(f"values of shape {x.shape}, deviations {s.shape}: one of each for each run")
     known = np.isfinite(x) & np.isfinite(s) & (s > 0)
-    x, variance = x[known], s[known] ** 2
+    x, s = x[known], s[known]
     if x.size < LEAST_RUNS:
-        return _too_few(x, variance)
+        return _too_few(x, s)
     freedom = x.size - 1
     unit = float(
-        np.exp(np.mean(np.log(variance)))
-    )  # squares of small parameters would leave the range of numbers
-    x, variance = x / math.sqrt(unit), variance / unit
+        np.exp(np.mean(np.log(s)))
+    )  # squares of very small parameters would leave the range of numbers
+    x, variance = x / unit, (s / unit) ** 2
     tau2 = variance_at(x, variance, freedom)
     ends = [variance_at(x, variance, scipy.stats.chi2.isf(tail, freedom)) for tail in (_TAIL, 1 - _TAIL)]
-    low, high = (math.sqrt(end * unit) for end in ends)
+    low, high = (math.sqrt(end) * unit for end in ends)
     weights = 1 / (variance + tau2)
     mean = float(weights @ x / weights.sum())
     excess = max(float(weights @ (x - mean) ** 2) / freedom, 1.0)
     Q = generalised_statistic(x, variance, 0.0)
     return Spread(
         runs=int(x.size),
-        mean=mean * math.sqrt(unit),
-        mean_std=math.sqrt(excess / weights.sum() * unit),
-        between=math.sqrt(tau2 * unit),
+        mean=mean * unit,
+        mean_std=math.sqrt(excess / weights.sum()) * unit,
+        between=math.sqrt(tau2) * unit,
         between_interval=(low, high),
-        promised=math.sqrt(_typical_variance(variance) * unit),
+        promised=math.sqrt(_typical_variance(variance)) * unit,
         Q=Q,
         probability=float(scipy.stats.chi2.sf(Q, freedom)),
     )
@@ -252,10 +252,13 @@ def _size(name: str, spread: Spread) -> str:
     return f"{name}: {sizes[0]} between runs where the intervals promise {sizes[1]}"
 
 
-def _too_few(x: FloatArray, variance: FloatArray) -> Spread:
-    mean = float(np.average(x, weights=1 / variance)) if x.size else math.nan
-    std = float(1 / np.sqrt(np.sum(1 / variance))) if x.size else math.nan
-    promised = float(np.sqrt(np.mean(variance))) if x.size else math.nan
+def _too_few(x: FloatArray, s: FloatArray) -> Spread:
+    """Mean of fewer runs than tell a spread."""
+    if not x.size:
+        return Spread(0, *[math.nan] * 3, (math.nan, math.nan), *[math.nan] * 3)
+    weights = (s.min() / s) ** 2
+    mean, std = float(weights @ x / weights.sum()), float(s.min() / math.sqrt(weights.sum()))
+    promised = float(np.sqrt(np.mean((s / s.max()) ** 2)) * s.max())
     return Spread(int(x.size), mean, std, math.nan, (math.nan, math.nan), promised, math.nan, math.nan)
 
 
