@@ -48,8 +48,8 @@ class Spread:
         Its 95 % interval.
     promised : float
         Standard deviation that the intervals promise for one run (typical one of Higgins and Thompson, 2002).
-    Q : float
-        Cochran's statistic, chi-square with `runs` - 1 degrees of freedom if nothing differs.
+    statistic : float
+        Cochran's Q, chi-square with `runs` - 1 degrees of freedom if nothing differs.
     probability : float
         Of a Q as large as this if nothing differs; nan below three runs.
     """
@@ -60,7 +60,7 @@ class Spread:
     between: float
     between_interval: tuple[float, float]
     promised: float
-    Q: float
+    statistic: float
     probability: float
 
     @property
@@ -157,7 +157,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
         between=math.sqrt(tau2) * unit,
         between_interval=(low, high),
         promised=math.sqrt(_typical_variance(variance)) * unit,
-        Q=Q,
+        statistic=Q,
         probability=float(scipy.stats.chi2.sf(Q, freedom)),
     )
 
@@ -254,12 +254,13 @@ def _size(name: str, spread: Spread) -> str:
 
 def _too_few(x: FloatArray, s: FloatArray) -> Spread:
     """Mean of fewer runs than tell a spread."""
+    nan = math.nan
     if not x.size:
-        return Spread(0, *[math.nan] * 3, (math.nan, math.nan), *[math.nan] * 3)
+        return Spread(0, nan, nan, nan, (nan, nan), nan, nan, nan)
     weights = (s.min() / s) ** 2
     mean, std = float(weights @ x / weights.sum()), float(s.min() / math.sqrt(weights.sum()))
     promised = float(np.sqrt(np.mean((s / s.max()) ** 2)) * s.max())
-    return Spread(int(x.size), mean, std, math.nan, (math.nan, math.nan), promised, math.nan, math.nan)
+    return Spread(int(x.size), mean, std, nan, (nan, nan), promised, nan, nan)
 
 
 def _typical_variance(variance: FloatArray) -> float:

@@ -66,7 +66,7 @@ def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
         "promised": spread.promised,
         "relative_between": spread.relative_between,
         "relative_promised": spread.relative_promised,
-        "Q": spread.Q,
+        "Q": spread.statistic,
         "probability": spread.probability,
         "probability_adjusted": axis.verdict.probabilities.get(one.name, math.nan),
         "differs": one.name in axis.verdict.parameters,

@@ -16,7 +16,7 @@ PREPARATION = Preparation(cutoff_hz=60.0, decimation=4)
 def run(seed: int, noise: float, mass: float = 5.0) -> Log:
     """A run of a rigid axis with noise of the force only."""
     draw = np.random.default_rng(seed)
-    t, (a, b) = np.arange(4000) / 1000, draw.uniform(0, 2 * np.pi, 2)
+    t, (a, b) = np.arange(2500) / 1000, draw.uniform(0, 2 * np.pi, 2)
     q = np.sin(9 * t + a) + 0.3 * np.sin(23 * t + b)
     v = 9 * np.cos(9 * t + a) + 6.9 * np.cos(23 * t + b)
     acceleration = -81 * np.sin(9 * t + a) - 158.7 * np.sin(23 * t + b)
@@ -62,19 +62,19 @@ def test_weights_are_each_logs_own_noise() -> None:
 
 
 def test_intervals_hold_the_truth_as_often_as_they_promise() -> None:
-    """Noise that the filter has made dependent; 100 draws of three logs, two standard deviations."""
+    """Noise that the filter has made dependent; 50 draws of three logs, two standard deviations."""
     inside, disagreements = [], []
     names = list(MODEL.minimal_units)
     truth = identify(MODEL, run(0, 0.0), preparation=PREPARATION, examine=False)
-    for draw in range(100):
+    for draw in range(50):
         found = [alone(run(1000 + 3 * draw + k, 10.0 * 2**k)) for k in range(3)]
         joined = identify_jointly(MODEL, [log_factors(one) for one in found])
         error = joined.fit.parameters - truth.fit.parameters
         inside.append(np.abs(error) < 2 * joined.standard_deviations)
         disagreements.append(joined.disagreement_probability)
     coverage = np.mean(inside, axis=0)
-    assert np.all((coverage > 0.86) & (coverage <= 1.0)), dict(zip(names, coverage, strict=True))
-    assert np.mean(np.array(disagreements) < 0.05) < 0.16
+    assert np.all((coverage > 0.84) & (coverage <= 1.0)), dict(zip(names, coverage, strict=True))
+    assert np.mean(np.array(disagreements) < 0.05) < 0.2
 
 
 def test_an_axis_that_differs_from_run_to_run_disagrees() -> None:
