@@ -23,6 +23,13 @@ from symid.report.fleet import fleet_record, print_fleet
     help="What one machine is: all logs of an axis, or those in one folder.",
 )
 @click.option(
+    "--order",
+    type=click.Choice(["recorded", "name"]),
+    default="recorded",
+    show_default=True,
+    help="Order of the charts: the times of the files, or the names of the logs where copying has lost the times.",
+)
+@click.option(
     "--status",
     "statuses",
     default="ok",
@@ -51,6 +58,7 @@ def command(results: str, **options: Any) -> None:
             statuses=signal_list(options["statuses"]) or (),
             without=signal_list(options["without"]) or (),
             by_folder=options["by"] == "folder",
+            by_name=options["order"] == "name",
         )
     if options["report"]:
         write_fleet_html(found, page)

@@ -157,6 +157,7 @@ def review_fleet(
     statuses: Sequence[str] = ("ok",),
     without: Sequence[str] = (),
     by_folder: bool = False,
+    by_name: bool = False,
 ) -> FleetReview:
     """Review the results of a batch.
 
@@ -171,6 +172,9 @@ def review_fleet(
         Parameters that differ from log to log by their nature, such as the unknown zero of a sensor.
     by_folder : bool
         Whether the folder of a log tells which machine it is from.
+    by_name : bool
+        Whether the names of the logs say in which order they were recorded, and `recorded` does not: it is the time of
+        the file, which copying may have changed.
 
     Raises
     ------
@@ -186,6 +190,8 @@ def review_fleet(
     '30 logs of 1 axis, all ok. No axis differs from run to run beyond its intervals.'
     """
     table = checked_results(table)
+    if by_name:
+        table = table.sort("log").drop("recorded", strict=False)
     names = [name for name in parameter_names(table) if name not in without]
     parts = groups(table, by_folder)
     axes = tuple(_axis_review(part, names, statuses) for part in parts)

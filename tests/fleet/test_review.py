@@ -102,6 +102,15 @@ def test_logs_without_a_time_come_in_their_order() -> None:
     assert [change.when for change in axis.parameters[0].chart.changes] == [20.0]
 
 
+def test_names_give_the_order_where_copying_has_lost_the_times() -> None:
+    rows = pl.DataFrame(drawn_rows("emps", 30, {"M": (10.0, 0.1, 0.0)}))
+    rows = rows.with_columns(M=pl.col("M") + (pl.int_range(30) >= 20) * 2.0).sample(30, shuffle=True, seed=1)
+    copied = rows.with_columns(recorded=pl.Series(drawn_rows("emps", 30, {})["recorded"]))
+    (axis,) = review_fleet(copied, by_name=True).axes
+    (change,) = axis.parameters[0].chart.changes
+    assert axis.parameters[0].logs[change.log].endswith("run_0020.parquet")
+
+
 def test_the_command_prints_and_writes_what_the_review_found(table, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     table.write_parquet("results.parquet")
