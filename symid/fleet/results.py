@@ -13,6 +13,8 @@ import polars as pl
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 
+UNKNOWN = "unknown axis"
+"""Axis of logs that failed before it was known."""
 _NEEDED = ("log", "axis", "status")
 
 
@@ -106,31 +108,38 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
     >>> [group.name for group in groups(table, by_folder=True)]
     ['emps in x', 'emps in y']
     """
-    keyed = table.with_columns(
-        pl.col("axis").cast(pl.String).fill_null("unknown axis").alias("_axis"),
-        _sensors(table).alias("_sensors"),
-        _folders(table, by_folder).alias("_folder"),
+    keyed = _filled(table.with_columns(_FOLDER=_folders(table, by_folder), _SENSORS=_sensors(table)))
+    several = (
+        keyed.group_by("_AXIS").agg(pl.col("_SENSORS").unique()).filter(pl.col("_SENSORS").list.len() > 1)
     )
-    parts = keyed.partition_by("_axis", "_sensors", "_folder", maintain_order=True, as_dict=True)
-    several = {axis for axis, _, _ in parts if len({s for a, s, _ in parts if a == axis and s}) > 1}
     found = []
+    parts = keyed.partition_by("_AXIS", "_SENSORS", "_FOLDER", maintain_order=True, as_dict=True)
     for (axis, sensors, folder), rows in parts.items():
         name = str(axis)
-        if axis in several and sensors:
-            name += f" from {sensors}"
+        if axis in several["_AXIS"]:
+            name += f" from {sensors or 'unknown sensors'}"
         if folder:
             name += f" in {folder}"
-        found.append(Group(name, str(axis), rows.drop("_axis", "_sensors", "_folder")))
+        found.append(Group(name, str(axis), rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
     return tuple(sorted(found, key=lambda group: group.name))
+
+
+def _filled(table: pl.DataFrame) -> pl.DataFrame:
+    """The table with axis and sensors of logs that failed before they were known, where there is only one choice."""
+    axis, sensors = pl.col("axis").cast(pl.String), pl.col("_SENSORS")
+    only = pl.when(axis.n_unique() - axis.is_null().any() == 1).then(axis.drop_nulls().first())
+    table = table.with_columns(_AXIS=axis.fill_null(only.over("_FOLDER")).fill_null(UNKNOWN))
+    only = pl.when(sensors.n_unique() - sensors.is_null().any() == 1).then(sensors.drop_nulls().first())
+    return table.with_columns(_SENSORS=sensors.fill_null(only.over("_AXIS")).fill_null(""))
 
 
 def _sensors(table: pl.DataFrame) -> pl.Expr:
     if "measured" not in table.columns:
-        return pl.lit("")
+        return pl.lit(None, pl.String)
     column = pl.col("measured")
     if isinstance(table.schema["measured"], pl.List):
         column = column.list.join(", ")
-    return column.cast(pl.String).fill_null("")
+    return column.cast(pl.String).replace("", None)
 
 
 def _folders(table: pl.DataFrame, wanted: bool) -> pl.Series:

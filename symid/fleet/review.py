@@ -13,7 +13,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
-from symid.fleet.results import Group, checked_results, groups, moments, numbers, parameter_names
+from symid.fleet.results import UNKNOWN, Group, checked_results, groups, moments, numbers, parameter_names
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
 
 _TO_SIGMA = 1.4826
@@ -284,9 +284,8 @@ def _sentence(
     """Counts, axes that differ, changes and the most frequent effect."""
     if not table.height:
         return "No log."
-    parts = [
-        f"{_plural(table.height, 'log')} of {_plural(len(axes), 'axis', 'axes')}, {_ok(table, statuses)}."
-    ]
+    known = sum(one.axis != UNKNOWN for one in axes)
+    parts = [f"{_plural(table.height, 'log')} of {_plural(known, 'axis', 'axes')}, {_ok(table, statuses)}."]
     told = [one for one in axes if one.verdict.probabilities]
     differing = [one for one in told if one.verdict.differs]
     if differing:

@@ -89,9 +89,26 @@ def test_machines_of_one_axis_are_told_apart_by_folder_and_by_sensors() -> None:
 def test_rows_that_have_only_a_status_are_enough() -> None:
     bare = pl.DataFrame({"log": ["a", "b"], "axis": ["emps", None], "status": ["unreadable", "clock"]})
     found = review_fleet(bare)
-    assert found.sentence == "2 logs of 2 axes, 0 ok (1 unreadable, 1 clock)."
+    assert found.sentence == "2 logs of 1 axis, 0 ok (1 unreadable, 1 clock)."
+    assert review_fleet(bare.with_columns(axis=pl.lit(None, pl.String))).sentence.startswith(
+        "2 logs of 0 axes"
+    )
     assert all(axis.parameters == () for axis in found.axes)
     assert review_fleet(bare.head(0)).sentence == "No log."
+
+
+def test_logs_that_failed_early_are_counted_with_the_only_axis_they_can_be_of(table) -> None:
+    early = pl.col("status") != "ok"
+    unknown = table.with_columns(
+        axis=pl.when(early).then(None).otherwise(pl.col("axis")),
+        measured=pl.when(early).then(None).otherwise(pl.col("measured")),
+    )
+    axes = by_name(unknown)
+    assert len(axes) == 4
+    assert axes["unknown axis"].statuses == {"unreadable": table.filter(early).height}
+    axes = by_name(unknown, by_folder=True)
+    assert len(axes) == 3
+    assert all(axis.statuses["unreadable"] == 7 for axis in axes.values())
 
 
 def test_logs_without_a_time_come_in_their_order() -> None:
