@@ -203,7 +203,8 @@ def review_fleet(
 
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str]) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
-    found = tuple(one for one in (_parameter_review(rows, name) for name in names) if one is not None)
+    apart = _distinct(rows, names)
+    found = tuple(one for one in (_parameter_review(rows, name) for name in apart) if one is not None)
     return AxisReview(
         name=group.name,
         axis=group.axis,
@@ -214,6 +215,12 @@ def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str]) ->
         verdict=judge_spread({one.name: one.spread for one in found}),
         dated=rows.height > 0 and moments(rows) is not None,
     )
+
+
+def _distinct(rows: pl.DataFrame, names: Sequence[str]) -> list[str]:
+    """Parameters without those that are another one under a second name: a minimal parameter that is a physical one."""
+    last = {numbers(rows, name).tobytes(): name for name in names}
+    return [name for name in names if last[numbers(rows, name).tobytes()] == name]
 
 
 def _parameter_review(rows: pl.DataFrame, name: str) -> ParameterReview | None:

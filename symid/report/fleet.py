@@ -16,6 +16,8 @@ from symid.report.numbers import MISSING, percent, probability, significant, wit
 
 _MOST_EFFECTS = 10
 _MOST_OUTLIERS = 5
+_LARGE = 3.0
+"""A change by more than this part of the value before is not written in percent."""
 
 
 def fleet_record(found: FleetReview) -> dict[str, Any]:
@@ -118,7 +120,7 @@ def change_sentence(change: Change) -> str:
     >>> change_sentence(Change("step", 29, 29.0, 28.0, 30.0, 0.5, 0.05, (0.4, 0.6), 4.0, 4.5))
     'steps by +12.5 % (+10 to +15 %) at log 30, between log 29 and log 31'
     """
-    if change.before and abs(change.before) > 2 * change.std:
+    if abs(change.before) > 2 * change.std and abs(change.relative) < _LARGE:
         low, high = sorted(100 * end / abs(change.before) for end in change.interval)
         size = f"{100 * change.relative:+.3g} % ({low:+.3g} to {high:+.3g} %)"
     else:

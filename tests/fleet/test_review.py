@@ -111,6 +111,14 @@ def test_logs_that_failed_early_are_counted_with_the_only_axis_they_can_be_of(ta
     assert all(axis.statuses["unreadable"] == 7 for axis in axes.values())
 
 
+def test_a_minimal_parameter_that_is_a_physical_one_counts_once(table) -> None:
+    twice = table.with_columns(X1=pl.col("M"), X1_std=pl.col("M_std")).select(
+        "X1", "X1_std", pl.exclude("X1", "X1_std")
+    )
+    for name, axis in by_name(twice).items():
+        assert [one.name for one in axis.parameters] == [one.name for one in by_name(table)[name].parameters]
+
+
 def test_logs_without_a_time_come_in_their_order() -> None:
     rows = pl.DataFrame(drawn_rows("emps", 30, {"M": (10.0, 0.1, 0.0)}))
     rows = rows.with_columns(recorded=pl.lit(None, pl.String), M=pl.col("M") + (pl.int_range(30) >= 20) * 2.0)
