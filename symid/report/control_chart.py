@@ -166,7 +166,9 @@ def _horizontal(time: FloatArray, of: FloatArray | None = None) -> FloatArray:
 
 def _range(chart: ControlChart) -> tuple[float, float]:
     """Values that are shown: all within twice the limits; a run that is farther off is drawn at the edge."""
-    limits = _limits(chart)
+    limits = np.minimum(
+        _limits(chart), 3 * np.median(chart.limit)
+    )  # one vague log must not flatten the others
     low = float(np.min(np.maximum(chart.values, chart.centre - 2 * limits)))
     high = float(np.max(np.minimum(chart.values, chart.centre + 2 * limits)))
     low, high = (
