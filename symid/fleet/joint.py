@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from threadpoolctl import threadpool_limits
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -202,6 +203,13 @@ def identify_jointly(
     (5.0, 'ok')
     """
     _check(model, logs)
+    with threadpool_limits(1):  # thousands of small matrices: threads would wait for each other
+        return _joined(model, logs, nominal)
+
+
+def _joined(
+    model: GeneratedModel, logs: Sequence[LogFactors], nominal: Mapping[str, float] | None
+) -> JointIdentification:
     equations = len(logs[0].factors)
     fit = estimate([factor for log in logs for factor in log.factors])
     information = _information(logs, fit.weights.reshape(len(logs), equations))
