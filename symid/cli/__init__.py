@@ -17,6 +17,7 @@ COMMANDS = {
     "identify": "Parameters and their deviations from logs.",
     "batch": "Many logs, one row each: parameters, deviations, verdicts.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
+    "fleet": "What a batch says of a fleet: spread between runs, changes over time, outliers.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
 
