@@ -13,6 +13,7 @@ from symid.data.filtering import (
     kept_indices,
 )
 from symid.data.log import Log
+from symid.data.long_log import AnyLog, LongLog, spans
 from symid.data.reading import REFERENCE, read_log
 from symid.data.spline import QuinticSpline
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
@@ -20,8 +21,10 @@ from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 __all__ = [
     "MINIMUM_SAMPLES",
     "REFERENCE",
+    "AnyLog",
     "Clock",
     "Log",
+    "LongLog",
     "LowPass",
     "Piece",
     "QuinticSpline",
@@ -39,4 +42,5 @@ __all__ = [
     "kept_indices",
     "kept_of",
     "read_log",
+    "spans",
 ]

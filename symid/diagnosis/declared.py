@@ -117,7 +117,9 @@ def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
         mass=names[0] if slides else None,
         inertia=None if slides else names[0],
     )
-    spring = Spring(f"{added.name}_spring", Between(first=body, second=added), stiffness=names[1], damping=names[2])
+    spring = Spring(
+        f"{added.name}_spring", Between(first=body, second=added), stiffness=names[1], damping=names[2]
+    )
     values |= dict(zip(names, (mass, mass * own**2, 2 * ratio * own * mass), strict=True))
     values[str(body.mass or body.inertia)] -= mass
     return axis.with_effect(added, spring)
