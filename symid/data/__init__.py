@@ -2,6 +2,7 @@
 
 from symid.data.checks import inspect_spans, inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
+from symid.data.columns import REFERENCE
 from symid.data.filtering import (
     LowPass,
     central_difference,
@@ -14,11 +15,13 @@ from symid.data.filtering import (
 )
 from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, spans
-from symid.data.reading import REFERENCE, read_log
+from symid.data.reading import read_log
+from symid.data.scanning import MEMORY, open_log
 from symid.data.spline import QuinticSpline
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
+    "MEMORY",
     "MINIMUM_SAMPLES",
     "REFERENCE",
     "AnyLog",
@@ -41,6 +44,7 @@ __all__ = [
     "inspect_values",
     "kept_indices",
     "kept_of",
+    "open_log",
     "read_log",
     "spans",
 ]

@@ -67,18 +67,45 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
     """
     faults = []
     for name, x in signals.items():
+        if gaps := inspect_finite(time, {name: x}):
+            faults += gaps
+        elif x.size and x.min() == x.max():
+            faults.append(said_constant(name, float(x[0])))
+    return tuple(faults)
+
+
+def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: int = 0) -> tuple[str, ...]:
+    """Faults of channels with values that are empty or not finite.
+
+    Parameters
+    ----------
+    time, signals
+        As in `inspect_values`.
+    before : int
+        Rows before the first of these samples, in messages.
+
+    Examples
+    --------
+    >>> inspect_finite(np.arange(2.0), {"q": np.array([1.0, np.nan])}, before=10)[0][:52]
+    "'q' has 1 value empty or not finite, the first at t ="
+    """
+    faults = []
+    for name, x in signals.items():
         bad = np.flatnonzero(~np.isfinite(x))
         if bad.size:
             faults.append(
                 f"{name!r} has {describe(bad.size, 'value')} empty or not finite, the first at "
-                f"t = {time[bad[0]]:.7g} s (row {bad[0] + 1}): repair or cut out those rows"
-            )
-        elif x.size and x.min() == x.max():
-            faults.append(
-                f"{name!r} is constant ({x[0]:g}) over the whole log: "
-                "check its sensor or leave it out of the measured signals"
+                f"t = {time[bad[0]]:.7g} s (row {before + bad[0] + 1}): repair or cut out those rows"
             )
     return tuple(faults)
+
+
+def said_constant(name: str, value: float) -> str:
+    """Fault of a channel that never changes."""
+    return (
+        f"{name!r} is constant ({value:g}) over the whole log: "
+        "check its sensor or leave it out of the measured signals"
+    )
 
 
 @np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range

@@ -100,12 +100,13 @@ AnyLog: TypeAlias = Log | LongLog
 
 
 def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:
-    """First sample and the one behind the last of each block.
+    """First sample and the one behind the last of blocks of like lengths, none longer than `size`.
 
     Examples
     --------
     >>> list(spans(10, 4))
-    [(0, 4), (4, 8), (8, 10)]
+    [(0, 3), (3, 6), (6, 10)]
     """
-    for first in range(0, n_samples, size):
-        yield first, min(first + size, n_samples)
+    count = -(-n_samples // size)
+    for block in range(count):
+        yield block * n_samples // count, (block + 1) * n_samples // count
