@@ -12,6 +12,7 @@ import click
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
     assignments,
+    bytes_of,
     cascade_gains,
     gain_option,
     json_option,
@@ -25,7 +26,7 @@ from symid.cli.options import (
 )
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, load_generated
-from symid.data import Log
+from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
@@ -33,6 +34,7 @@ from symid.identification import (
     Preparation,
     identify,
     measured_signals,
+    open_axis_log,
     predict,
     read_axis_log,
 )
@@ -126,6 +128,13 @@ loop_options = shared(
     metavar="P.json",
     help="Nominal parameters, a start where the inverse map has no closed form.",
 )
+@click.option(
+    "--memory",
+    default="1GB",
+    show_default=True,
+    metavar="SIZE",
+    help="What a log may take; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+)
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @click.option(
     "--plot", metavar="FILE", help="Draw measured and predicted force and the residual (png, svg or pdf)."
@@ -134,7 +143,7 @@ loop_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    runs = [read_log_of(declared, file, options) for file in tracked(logs, "reading logs")]
+    runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
@@ -152,7 +161,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 def _by_regression(
     declared: Axis,
     model: GeneratedModel,
-    runs: Sequence[Log],
+    runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
 ) -> tuple[Identification, Prediction | None, dict[str, Any]]:
@@ -165,7 +174,7 @@ def _by_regression(
 def _by_output_error(
     declared: Axis,
     model: GeneratedModel,
-    runs: Sequence[Log],
+    runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
 ) -> tuple[OutputErrorIdentification, OutputErrorPrediction | None, dict[str, Any]]:
@@ -180,7 +189,7 @@ def _by_output_error(
         found = identify_output_error(
             declared,
             model,
-            runs,
+            _in_memory(runs),
             held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
             preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
@@ -191,7 +200,7 @@ def _by_output_error(
 
 
 def _identified(
-    declared: Axis, model: GeneratedModel, runs: Sequence[Log], options: dict[str, Any]
+    declared: Axis, model: GeneratedModel, runs: Sequence[AnyLog], options: dict[str, Any]
 ) -> Identification:
     """Identify by the method that was asked for."""
     preparation = _preparation(declared, runs[0], options)
@@ -202,7 +211,7 @@ def _identified(
         loop = _closed_loop(declared, options)
         return identify_by_instruments(
             model,
-            runs,
+            _in_memory(runs),
             loop,
             preparation=preparation,
             nominal=nominal,
@@ -227,20 +236,35 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     """A log by the log options."""
+    return read_axis_log(declared, file, **_log_settings(options))
+
+
+def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
+    """A log by the log options, in memory if it fits or if the method needs it there."""
+    memory = bytes_of(options["memory"], "--memory")
+    if options["method"] in ("iv", "oe"):
+        return read_log_of(declared, file, options)
+    return open_axis_log(declared, file, memory=memory, **_log_settings(options))
+
+
+def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
+    return [run.window(0, run.n_samples) for run in runs]
+
+
+def _log_settings(options: dict[str, Any]) -> dict[str, Any]:
+    """What the log options say of columns."""
     gains = {
         name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
     }
-    return read_axis_log(
-        declared,
-        file,
-        measured=signal_list(options["measured"]),
-        columns=assignments(options["column"], "--column"),
-        units=assignments(options["unit"], "--unit"),
-        gains=gains,
-    )
+    return {
+        "measured": signal_list(options["measured"]),
+        "columns": assignments(options["column"], "--column"),
+        "units": assignments(options["unit"], "--unit"),
+        "gains": gains,
+    }
 
 
-def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
+def _preparation(declared: Axis, log: AnyLog, options: dict[str, Any]) -> Preparation:
     late = _late(declared, options)
     for signal in options["held"] + ((declared.drive.signal,) if declared.drive.held else ()):
         late[signal] = late.get(signal, 0.0) - log.sampling_period / 2

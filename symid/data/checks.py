@@ -65,7 +65,7 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
     >>> inspect_values(np.arange(3.0), {"q": np.full(3, 2.0)})
     ("'q' is constant (2) over the whole log: check its sensor or leave it out of the measured signals",)
     """
-    faults = []
+    faults: list[str] = []
     for name, x in signals.items():
         if gaps := inspect_finite(time, {name: x}):
             faults += gaps

@@ -17,7 +17,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -51,8 +52,9 @@ class Run:
         if isinstance(log, Log):
             whole = observe(model, log, preparation)
             return cls(whole, lambda: (whole,))
-        read = partial(_rows_in_blocks, *_settled(model, log, preparation))
-        return cls(next(iter(read())), read)
+        blocks = _settled(model, log, preparation)
+        first = blocks.observation(0)
+        return cls(first, lambda: chain((first,), map(blocks.observation, range(1, len(blocks.rows)))))
 
     def factors(self) -> tuple[TriangularFactor, ...]:
         """Triangular factor of each equation."""
@@ -114,10 +116,34 @@ class _Layout:
         return begin, offset + (stop - 1) * self.factor + 1
 
 
-def _settled(
-    model: GeneratedModel, log: LongLog, given: Preparation
-) -> tuple[GeneratedModel, LongLog, Preparation, _Layout, FloatArray | None]:
-    """What is decided once for all blocks of a long log."""
+@dataclass(frozen=True, eq=False)
+class _Blocks:
+    """A long log with all that is decided once for its blocks."""
+
+    model: GeneratedModel
+    log: LongLog
+    chosen: Preparation
+    layout: _Layout
+    speeds: FloatArray | None
+
+    @cached_property
+    def rows(self) -> list[tuple[int, int]]:
+        """First row of each block and the one behind the last."""
+        return list(spans(self.layout.n_rows, max(1, self.log.block // self.layout.factor)))
+
+    def observation(self, block: int) -> Observation:
+        """Rows of a block, cut out of those of a wider window."""
+        first, stop = self.rows[block]
+        wide_first, wide_stop = self.layout.widened(first, stop)
+        window, cut = _window(self.log, self.chosen, self.layout, *self.layout.samples(wide_first, wide_stop))
+        seen = observe(self.model, window, cut, highest=self.speeds)
+        rows = slice(first - wide_first, stop - wide_first)
+        return Observation(
+            seen.W[:, rows], seen.y[:, rows], seen.valid[:, rows], seen.time[rows], self.chosen
+        )
+
+
+def _settled(model: GeneratedModel, log: LongLog, given: Preparation) -> _Blocks:
     chosen = completed(given, log, model)
     before, after = ends_of(chosen, log.n_samples)
     factor = chosen.decimation or 1
@@ -125,27 +151,21 @@ def _settled(
     speeds = None
     if any(model.sliding) and chosen.standstill is None:
         speeds = _highest_speeds(model, log, chosen, layout)
-    return model, log, chosen, layout, speeds
+    return _Blocks(model, log, chosen, layout, speeds)
+
+
+def _window(
+    log: LongLog, chosen: Preparation, layout: _Layout, begin: int, end: int
+) -> tuple[Log, Preparation]:
+    """What filtered signals from sample `begin` to before `end` are made of, and a preparation that trims to these."""
+    low, high = layout.window(begin, end)
+    return log.window(low, high), replace(chosen, trim=(begin - low, high - end))
 
 
 def _highest_speeds(model: GeneratedModel, log: LongLog, chosen: Preparation, layout: _Layout) -> FloatArray:
-    highest = []
-    for first, stop in spans(log.n_samples - layout.before - layout.after, log.block):
-        begin, end = first + layout.before, stop + layout.before
-        low, high = layout.window(begin, end)
-        cut = replace(chosen, trim=(begin - low, high - end))
-        highest.append(highest_speeds(model, log.window(low, high), cut))
+    before = layout.before
+    highest = [
+        highest_speeds(model, *_window(log, chosen, layout, before + first, before + stop))
+        for first, stop in spans(log.n_samples - before - layout.after, log.block)
+    ]
     return np.asarray(np.max(highest, axis=0))
-
-
-def _rows_in_blocks(
-    model: GeneratedModel, log: LongLog, chosen: Preparation, layout: _Layout, speeds: FloatArray | None
-) -> Iterator[Observation]:
-    for first, stop in spans(layout.n_rows, max(1, log.block // layout.factor)):
-        wide_first, wide_stop = layout.widened(first, stop)
-        begin, end = layout.samples(wide_first, wide_stop)
-        low, high = layout.window(begin, end)
-        cut = replace(chosen, trim=(begin - low, high - end))
-        seen = observe(model, log.window(low, high), cut, highest=speeds)
-        rows = slice(first - wide_first, stop - wide_first)
-        yield Observation(seen.W[:, rows], seen.y[:, rows], seen.valid[:, rows], seen.time[rows], chosen)
