@@ -50,7 +50,12 @@ def _first_lines(path: Path) -> tuple[str, str]:
 
 
 def _fields(line: str, separator: str) -> list[str]:
-    return next(csv.reader([line], delimiter=separator), [])
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error as error:
+        raise LogError(
+            f"a line is no text with separators ({error}): save the log as CSV in UTF-8"
+        ) from error
 
 
 def _is_number(text: str) -> bool:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -12,11 +11,11 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_spans, inspect_values
+from symid.data.checks import inspect_spans, inspect_steps, inspect_values
 from symid.data.clock import Clock, inspect_clock
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, sources_of
 from symid.data.log import Log
-from symid.data.table import Table
+from symid.data.table import Table, said_of
 from symid.data.tables import open_table
 from symid.errors import LogError
 from symid.units import Unit
@@ -70,18 +69,6 @@ def read_log(
     given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
     with said_of(file):
         return read_table(file, table, expected, sources_of(given, named=columns.keys()), columns.keys())
-
-
-@contextmanager
-def said_of(file: Path) -> Iterator[None]:
-    """Put the name of a file before what is wrong with it."""
-    try:
-        yield
-    except LogError as error:
-        message = str(error)
-        raise (
-            error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
-        ) from error.__cause__
 
 
 def read_table(
@@ -152,6 +139,8 @@ def _checked(
     clock = inspect_clock(time)
     needed = {name: x for name, x in values.items() if name in expected}
     faults = (*clock.faults, *inspect_values(time, needed))
+    if not faults:
+        faults = inspect_steps(time, {name: values[name] for name in positions_of(expected, needed)})
     if faults:
         raise LogError("; ".join(faults))
     return _log(source, clock, time, values, notes, expected)

@@ -16,12 +16,12 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_finite, inspect_spans, said_constant
+from symid.data.checks import inspect_finite, inspect_spans, inspect_steps, said_range
 from symid.data.clock import MINIMUM_SAMPLES, Clock, ClockOfBlocks
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, sources_of
 from symid.data.long_log import BLOCK, AnyLog, LongLog, spans
-from symid.data.reading import in_si, positions_of, read_table, said_of
-from symid.data.table import Slices
+from symid.data.reading import in_si, positions_of, read_table
+from symid.data.table import Slices, said_of
 from symid.data.tables import open_table
 from symid.errors import LogError
 from symid.units import Unit
@@ -118,14 +118,17 @@ class _Scan:
             values = self._values(first, stop)
             time = values.pop(TIME)
             faults = (*clock.add(time), *inspect_finite(time, values, first))
+            if not faults:
+                positions = {name: values[name] for name in positions_of(self.expected, values)}
+                faults = inspect_steps(time, positions, first)
             if faults:
                 raise LogError("; ".join(faults))
             for name, x in values.items():
                 lowest[name] = min(lowest.get(name, np.inf), float(x.min()))
                 highest[name] = max(highest.get(name, -np.inf), float(x.max()))
-        constant = [said_constant(name, x) for name, x in lowest.items() if x == highest[name]]
-        if constant:
-            raise LogError("; ".join(constant))
+        flat = [fault for name, x in lowest.items() if (fault := said_range(name, x, highest[name]))]
+        if flat:
+            raise LogError("; ".join(flat))
         return clock.found
 
     def _values(self, first: int, stop: int) -> dict[str, FloatArray]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -51,6 +52,18 @@ class Table:
     headers: tuple[str, ...]
     read: Callable[[Sequence[int]], list[FloatArray | str]]
     slices: Callable[[Sequence[int]], Slices] | None = None
+
+
+@contextmanager
+def said_of(file: Path) -> Iterator[None]:
+    """Put the name of a file before what is wrong with it."""
+    try:
+        yield
+    except LogError as error:
+        message = str(error)
+        raise (
+            error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
+        ) from error.__cause__
 
 
 def first_line(error: BaseException) -> str:

@@ -17,7 +17,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.data.csv_table import open_csv
-from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, first_line, values_of
+from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, first_line, said_of, values_of
 from symid.errors import LogError
 
 SUFFIXES: Final = (".csv", ".parquet", ".mat")
@@ -45,7 +45,8 @@ def open_table(path: Path) -> Table:
         if path.stat().st_size == 0:
             raise LogError(f"{path}: is empty: give a file with a header and samples")
         if suffix == ".csv":
-            return open_csv(path)
+            with said_of(path):
+                return open_csv(path)
         return _open_parquet(path) if suffix == ".parquet" else _open_mat(path)
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({first_line(error)}): check the file") from error

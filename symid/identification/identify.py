@@ -29,6 +29,7 @@ from symid.estimation import (
 from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.blocks import Run, blocks_of_runs
 from symid.identification.excerpts import blocks_of, excerpts
+from symid.identification.misfit import misfit_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.result import Identification, trusted_covariance
@@ -167,7 +168,7 @@ def distrusted(
     else:
         whole = [log.window(0, log.n_samples) for log in logs]
         bias = bias_of_instruments(found.model, whole, found.observations, found.fit, instruments)
-    return distrust(replace(found, timing=timing, bias=bias))
+    return distrust(replace(found, timing=timing, bias=bias), misfit_of(found.model, parts, found.fit))
 
 
 def _estimated(runs: Sequence[Run], method: Method, ddof: int | None) -> LeastSquares:

@@ -97,6 +97,11 @@ def observe(
     chosen = completed(preparation, log, model)
     before, after = ends_of(chosen, log.n_samples)
     sampling = _sampling(model, log, chosen, scheme)
+    if sampling.n_samples <= sampling.padding:
+        raise SettingError(
+            f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
+            f"{sampling.padding} are required, trim less or give a longer log"
+        )
     W, y, velocities = _sampled(sampling, sampling.needs_velocities)
     usable = _usable_rows(sampling, velocities, highest)
     kept = kept_indices(sampling.n_samples, sampling.factor)
@@ -279,6 +284,11 @@ class _Sampling:
     def reach(self) -> int:
         """Samples on either side that the filters need."""
         return sum(f.reach for f in (self.low_pass, self.row_filter) if f is not None)
+
+    @property
+    def padding(self) -> int:
+        """Samples that there must be more of for the filters."""
+        return max((f.padding for f in (self.low_pass, self.row_filter) if f is not None), default=0)
 
     def window(self, first: int, last: int) -> dict[str, FloatArray]:
         """Flat names with the derivatives that the model needs, from sample `first` to before sample `last`.
