@@ -13,6 +13,7 @@ Usage: python -m benchmarks.damaged_logs [--examples 5000] [--seed 0]
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 import time
 from collections import Counter
@@ -23,7 +24,7 @@ from benchmarks.damage.outcome import Damage, Outcome, damages, outcome_of
 
 
 def examined(examples: int, number: int) -> dict[Damage, Outcome]:
-    """Outcomes of so many damaged logs."""
+    """Outcomes of so many damaged logs, or of those until Ctrl-C; failures are told at once."""
     found: dict[Damage, Outcome] = {}
 
     @seed(number)
@@ -39,8 +40,11 @@ def examined(examples: int, number: int) -> dict[Damage, Outcome]:
     def look(damage: Damage) -> None:
         if damage not in found:
             found[damage] = outcome_of(damage)
+            if found[damage].is_failure:
+                print(f"{found[damage].verdict}: --repeat {damage}", file=sys.stderr, flush=True)
 
-    look()
+    with contextlib.suppress(KeyboardInterrupt):
+        look()
     return found
 
 

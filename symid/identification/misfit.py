@@ -53,24 +53,22 @@ def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
         return ""
     seen = [part.observation for part in parts]
     free = [o.valid & ~_rows_near(part, flags) for o, part, flags in zip(seen, parts, limits, strict=True)]
-    other = _of_rows(parts, fit, free)
+    other = _of_rows(parts, free)
     where = f"{model.force} is at the end of its range in {100 * share:.2g} % of the log"
     cure = "record with a wider range, or cut those parts out"
     if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
         return f"{where}, and the rest is too little to tell whether the true force went beyond it: {cure}"
-    moved = np.abs(other.solution - _of_rows(parts, fit, [o.valid for o in seen]).solution)
+    moved = np.abs(other.solution - _of_rows(parts, [o.valid for o in seen]).solution)
     certain = _CERTAIN * np.sqrt(np.diag(other.covariance))
     if not np.any((moved > certain) & (moved > _NOTICEABLE * np.abs(other.solution))):
         return ""
     return f"{where}, and without those parts the parameters are others, so that the true force went beyond it: {cure}"
 
 
-def _of_rows(parts: Sequence[Excerpt], fit: LeastSquares, valid: Sequence[BoolArray]) -> LeastSquares:
+def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquares:
     """Estimate from some rows of the parts, each part with weights of its own."""
     seen = [part.observation for part in parts]
-    return estimate(
-        [f for o, v in zip(seen, valid, strict=True) for f in triangular_factors(o.W, o.y, v)], fit.method
-    )
+    return estimate([f for o, v in zip(seen, valid, strict=True) for f in triangular_factors(o.W, o.y, v)])
 
 
 def _at_limit(force: FloatArray) -> BoolArray:
