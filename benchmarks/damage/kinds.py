@@ -170,7 +170,7 @@ def other_unit_midway(columns: Columns, rng: Generator, extent: float) -> Column
 
 def foreign_unit(columns: Columns, rng: Generator, extent: float) -> Columns:
     """A header with a unit that the signal cannot have, or that there is not."""
-    name, unit = _signal(rng), rng.choice(["degC", "V", "furlongs", "m/s", "", "µ?", "rad", "N*m"])
+    name, unit = _signal(rng), rng.choice(["degC", "V", "bananas", "m/s", "", "µ?", "rad", "N*m"])
     return {(f"{key} [{unit}]" if key == name else key): x for key, x in columns.items()}
 
 

@@ -142,7 +142,7 @@ def found_from(
     physical: tuple[PhysicalEstimate, ...] = ()
     if fit.status == "ok":
         physical = physical_estimates(model, fit.parameters, trusted_covariance(fit, correlated), nominal)
-    status, message = verdict(model, fit, physical)
+    status, message = verdict(model, fit, physical, correlated)
     return Identification(
         model=model,
         logs=tuple(log.source for log in logs),

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares
+from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.physical import PhysicalEstimate
 
 Status = Literal[
@@ -27,18 +27,26 @@ _HIGHEST_CONDITION = 1e5
 """Of the scaled observation matrix; beyond it, noise of 0.001 % in a column changes the parameters by 100 %."""
 
 
+_FEW_ROWS = 10
+"""Rows for each parameter below which a residual that is hardly independent tells no deviation."""
 _WORST_FIT = 0.5
 """Residual beyond which, as part of the output, an equation says nothing: a quarter of the power is unexplained."""
 
 
 def verdict(
-    model: GeneratedModel, fit: LeastSquares, physical: tuple[PhysicalEstimate, ...]
+    model: GeneratedModel,
+    fit: LeastSquares,
+    physical: tuple[PhysicalEstimate, ...],
+    correlated: CorrelatedCovariance,
 ) -> tuple[Status, str]:
     """Status of an identification, and a sentence that says what it means here and what to do."""
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
         return "too_few_rows", f"{rows}: give a longer log or --standstill 0"
+    if correlated.status == "too_few_samples" and sum(fit.rows) < _FEW_ROWS * len(names):
+        rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
+        return "too_few_rows", f"{rows}: give a longer log"
     if fit.status == "rank_deficient":
         missing = ", ".join(names[i] for i in fit.undetermined)
         return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
