@@ -161,6 +161,8 @@ def outcome_of(damage: Damage) -> Outcome:
                 code = stop.code
             except _Hangs:
                 return Outcome("hang", f"more than {PATIENCE} s")
+            except KeyboardInterrupt:
+                raise
             except BaseException:  # noqa: BLE001  # whatever comes through is what is looked for
                 return Outcome("traceback", traceback.format_exc())
     if warned:
