@@ -11,6 +11,7 @@ import click
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
     assignments,
+    bytes_of,
     cascade_gains,
     gain_option,
     json_option,
@@ -24,7 +25,7 @@ from symid.cli.options import (
 )
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, load_generated
-from symid.data import Log
+from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
@@ -32,6 +33,7 @@ from symid.identification import (
     Preparation,
     identify,
     measured_signals,
+    open_axis_log,
     predict,
     read_axis_log,
 )
@@ -123,6 +125,13 @@ loop_options = shared(
     metavar="P.json",
     help="Nominal parameters, a start where the inverse map has no closed form.",
 )
+@click.option(
+    "--memory",
+    default="1GB",
+    show_default=True,
+    metavar="SIZE",
+    help="What a log may take; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+)
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @click.option(
     "--plot", metavar="FILE", help="Draw measured and predicted force and the residual (png, svg or pdf)."
@@ -131,7 +140,7 @@ loop_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    runs = [read_log_of(declared, file, options) for file in tracked(logs, "reading logs")]
+    runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
@@ -149,7 +158,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 def _by_regression(
     declared: Axis,
     model: GeneratedModel,
-    runs: Sequence[Log],
+    runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
 ) -> tuple[Identification, Prediction | None, dict[str, Any]]:
@@ -162,7 +171,7 @@ def _by_regression(
 def _by_output_error(
     declared: Axis,
     model: GeneratedModel,
-    runs: Sequence[Log],
+    runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
 ) -> tuple[OutputErrorIdentification, OutputErrorPrediction | None, dict[str, Any]]:
@@ -177,7 +186,7 @@ def _by_output_error(
         found = identify_output_error(
             declared,
             model,
-            runs,
+            _in_memory(runs),
             held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
             preparation=Preparation(late=late_of(declared, options), standstill=_standstill(options)),
@@ -188,7 +197,7 @@ def _by_output_error(
 
 
 def _identified(
-    declared: Axis, model: GeneratedModel, runs: Sequence[Log], options: dict[str, Any]
+    declared: Axis, model: GeneratedModel, runs: Sequence[AnyLog], options: dict[str, Any]
 ) -> Identification:
     """Identify by the method that was asked for."""
     preparation = _preparation(declared, runs[0], options)
@@ -199,7 +208,7 @@ def _identified(
         loop = _closed_loop(declared, options)
         return identify_by_instruments(
             model,
-            runs,
+            _in_memory(runs),
             loop,
             preparation=preparation,
             nominal=nominal,
@@ -219,9 +228,24 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     """A log by the log options."""
-    return read_axis_log(
-        declared, file, measured=signal_list(options["measured"]), **foreign_columns(options)
-    )
+    return read_axis_log(declared, file, **_log_settings(options))
+
+
+def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
+    """A log by the log options, in memory if it fits or if the method needs it there."""
+    memory = bytes_of(options["memory"], "--memory")
+    if options["method"] in ("iv", "oe"):
+        return read_log_of(declared, file, options)
+    return open_axis_log(declared, file, memory=memory, **_log_settings(options))
+
+
+def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
+    return [run.window(0, run.n_samples) for run in runs]
+
+
+def _log_settings(options: dict[str, Any]) -> dict[str, Any]:
+    """What the log options say of columns, and the sensors to read."""
+    return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
 
 
 def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
@@ -234,7 +258,7 @@ def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
+def _preparation(declared: Axis, log: AnyLog, options: dict[str, Any]) -> Preparation:
     held = options["held"] + ((declared.drive.signal,) if declared.drive.held else ())
     return preparation_of(options, late_of(declared, options)).with_held(held, log.sampling_period)
 

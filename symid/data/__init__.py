@@ -2,6 +2,7 @@
 
 from symid.data.checks import inspect_spans, inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
+from symid.data.columns import REFERENCE
 from symid.data.filtering import (
     LowPass,
     central_difference,
@@ -13,15 +14,20 @@ from symid.data.filtering import (
     kept_indices,
 )
 from symid.data.log import Log
-from symid.data.reading import REFERENCE, columns_in, read_log
+from symid.data.long_log import AnyLog, LongLog, spans
+from symid.data.reading import columns_in, read_log
+from symid.data.scanning import MEMORY, open_log
 from symid.data.spline import QuinticSpline
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
+    "MEMORY",
     "MINIMUM_SAMPLES",
     "REFERENCE",
+    "AnyLog",
     "Clock",
     "Log",
+    "LongLog",
     "LowPass",
     "Piece",
     "QuinticSpline",
@@ -39,5 +45,7 @@ __all__ = [
     "inspect_values",
     "kept_indices",
     "kept_of",
+    "open_log",
     "read_log",
+    "spans",
 ]

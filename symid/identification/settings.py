@@ -11,7 +11,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, derivatives, faithful_share
+from symid.data import AnyLog, LowPass, derivatives, faithful_share
 from symid.errors import SettingError
 
 _COHERENT = 0.8
@@ -79,15 +79,15 @@ class Preparation:
         return replace(self, late=late)
 
 
-def coherent_band(log: Log, model: GeneratedModel) -> float:
+def coherent_band(log: AnyLog, model: GeneratedModel) -> float:
     """Highest frequency at which force and motion are coherent, in Hz: above it a log holds only noise.
 
     The magnitude-squared coherence is averaged over segments (Welch); a frequency counts where it exceeds 0.8, and
     the spectrum is smoothed over five lines so that lines of noise do not count.
     """
     force, name = model.force, model.most_differentiated
-    drive = _excerpts(log[force])
-    motion: FloatArray = derivatives(_excerpts(log[name]), log.sampling_period, 2)[1]
+    drive = _excerpts(log, force)
+    motion: FloatArray = derivatives(_excerpts(log, name), log.sampling_period, 2)[1]
     rate, length = log.sampling_frequency, _segment(log)
     frequency, together = scipy.signal.csd(drive, motion, fs=rate, nperseg=length)
     powers = [np.mean(scipy.signal.welch(x, fs=rate, nperseg=length)[1], axis=0) for x in (drive, motion)]
@@ -98,7 +98,7 @@ def coherent_band(log: Log, model: GeneratedModel) -> float:
     return float(frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 
 
-def quiet_band(log: Log, model: GeneratedModel) -> float:
+def quiet_band(log: AnyLog, model: GeneratedModel) -> float:
     """Highest cutoff at which noise is no more than `_NOISE_SHARE` of the power of the highest derivative, in Hz.
 
     Noise in the columns of W draws the parameters towards zero by about this share (errors in variables). Its level is
@@ -106,7 +106,7 @@ def quiet_band(log: Log, model: GeneratedModel) -> float:
     """
     name = model.most_differentiated
     frequency, powers = scipy.signal.welch(
-        _excerpts(log[name]), fs=log.sampling_frequency, nperseg=_segment(log)
+        _excerpts(log, name), fs=log.sampling_frequency, nperseg=_segment(log)
     )
     power = np.mean(powers, axis=0)
     noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
@@ -116,7 +116,7 @@ def quiet_band(log: Log, model: GeneratedModel) -> float:
     return float(frequency[1:][quiet[-1]]) if quiet.size else float(frequency[1:][np.argmin(share)])
 
 
-def faithful_band(log: Log, model: GeneratedModel) -> float:
+def faithful_band(log: AnyLog, model: GeneratedModel) -> float:
     """Frequency at which repeated central differences lose 3 % of the highest derivative [36], in Hz.
 
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
@@ -126,20 +126,20 @@ def faithful_band(log: Log, model: GeneratedModel) -> float:
     return share * log.sampling_frequency
 
 
-def _excerpts(values: FloatArray) -> FloatArray:
+def _excerpts(log: AnyLog, name: str) -> FloatArray:
     """Evenly spread parts of a long signal, one a row: enough for a spectrum; a shorter signal as it is."""
     length = _LONGEST // _EXCERPTS
-    if values.size <= _LONGEST:
-        return values[None]
-    starts = np.linspace(0, values.size - length, _EXCERPTS).astype(int)
-    return np.stack([values[start : start + length] for start in starts])
+    if log.n_samples <= _LONGEST:
+        return log.window(0, log.n_samples)[name][None]
+    starts = np.linspace(0, log.n_samples - length, _EXCERPTS).astype(int).tolist()
+    return np.stack([log.window(start, start + length)[name] for start in starts])
 
 
-def _segment(log: Log) -> int:
+def _segment(log: AnyLog) -> int:
     return max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
 
 
-def completed(given: Preparation, log: Log, model: GeneratedModel) -> Preparation:
+def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
     The cutoff is the lowest of 1.5 times the coherent band, the quiet band, and the faithful band; the decimation keeps
