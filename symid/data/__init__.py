@@ -1,6 +1,6 @@
 """Logs of machines: reading, checking, filtering and differentiating them."""
 
-from symid.data.checks import inspect_spans, inspect_values
+from symid.data.checks import cut_in_motion, inspect_spans, inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
 from symid.data.columns import REFERENCE
 from symid.data.filtering import (
@@ -35,6 +35,7 @@ __all__ = [
     "central_difference",
     "central_difference_gain",
     "columns_in",
+    "cut_in_motion",
     "decimate",
     "decimation_filter",
     "derivatives",

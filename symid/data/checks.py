@@ -217,7 +217,7 @@ def inspect_spans(
             continue
         runs = _Runs.of(x)
         usual = float(np.median(runs.length))
-        extreme = (x[runs.start] == x.max()) | (x[runs.start] == x.min())
+        extreme = _extreme(x, runs)
         clipped = runs.only(extreme).longer(max(_CLIPPED_SAMPLES, 3.0 * usual))
         long = runs.only(~extreme).longer(max(_STUCK_SAMPLES, _USUAL_RUNS * usual))
         if name in positions:
@@ -230,6 +230,24 @@ def inspect_spans(
         notes += _told(time, name, clipped, "is clipped at the end of its range")
         notes += _told(time, name, stuck, "keeps exactly one value while the machine moves")
     return tuple(notes)
+
+
+def cut_in_motion(x: FloatArray) -> int:
+    """Samples in which a signal of motion is clipped at the end of its range, which it reached at speed.
+
+    Examples
+    --------
+    >>> cut_in_motion(np.clip(np.sin(np.arange(200) / 10), -0.8, 1.0))
+    36
+    """
+    runs = _Runs.of(x)
+    long = runs.only(_extreme(x, runs)).longer(max(_CLIPPED_SAMPLES, 3.0 * float(np.median(runs.length))))
+    return int(np.sum(_cut_in_motion(x, long).length))
+
+
+def _extreme(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:
+    """Whether runs have the largest or the smallest value."""
+    return np.asarray((x[runs.start] == x.max()) | (x[runs.start] == x.min()))
 
 
 def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:

@@ -12,6 +12,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
+from symid.data import cut_in_motion
 from symid.estimation import LeastSquares, estimate, triangular_factors
 from symid.identification.excerpts import Excerpt
 
@@ -26,6 +27,8 @@ _NOTICEABLE = 0.02
 _WINDOWS = 50
 _LOCAL_RATIO = 20.0
 """Times the median rms residual of all windows, beyond which a window is another matter."""
+_SILENT_RATIO = 30.0
+"""Times the output that its prediction must be for a window in another unit, where the rest of the log is few."""
 _LOCAL_SHARE = 0.5
 """Of the output of that window that its residual must be, so that a log that rests most of the time raises no alarm."""
 
@@ -42,7 +45,18 @@ def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     fit : LeastSquares
         The parameters, all determined.
     """
-    return _clipped(model, parts, fit) or _local(parts, fit)
+    return _cut(model, parts) or _clipped(model, parts, fit) or _local(parts, fit)
+
+
+def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Whether the range of a sensor of motion ended while the axis moved on."""
+    for name in model.highest_derivatives:
+        samples = 0 if name == model.force else sum(cut_in_motion(part.log[name]) for part in parts)
+        if samples:
+            share = 100 * samples / sum(part.log.n_samples for part in parts)
+            cure = "record with a wider range, or cut those parts out"
+            return f"{name} is at the end of its range in {share:.2g} % of the log, while the axis moves on: {cure}"
+    return ""
 
 
 def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
@@ -99,37 +113,43 @@ def _local(parts: Sequence[Excerpt], fit: LeastSquares) -> str:
 
 
 def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
-    found = [window for part in parts for window in _windows(part, _residual(part, fit), equation)]
+    found = [window for part in parts for window in _windows(part, fit, equation)]
     if len(found) < _WINDOWS // 2:
         return ""
-    residual, output, time = np.array(found).T
-    worst = int(np.argmax(residual))
-    usual = float(np.median(residual))
-    if residual[worst] <= _LOCAL_RATIO * usual or residual[worst] <= _LOCAL_SHARE * output[worst]:
+    residual, output, predicted, time = np.array(found).T
+    worst, usual = int(np.argmax(residual)), float(np.median(residual))
+    if residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * max(
+        output[worst], predicted[worst]
+    ):
+        times = residual[worst] / max(usual, np.finfo(float).tiny)
+        return (
+            f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
+            "output: the log is damaged there, or something acts that the model lacks"
+        )
+    silent = (predicted > _SILENT_RATIO * output) & (predicted > 0.5 * np.median(predicted))
+    if not silent.any():
         return ""
-    times = residual[worst] / max(usual, np.finfo(float).tiny)
+    first = int(np.argmax(silent))
     return (
-        f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
-        "output: the log is damaged there, or something acts that the model lacks"
+        f"near t = {time[first]:.5g} s the output is less than {100 / _SILENT_RATIO:.2g} % of what the parameters "
+        "found elsewhere predict: the unit changes within the log, or a channel is dead there"
     )
 
 
-def _windows(part: Excerpt, residual: FloatArray, equation: int) -> list[tuple[float, float, float]]:
-    """Residual and output of an equation in rms, and the time, of each window of a part that has enough rows."""
+def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> list[tuple[float, float, float, float]]:
+    """Residual, output and its prediction in rms, and the time, of each window of a part that has enough rows."""
     seen = part.observation
-    size = max(_LEAST_ROWS, residual.shape[1] // _WINDOWS)
+    size = max(_LEAST_ROWS, seen.y.shape[1] // _WINDOWS)
     found = []
-    for start in range(0, residual.shape[1] - size + 1, size):
+    for start in range(0, seen.y.shape[1] - size + 1, size):
         rows = slice(start, start + size)
         valid = seen.valid[equation, rows]
         if np.count_nonzero(valid) >= _LEAST_ROWS // 2:
-            left, y = residual[equation, rows][valid], seen.y[equation, rows][valid]
-            larger = max(np.mean(y**2), np.mean((y - left) ** 2))
-            found.append((float(np.sqrt(np.mean(left**2))), float(np.sqrt(larger)), float(seen.time[start])))
+            y = seen.y[equation, rows][valid]
+            predicted = seen.W[equation, rows][valid] @ fit.solution
+            found.append((_rms(y - predicted), _rms(y), _rms(predicted), float(seen.time[start])))
     return found
 
 
-def _residual(part: Excerpt, fit: LeastSquares) -> FloatArray:
-    """Residual of each row, shape (n_equations, n_rows)."""
-    seen = part.observation
-    return np.asarray(seen.y - seen.W @ fit.solution)
+def _rms(x: FloatArray) -> float:
+    return float(np.sqrt(np.mean(x**2)))

@@ -37,14 +37,15 @@ def verdict(
     model: GeneratedModel,
     fit: LeastSquares,
     physical: tuple[PhysicalEstimate, ...],
-    correlated: CorrelatedCovariance,
+    correlated: CorrelatedCovariance | None = None,
 ) -> tuple[Status, str]:
     """Status of an identification, and a sentence that says what it means here and what to do."""
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
         return "too_few_rows", f"{rows}: give a longer log or --standstill 0"
-    if correlated.status == "too_few_samples" and sum(fit.rows) < _FEW_ROWS * len(names):
+    dependent = correlated is not None and correlated.status != "ok"
+    if dependent and sum(fit.rows) < _FEW_ROWS * len(names):
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
         return "too_few_rows", f"{rows}: give a longer log"
     if fit.status == "rank_deficient":

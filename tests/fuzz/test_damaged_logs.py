@@ -14,6 +14,10 @@ FOUND_BY_FUZZING = (
     "lost_rows_untold:csv:whole:0.2858569477890192:984",
     "other_unit_midway:csv:whole:0.3570750270341459:523",
     "clipped:mat:blocks:0.8042720918478803:41",
+    "few_rows:parquet:blocks:0.0615447314771196:732980",
+    "clipped:parquet:whole:0.15923751929217425:4294967294",
+    "other_unit_midway:parquet:whole:0.9:46",
+    "other_unit_midway:parquet:whole:0.75:15",
 )
 
 
