@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from symid.axis import load_axis
+from symid.cli.fleet import page_of, write_page
 from symid.cli.identify import (
     foreign_columns,
     late_times,
@@ -17,6 +18,7 @@ from symid.cli.identify import (
     preparation_options,
 )
 from symid.cli.options import (
+    bytes_of,
     cascade_gains,
     json_option,
     measured_option,
@@ -25,8 +27,8 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.progress import tracked
-from symid.fleet import BatchSettings, Interrupted, identify_batch, summary_of
+from symid.cli.progress import tracked, working
+from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.fleet.settings import METHODS
 from symid.report.batch import print_batch
 
@@ -49,6 +51,19 @@ batch_options = shared(
     click.option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler of a cluster, such as tcp://10.0.0.1:8786."
     ),
+    click.option(
+        "--memory",
+        default="1GB",
+        show_default=True,
+        metavar="SIZE",
+        help="What a log may take in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+    ),
+    click.option(
+        "--joint",
+        is_flag=True,
+        help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
+    ),
+    click.option("--report", metavar="OUT.html", help="Write the page of symid fleet too."),
     click.option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
 )
 
@@ -75,6 +90,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     LOG is a file, a folder or a pattern. A log that cannot be used is a row that says why. Stopped at any time,
     the same command continues: finished logs are done again only if the log, the axis or the settings changed.
     """
+    page = page_of(options["report"])
     try:
         batch = identify_batch(
             (axis, *options["also"]),
@@ -88,6 +104,9 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     except Interrupted as stop:
         print(f"symid: {stop}", file=sys.stderr)
         sys.exit(130)
+    if page:
+        with working("reviewing"):
+            write_page(review_fleet(batch.table, units=batch.units), page)
     record = summary_of(batch)
     if json_file:
         write_json(record, json_file)
@@ -106,5 +125,7 @@ def _settings(axis: str, options: dict[str, Any]) -> BatchSettings:
         controller=cascade_gains(options["gains"]),
         rate_hz=options["rate"],
         diagnose=options["diagnose"],
+        joint=options["joint"],
+        memory=bytes_of(options["memory"], "--memory"),
         **foreign_columns(options),
     )

@@ -138,12 +138,14 @@ class ClockOfBlocks:
             found = inspect_clock(time)
         else:
             found = inspect_clock(np.append(self._last, time), before=self._seen - 1)
+        if found.faults:
+            return found.faults
         late = time - self._first
         index = np.arange(self._seen, self._seen + time.size, dtype=np.float64)
         self._sums += np.dot(index, late), np.sum(late)
         self._last, self._seen = float(time[-1]), self._seen + time.size
         self._blocks.append(found)
-        return found.faults
+        return ()
 
     @property
     def found(self) -> Clock:

@@ -18,11 +18,11 @@ from symid.axis import Axis
 from symid.errors import SymidError
 from symid.fleet.journal import Journal, journal_file, read_journal
 from symid.fleet.plan import PathLike, fleet_axes, log_files
+from symid.fleet.results import Units
 from symid.fleet.row import Row
 from symid.fleet.schedulers import scheduler_of
 from symid.fleet.settings import BatchSettings
 from symid.fleet.table import (
-    Units,
     parameter_columns,
     read_rows,
     result_files,
@@ -64,6 +64,8 @@ class Batch:
         From axis to sensors to parameter to unit.
     diagnosed : bool
         Whether the logs were diagnosed.
+    joint : bool
+        Whether the rows hold the triangular factors of their logs, see `BatchSettings`.
     reused : int
         Rows that an earlier run had made.
     files : tuple of Path
@@ -75,6 +77,7 @@ class Batch:
     rows: tuple[Row, ...]
     units: Units
     diagnosed: bool
+    joint: bool
     reused: int
     files: tuple[Path, ...]
     replaced: Path | None
@@ -82,7 +85,7 @@ class Batch:
     @cached_property
     def table(self) -> pl.DataFrame:
         """The rows as a table, as the files hold it."""
-        return table_of(self.rows, parameter_columns(self.units), self.diagnosed)
+        return table_of(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
 
     @property
     def statuses(self) -> dict[str, int]:
@@ -172,7 +175,8 @@ def identify_batch(
     units = units_of(ordered, chosen)
     replaced = _former_kept(files, former - set(names))
     diagnosed = any(axis.settings.diagnose for axis in chosen)
-    batch = Batch(ordered, units, diagnosed, len(names) - made, files, replaced)
+    joint = any(axis.settings.joint for axis in chosen)
+    batch = Batch(ordered, units, diagnosed, joint, len(names) - made, files, replaced)
     _write(batch, journal)
     return batch
 

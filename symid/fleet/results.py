@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,9 +13,13 @@ import polars as pl
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
 
 UNKNOWN = "unknown axis"
 """Axis of logs that failed before it was known."""
+UNITS = "symid.units"
+"""Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
+Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
 
 
@@ -28,12 +33,15 @@ class Group:
         Name of the axis; with its sensors or its folder where there are several.
     axis : str
         The declared axis.
+    sensors : tuple of str
+        Those it was identified from; empty where they are not known.
     rows : polars.DataFrame
         Its rows.
     """
 
     name: str
     axis: str
+    sensors: tuple[str, ...]
     rows: pl.DataFrame
 
 
@@ -54,10 +62,31 @@ def read_results(file: str | Path) -> pl.DataFrame:
     if not path.is_file():
         raise SettingError(f"results {path}: there is no such file; symid batch writes one")
     try:
-        table = pl.read_parquet(path) if kind == ".parquet" else pl.read_csv(path, infer_schema_length=None)
-    except pl.exceptions.PolarsError as error:
+        table = pl.read_parquet(path) if kind == ".parquet" else _read_csv(path)
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
         raise SettingError(f"results {path} cannot be read: {' '.join(str(error).split())}") from error
     return checked_results(table)
+
+
+def _read_csv(path: Path) -> pl.DataFrame:
+    texts = (name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS}.items() if kind is str)
+    return pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+
+
+def units_in(file: str | Path) -> Units:
+    """Units of a Parquet file of results; none of another file.
+
+    Parameters
+    ----------
+    file : path-like
+        One that `read_results` reads.
+    """
+    if Path(file).suffix.lower() != ".parquet":
+        return {}
+    try:
+        return dict(json.loads(pl.read_parquet_metadata(file).get(UNITS, "{}")))
+    except (ValueError, TypeError):
+        return {}
 
 
 def checked_results(table: pl.DataFrame) -> pl.DataFrame:
@@ -120,8 +149,12 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
             name += f" from {sensors or 'unknown sensors'}"
         if folder:
             name += f" in {folder}"
-        found.append(Group(name, str(axis), rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
+        found.append(Group(name, str(axis), _listed(sensors), rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
     return tuple(sorted(found, key=lambda group: group.name))
+
+
+def _listed(sensors: object) -> tuple[str, ...]:
+    return tuple(name.strip() for name in str(sensors).split(",") if name.strip())
 
 
 def _filled(table: pl.DataFrame) -> pl.DataFrame:

@@ -13,7 +13,17 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
-from symid.fleet.results import UNKNOWN, Group, checked_results, groups, moments, numbers, parameter_names
+from symid.fleet.effects import EffectCount, count_effects
+from symid.fleet.results import (
+    UNKNOWN,
+    Group,
+    Units,
+    checked_results,
+    groups,
+    moments,
+    numbers,
+    parameter_names,
+)
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
 
 _TO_SIGMA = 1.4826
@@ -62,6 +72,8 @@ class ParameterReview:
         Over time.
     outliers : tuple of Outlier
         The farthest first.
+    unit : str
+        Of the parameter; empty where it is not known.
     """
 
     name: str
@@ -71,6 +83,7 @@ class ParameterReview:
     within: float
     chart: ControlChart
     outliers: tuple[Outlier, ...]
+    unit: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,26 +118,6 @@ class AxisReview:
     dated: bool
 
 
-@dataclass(frozen=True)
-class EffectCount:
-    """How often a diagnosis found an effect at a place.
-
-    Parameters
-    ----------
-    effect, at : str
-        The effect and its place.
-    logs : int
-        Logs in which it was found.
-    axes : tuple of str
-        Axes in which it was found.
-    """
-
-    effect: str
-    at: str
-    logs: int
-    axes: tuple[str, ...]
-
-
 @dataclass(frozen=True, eq=False)
 class FleetReview:
     """A fleet over all its logs.
@@ -154,6 +147,7 @@ class FleetReview:
 def review_fleet(
     table: pl.DataFrame,
     *,
+    units: Units | None = None,
     statuses: Sequence[str] = ("ok",),
     without: Sequence[str] = (),
     by_folder: bool = False,
@@ -166,6 +160,8 @@ def review_fleet(
     table : polars.DataFrame
         One row a log with `log`, `axis`, `status`; `NAME` and `NAME_std` for each parameter; `recorded` (ISO) for
         charts over time; `effect` and `at` where a diagnosis was made.
+    units : mapping, optional
+        From axis to sensors to parameter to unit, as a batch has them and `units_in` finds them in its file.
     statuses : sequence of str
         Logs whose parameters enter.
     without : sequence of str
@@ -194,17 +190,24 @@ def review_fleet(
         table = table.sort("log").drop("recorded", strict=False)
     names = [name for name in parameter_names(table) if name not in without]
     parts = groups(table, by_folder)
-    axes = tuple(_axis_review(part, names, statuses) for part in parts)
+    axes = tuple(_axis_review(part, names, statuses, _units_of(part, units or {})) for part in parts)
     counts = _counts(table, "status")
     effects = _effects(parts)
     verdicts = _counts(table, "verdict")
     return FleetReview(table, axes, counts, verdicts, effects, _sentence(table, axes, counts, effects))
 
 
-def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str]) -> AxisReview:
+def _units_of(group: Group, units: Units) -> Mapping[str, str]:
+    """Units of the parameters of an axis with its sensors."""
+    return units.get(group.axis, {}).get(",".join(group.sensors), {})
+
+
+def _axis_review(
+    group: Group, names: Sequence[str], statuses: Sequence[str], units: Mapping[str, str]
+) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
     apart = _distinct(rows, names)
-    found = tuple(one for one in (_parameter_review(rows, name) for name in apart) if one is not None)
+    found = tuple(one for one in (_parameter_review(rows, name, units) for name in apart) if one is not None)
     return AxisReview(
         name=group.name,
         axis=group.axis,
@@ -223,7 +226,7 @@ def _distinct(rows: pl.DataFrame, names: Sequence[str]) -> list[str]:
     return [name for name in names if last[numbers(rows, name).tobytes()] == name]
 
 
-def _parameter_review(rows: pl.DataFrame, name: str) -> ParameterReview | None:
+def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -> ParameterReview | None:
     """A parameter over the logs; None if none of them has it."""
     values, deviations = numbers(rows, name), numbers(rows, f"{name}_std")
     known = np.isfinite(values)
@@ -243,6 +246,7 @@ def _parameter_review(rows: pl.DataFrame, name: str) -> ParameterReview | None:
         within=chart.between,
         chart=chart,
         outliers=_outliers(logs, values, deviations),
+        unit=units.get(name, ""),
     )
 
 
@@ -267,19 +271,12 @@ def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
 
 
 def _effects(parts: Sequence[Group]) -> tuple[EffectCount, ...]:
-    logs: Counter[tuple[str, str]] = Counter()
-    axes: dict[tuple[str, str], list[str]] = {}
-    for part in parts:
-        if not {"effect", "at"} <= set(part.rows.columns):
-            continue
-        for effect, at in part.rows.select("effect", "at").iter_rows():
-            if effect:
-                place = (str(effect), str(at or ""))
-                logs[place] += 1
-                if part.name not in axes.setdefault(place, []):
-                    axes[place].append(part.name)
-    found = (EffectCount(*place, count, tuple(axes[place])) for place, count in logs.items())
-    return tuple(sorted(found, key=lambda one: (-one.logs, one.effect, one.at)))
+    told = [part for part in parts if {"effect", "at"} <= set(part.rows.columns)]
+    return count_effects(
+        (part.name, effect, at)
+        for part in told
+        for effect, at in part.rows.select("effect", "at").iter_rows()
+    )
 
 
 def _sentence(

@@ -7,11 +7,14 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 from symid.axis import Axis
+from symid.data import MEMORY
 from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.identification.logs import axis_columns
 
-METHODS = ("wls", "ols", "iv", "oe")
+ROW_METHODS = ("wls", "ols")
+"""Methods to which the triangular factors of the rows are all that there is to know of a log."""
+METHODS = (*ROW_METHODS, "iv", "oe")
 
 
 @dataclass(frozen=True)
@@ -42,11 +45,16 @@ class BatchSettings:
         Whether each log is diagnosed too, which takes seconds a log.
     examine : bool
         Whether timing and bias are examined, see `symid.identify`.
+    joint : bool
+        Whether rows keep the triangular factors of their logs, some hundred numbers each, so that the logs of an axis
+        can be joined without reading them again; for "wls" and "ols".
+    memory : int
+        Bytes that a log may take in a process; a longer CSV or Parquet file is identified in blocks by "wls" and "ols".
 
     Raises
     ------
     SettingError
-        If the method is not known.
+        If the method is not known, or cannot be joined.
     """
 
     method: Literal["wls", "ols", "iv", "oe"] = "wls"
@@ -62,15 +70,19 @@ class BatchSettings:
     rate_hz: float | None = None
     diagnose: bool = False
     examine: bool = True
+    joint: bool = False
+    memory: int = MEMORY
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise SettingError(f"method {self.method!r} is not known: choose from {', '.join(METHODS)}")
+        if self.joint and self.method not in ROW_METHODS:
+            raise SettingError(f"method {self.method!r} leaves no factors to join: take one of wls, ols")
 
     @property
     def canonical(self) -> str:
         """Text that is the same for the same settings, in every process."""
-        return repr(_sorted(self))
+        return repr(_sorted(replace(self, memory=MEMORY)))  # blocks give what memory gives
 
     def of_axis(self, axis: Axis) -> BatchSettings:
         """What of the settings concerns an axis: of several axes each has its own signals."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections import Counter
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from symid.fleet.batch import Batch
-from symid.fleet.row import Row
+from symid.fleet.effects import count_effects
 
 _NORMAL = 1.4826
 """Standard deviation of a normal distribution by its median absolute deviation."""
@@ -45,7 +45,8 @@ def summary_of(batch: Batch) -> dict[str, Any]:
         record["verdicts"] = dict(
             Counter(row["verdict"] for row in batch.rows if row.get("verdict")).most_common()
         )
-        record["effects"] = _effects(batch.rows)
+        found = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
+        record["effects"] = [asdict(one) for one in count_effects(found)]
     return record
 
 
@@ -76,15 +77,3 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
                 }
             )
     return found
-
-
-def _effects(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Effects over the fleet, the most frequent first: in how many logs, and of which axes."""
-    logs: dict[tuple[Any, Any], list[Row]] = defaultdict(list)
-    for row in rows:
-        if row.get("effect"):
-            logs[row["effect"], row["at"]].append(row)
-    return [
-        {"effect": effect, "at": at, "logs": len(found), "axes": dict(Counter(str(r["axis"]) for r in found))}
-        for (effect, at), found in sorted(logs.items(), key=lambda item: -len(item[1]))
-    ]

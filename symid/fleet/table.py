@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import polars as pl
 
 from symid.errors import SettingError, SymidError
+from symid.fleet.kept_factors import FACTORS
 from symid.fleet.plan import FleetAxis
+from symid.fleet.results import UNITS, Units, read_results
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
 
 SUFFIXES = (".parquet", ".csv")
-UNITS = "symid.units"
-"""Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
-
 _TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}
-Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 
 
-def table_of(rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool) -> pl.DataFrame:
+def table_of(
+    rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool, joint: bool = False
+) -> pl.DataFrame:
     """Rows as a table; a value that a row lacks is null.
 
     Parameters
@@ -32,6 +32,8 @@ def table_of(rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool) ->
         Names of the columns of parameters and deviations.
     diagnosed : bool
         Whether there are columns of a diagnosis.
+    joint : bool
+        Whether there is a column of triangular factors.
 
     Examples
     --------
@@ -39,6 +41,7 @@ def table_of(rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool) ->
     ('a.csv', 5.0, None)
     """
     kinds = {**BEFORE, **dict.fromkeys(parameters, float), **AFTER, **(DIAGNOSIS if diagnosed else {})}
+    kinds |= {FACTORS: str} if joint else {}
     schema = {name: _TYPES[kind] for name, kind in kinds.items()}
     return pl.DataFrame([[row.get(name) for name in schema] for row in rows], schema=schema, orient="row")
 
@@ -104,20 +107,13 @@ def read_rows(file: Path) -> list[Row]:
     """
     if not file.exists():
         return []
+    nothing = SettingError(f"{file}: is there but holds no results: give another file, or remove it")
     try:
-        if file.suffix == ".parquet":
-            frame = pl.read_parquet(file)
-        else:
-            texts = [*(name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS}.items() if kind is str)]
-            frame = pl.read_csv(
-                file, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None
-            )
-    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
-        raise SettingError(
-            f"{file}: is there but holds no results: give another file, or remove it"
-        ) from error
-    if not {"log", "key", "status"} <= set(frame.columns):
-        raise SettingError(f"{file}: is there but holds no results: give another file, or remove it")
+        frame = read_results(file)
+    except SettingError as error:
+        raise nothing from error
+    if "key" not in frame.columns:
+        raise nothing
     return [{k: v for k, v in row.items() if v is not None} for row in frame.iter_rows(named=True)]
 
 

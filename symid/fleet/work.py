@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import time
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,12 +14,14 @@ from polars.exceptions import PanicException
 from threadpoolctl import ThreadpoolController
 
 from symid.codegen import GeneratedModel
-from symid.data import Log, columns_in
+from symid.data import AnyLog, Log, columns_in
 from symid.errors import LogError
+from symid.fleet.joint import log_factors
+from symid.fleet.kept_factors import FACTORS, packed
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
-from symid.fleet.settings import BatchSettings
-from symid.identification import Identification, identify, measured_signals, read_axis_log
+from symid.fleet.settings import ROW_METHODS, BatchSettings
+from symid.identification import Identification, identify, measured_signals, open_axis_log
 
 
 @dataclass(frozen=True)
@@ -112,27 +115,35 @@ def _axis_of(axes: tuple[FleetAxis, ...], log: str) -> FleetAxis:
 def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
     """Columns of the identification, and of the diagnosis if there is to be one."""
     settings, declared = axis.settings, axis.axis
-    log = read_axis_log(
+    in_blocks = settings.method in ROW_METHODS
+    log = open_axis_log(
         declared,
         path,
         measured=settings.measured,
         columns=settings.columns,
         units=settings.units,
         gains=settings.gains,
+        memory=settings.memory if in_blocks else sys.maxsize,
     )
     measured = measured_signals(declared, [log], settings.measured)
     row: dict[str, Value] = {"samples": log.n_samples, "measured": ",".join(measured)}
     model = axis.model(measured)
     if settings.method == "oe":
-        row |= _by_output_error(axis, model, log)
+        row |= _by_output_error(axis, model, _whole(log))
     else:
-        row |= _columns_of(_by_regression(axis, model, log))
+        found = _by_regression(axis, model, log)
+        row |= _columns_of(found)
+        row |= {FACTORS: packed(log_factors(found))} if settings.joint else {}
     if settings.diagnose:
-        row |= _diagnosed(axis, log, str(row["message"] or ""))
+        row |= _diagnosed(axis, _whole(log), str(row["message"] or ""))
     return row
 
 
-def _by_regression(axis: FleetAxis, model: GeneratedModel, log: Log) -> Identification:
+def _whole(log: AnyLog) -> Log:
+    return log.window(0, log.n_samples)
+
+
+def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
     """Least squares or instrumental variables."""
     settings = axis.settings
     declared = (axis.axis.drive.signal,) if axis.axis.drive.held else ()
@@ -143,7 +154,12 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: Log) -> Identifi
 
         loop = ClosedLoop.with_gains(axis.axis, settings.controller, settings.rate_hz)
         return identify_by_instruments(
-            model, log, loop, preparation=preparation, nominal=settings.nominal, examine=settings.examine
+            model,
+            _whole(log),
+            loop,
+            preparation=preparation,
+            nominal=settings.nominal,
+            examine=settings.examine,
         )
     return identify(
         model,

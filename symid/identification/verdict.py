@@ -29,6 +29,8 @@ _HIGHEST_CONDITION = 1e5
 
 _FEW_ROWS = 10
 """Rows for each parameter below which a residual that is hardly independent tells no deviation."""
+_FEWEST_ROWS = 4
+"""The same for a residual whose correlation does not die out within the lags that so few rows show."""
 _WORST_FIT = 0.5
 """Residual beyond which, as part of the output, an equation says nothing: a quarter of the power is unexplained."""
 
@@ -44,8 +46,7 @@ def verdict(
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
         return "too_few_rows", f"{rows}: give a longer log or --standstill 0"
-    dependent = correlated is not None and correlated.status != "ok"
-    if dependent and sum(fit.rows) < _FEW_ROWS * len(names):
+    if correlated is not None and sum(fit.rows) < _rows_needed(correlated) * len(names):
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
         return "too_few_rows", f"{rows}: give a longer log"
     if fit.status == "rank_deficient":
@@ -70,6 +71,11 @@ def verdict(
         cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
+
+
+def _rows_needed(correlated: CorrelatedCovariance) -> int:
+    """Rows for each parameter from which a residual of such a correlation tells deviations."""
+    return {"ok": 1, "correlation_persists": _FEWEST_ROWS, "too_few_samples": _FEW_ROWS}[correlated.status]
 
 
 def _unexplained(model: GeneratedModel, fit: LeastSquares) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from datetime import datetime
 from typing import Any
 
@@ -10,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from symid.fleet import AxisReview, Change, FleetReview, ParameterReview
+from symid.fleet import AxisReview, Change, FleetReview, JointIdentification, ParameterReview
 from symid.report.console import report_console
 from symid.report.numbers import MISSING, percent, probability, significant, with_deviation, words
 
@@ -20,13 +21,17 @@ _LARGE = 3.0
 """A change by more than this part of the value before is not written in percent."""
 
 
-def fleet_record(found: FleetReview) -> dict[str, Any]:
+def fleet_record(
+    found: FleetReview, joined: Mapping[str, JointIdentification] | None = None
+) -> dict[str, Any]:
     """What `symid fleet --json` writes; numbers that are not known are nan.
 
     Parameters
     ----------
     found : FleetReview
         Its table stays out.
+    joined : mapping of str to JointIdentification, optional
+        By the names of the axes, from `join_results`.
     """
     return {
         "sentence": found.sentence,
@@ -37,7 +42,28 @@ def fleet_record(found: FleetReview) -> dict[str, Any]:
             {"effect": one.effect, "at": one.at, "logs": one.logs, "axes": list(one.axes)}
             for one in found.effects
         ],
-        "axes": [_axis(axis) for axis in found.axes],
+        "axes": [{**_axis(axis), "joint": _joint((joined or {}).get(axis.name))} for axis in found.axes],
+    }
+
+
+def _joint(found: JointIdentification | None) -> dict[str, Any] | None:
+    """Physical parameters that the logs share, the minimal ones where there are none; None if nothing was joined."""
+    if found is None:
+        return None
+    values, units = found.minimal_parameters, found.model.minimal_units
+    deviations = found.standard_deviations
+    if found.physical:
+        values, units = found.physical_parameters, found.model.physical_units
+        deviations = found.physical[0].standard_deviations
+    return {
+        "logs": len(found.logs),
+        "status": found.status,
+        "message": found.message,
+        "parameters": {
+            name: {"value": value, "std": float(std), "unit": str(units[name])}
+            for (name, value), std in zip(values.items(), deviations, strict=True)
+        },
+        "disagreement_probability": found.disagreement_probability,
     }
 
 
@@ -59,6 +85,7 @@ def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
     spread = one.spread
     return {
         "logs": len(one.logs),
+        "unit": one.unit,
         "median": one.median,
         "mean": spread.mean,
         "mean_std": spread.mean_std,
@@ -144,6 +171,8 @@ def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
             continue
         console.print(axis["verdict"], markup=False)
         console.print(_parameters_table(axis))
+        if axis["joint"]:
+            console.print(_joint_table(axis["joint"]))
         for line in _events(axis):
             console.print(line, markup=False)
 
@@ -157,7 +186,7 @@ def _effects_table(record: dict[str, Any]) -> Table:
 
 
 def _parameters_table(axis: dict[str, Any]) -> Table:
-    table = _table("", "", "logs", "median", "between runs", "promised", "p", "")
+    table = _table("", "", "logs", "median", "between runs", "promised", "p", "unit", "")
     for name, one in axis["parameters"].items():
         _add(
             table,
@@ -167,8 +196,19 @@ def _parameters_table(axis: dict[str, Any]) -> Table:
             _size(one, "between"),
             _size(one, "promised"),
             probability(one["probability_adjusted"]),
+            one["unit"],
             "differs" if one["differs"] else "",
         )
+    return table
+
+
+def _joint_table(joint: dict[str, Any]) -> Table:
+    disagreement = probability(joint["disagreement_probability"])
+    trouble = "" if joint["status"] == "ok" else f", {words(joint['status'])}: {joint['message']}"
+    title = f"Joined from {joint['logs']} logs (p that they share these parameters: {disagreement}{trouble})"
+    table = _table(title, "", "joint", "unit")
+    for name, one in joint["parameters"].items():
+        _add(table, name, with_deviation(one["value"], one["std"]), one["unit"])
     return table
 
 
@@ -197,7 +237,7 @@ def _events(axis: dict[str, Any]) -> list[str]:
 def _table(title: str, *headings: str) -> Table:
     table = Table(title=Text(title) if title else None, title_justify="left", box=None, pad_edge=False)
     for heading in headings:
-        number = heading in ("logs", "axes", "median", "between runs", "promised", "p")
+        number = heading in ("logs", "axes", "median", "between runs", "promised", "p", "joint")
         table.add_column(heading, justify="right" if number else "left")
     return table
 

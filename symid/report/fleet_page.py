@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ from typing import Any
 import polars as pl
 
 from symid import __version__
-from symid.fleet import AxisReview, FleetReview, ParameterReview
+from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview
 from symid.fleet.results import numbers, parameter_names
 from symid.report import control_chart
 from symid.report.control_chart import ChartShapes, DistributionShapes, chart_shapes, distribution_shapes
@@ -46,7 +48,9 @@ class _Section:
     opened: bool
 
 
-def write_fleet_html(found: FleetReview, file: str | Path) -> None:
+def write_fleet_html(
+    found: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
+) -> None:
     """Write the review of a fleet as one HTML file.
 
     It needs nothing beside it and asks nothing of any network. Without JavaScript everything but the table of all logs
@@ -58,6 +62,8 @@ def write_fleet_html(found: FleetReview, file: str | Path) -> None:
         From `review_fleet`.
     file : path-like
         Ends with .html.
+    joined : mapping of str to JointIdentification, optional
+        By the names of the axes, from `join_results`.
 
     Raises
     ------
@@ -65,11 +71,11 @@ def write_fleet_html(found: FleetReview, file: str | Path) -> None:
         If the suffix is another one, or the folder does not exist.
     """
     path = html_path(file)
-    path.write_text(_page(found), encoding="utf-8")
+    path.write_text(_page(found, joined), encoding="utf-8")
 
 
-def _page(found: FleetReview) -> str:
-    record = fleet_record(found)
+def _page(found: FleetReview, joined: Mapping[str, JointIdentification] | None) -> str:
+    record = fleet_record(found, joined)
     places = {log: row for row, log in enumerate(map(str, found.table["log"]))}
     sections, outliers = _sections(found, record, places), _outliers(record)
     return (
@@ -81,7 +87,7 @@ def _page(found: FleetReview) -> str:
             changes=_changes(sections),
             outliers=outliers[:_MOST_OUTLIERS],
             outlying=len(outliers),
-            logs=_logs(found.table),
+            logs=_logs(found),
             drawing=control_chart,
             version=__version__,
         )
@@ -126,7 +132,7 @@ def _changes(sections: list[_Section]) -> list[dict[str, Any]]:
 def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
     """Outliers of all axes, the farthest first."""
     every = [
-        {"axis": axis["name"], "parameter": name, "median": one["median"], **far}
+        {"axis": axis["name"], "parameter": name, "median": one["median"], "unit": one["unit"], **far}
         for axis in record["axes"]
         for name, one in axis["parameters"].items()
         for far in one["outliers"]
@@ -134,8 +140,9 @@ def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
     return sorted(every, key=lambda far: -abs(far["z"]))
 
 
-def _logs(table: pl.DataFrame) -> dict[str, Any]:
-    """Columns of the table of logs; a parameter's deviation stands beside its value."""
+def _logs(found: FleetReview) -> dict[str, Any]:
+    """Columns of the table of logs; a parameter's deviation stands beside its value, its unit in its heading."""
+    table, units = found.table, _units(found)
     columns: list[dict[str, Any]] = []
     parameters = parameter_names(table)
     for name in (*_FIRST, *parameters, *_LAST):
@@ -147,9 +154,19 @@ def _logs(table: pl.DataFrame) -> dict[str, Any]:
             continue
         column = {"name": name, "text": False, "values": _plain(table, name)}
         if name in parameters:
+            column["unit"] = units.get(name, "")
             column["deviations"] = _plain(table, f"{name}_std")
         columns.append(column)
     return {"count": table.height, "columns": columns}
+
+
+def _units(found: FleetReview) -> dict[str, str]:
+    """Units of parameters that have the same one in all axes."""
+    every: dict[str, set[str]] = defaultdict(set)
+    for axis in found.axes:
+        for one in axis.parameters:
+            every[one.name].add(one.unit)
+    return {name: units.pop() for name, units in every.items() if len(units) == 1}
 
 
 def _text(value: object) -> str:

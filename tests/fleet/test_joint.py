@@ -62,18 +62,18 @@ def test_weights_are_each_logs_own_noise() -> None:
 
 
 def test_intervals_hold_the_truth_as_often_as_they_promise() -> None:
-    """Noise that the filter has made dependent; 50 draws of three logs, two standard deviations."""
+    """Noise that the filter has made dependent; 25 draws of three logs, two standard deviations."""
     inside, disagreements = [], []
     names = list(MODEL.minimal_units)
     truth = identify(MODEL, run(0, 0.0), preparation=PREPARATION, examine=False)
-    for draw in range(50):
+    for draw in range(25):
         found = [alone(run(1000 + 3 * draw + k, 10.0 * 2**k)) for k in range(3)]
         joined = identify_jointly(MODEL, [log_factors(one) for one in found])
         error = joined.fit.parameters - truth.fit.parameters
         inside.append(np.abs(error) < 2 * joined.standard_deviations)
         disagreements.append(joined.disagreement_probability)
     coverage = np.mean(inside, axis=0)
-    assert np.all((coverage > 0.84) & (coverage <= 1.0)), dict(zip(names, coverage, strict=True))
+    assert np.all((coverage > 0.8) & (coverage <= 1.0)), dict(zip(names, coverage, strict=True))
     assert np.mean(np.array(disagreements) < 0.05) < 0.2
 
 

@@ -25,7 +25,7 @@ from symid.fleet.journal import Journal
 RESULTS = Path("r.parquet")
 JOURNAL = journal_file(RESULTS)
 LONGEST = 60.0
-MANY = 100
+MANY = 40
 
 
 def batch(logs: Path, **settings: Any) -> Any:

@@ -51,7 +51,7 @@
     const held = columns.filter(c => rows.some(i => c.values[i] !== null && c.values[i] !== ""));
     const head = document.createElement("tr");
     for (const column of held) {
-      const heading = element("th", "", column.text ? "text" : ""), button = element("button", column.name.replaceAll("_", " "));
+      const heading = element("th", "", column.text ? "text" : ""), button = element("button", column.name.replaceAll("_", " ") + (column.unit ? ` [${column.unit}]` : ""));
       if (column === sorted) {
         button.textContent += rising ? " ▲" : " ▼";
         heading.setAttribute("aria-sort", rising ? "ascending" : "descending");
