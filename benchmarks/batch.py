@@ -82,7 +82,7 @@ def runs(stack: ExitStack) -> dict[str, Callable[[list[Path]], None]]:
         from distributed import LocalCluster
 
         cluster = stack.enter_context(
-            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50)
+            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50)
         )
         found["cluster of two"] = lambda paths: batch(paths, scheduler=cluster.scheduler_address)
     return found

@@ -13,7 +13,7 @@ def write_log(path: Path, seed: int, mass: float = TRUE["M"], offset: float = 0.
     rng = np.random.default_rng(seed)
     t = np.arange(2000) / 1000
     q, v, a = np.zeros((3, t.size))
-    for amplitude, w in ((0.1, 9.0), (0.02, 31.0), (0.004, 101.0)):
+    for amplitude, w in ((0.1, 9.0), (0.02, 31.0), (0.006, 53.0)):
         q += amplitude * np.sin(w * t)
         v += amplitude * w * np.cos(w * t)
         a -= amplitude * w**2 * np.sin(w * t)

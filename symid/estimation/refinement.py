@@ -80,7 +80,7 @@ def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> Leas
     slope = np.zeros(len(exact), dtype=np.longdouble)
     for block in blocks:
         W, y, mask = checked_observation(block.W, block.y, block.valid)
-        for j, weight in enumerate(fit.weights):
+        for j, weight in enumerate(fit.weights[block.equations]):
             for start in range(0, W.shape[1], _CHUNK_ROWS):
                 part = slice(start, start + _CHUNK_ROWS)
                 rows, output = W[j, part], y[j, part]

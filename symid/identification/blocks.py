@@ -69,7 +69,7 @@ def blocks_of_runs(runs: Sequence[Run]) -> Iterator[ObservationBlock]:
     """Blocks of all runs, in which every equation of every log is an equation of its own."""
     for k, run in enumerate(runs):
         for i, seen in enumerate(run.read()):
-            yield block_of(seen, k, len(runs), continues=i > 0)
+            yield block_of(seen, k, continues=i > 0)
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
 from symid.estimation import ObservationBlock
 from symid.identification.observation import Observation, observe
-
-Rows = TypeVar("Rows", FloatArray, BoolArray)
 
 _MOST_SAMPLES = 65_536
 """Samples, of all logs together, on which an estimate is examined: more would cost time and tell little more."""
@@ -105,34 +102,16 @@ def blocks_of(
     """
     every: Sequence[FloatArray | None] = instruments or [None] * len(observations)
     return [
-        block_of(seen, k, len(observations), instruments=Z)
-        for k, (seen, Z) in enumerate(zip(observations, every, strict=True))
+        block_of(seen, k, instruments=Z) for k, (seen, Z) in enumerate(zip(observations, every, strict=True))
     ]
 
 
 def block_of(
     seen: Observation,
     number: int,
-    n_logs: int,
     *,
     continues: bool = False,
     instruments: FloatArray | None = None,
 ) -> ObservationBlock:
-    """Rows of log `number` of `n_logs`, as a block that continues the last one or begins another log."""
-    first, total = number * seen.W.shape[0], n_logs * seen.W.shape[0]
-    W, y, valid = (
-        _among(seen.W, first, total),
-        _among(seen.y, first, total),
-        _among(seen.valid, first, total),
-    )
-    Z = None if instruments is None else _among(instruments, first, total)
-    return ObservationBlock(W, y, valid, continues, Z)
-
-
-def _among(own: Rows, first: int, total: int) -> Rows:
-    """Rows of the equations of one log among those of all, the others 0."""
-    if len(own) == total:
-        return own
-    rows = np.zeros((total, *own.shape[1:]), dtype=own.dtype)
-    rows[first : first + len(own)] = own
-    return rows
+    """Rows of log `number`, whose equations are its own, as a block that continues the last one or begins the log."""
+    return ObservationBlock(seen.W, seen.y, seen.valid, continues, instruments, number * seen.W.shape[0])

@@ -150,8 +150,7 @@ def many(logs: Path) -> Path:
     return logs
 
 
-@pytest.mark.parametrize("blow", [signal.SIGINT, signal.SIGKILL])
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize(("blow", "jobs"), [(signal.SIGINT, 1), (signal.SIGKILL, 2)])
 def test_a_batch_that_is_stopped_from_outside_loses_nothing(
     many: Path, blow: signal.Signals, jobs: int
 ) -> None:
