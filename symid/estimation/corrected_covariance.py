@@ -235,7 +235,7 @@ def _residual_covariances(
         sums[block.equation] = before.update(residuals(W, y, fit), valid, block.continues)
     if tuple(rows.tolist()) != fit.rows:
         raise SettingError(
-            f"{rows.tolist()} valid rows, the fit has {list(fit.rows)}; give the rows that were fitted"
+            f"{rows.tolist()} valid rows of the equations, the fit has {list(fit.rows)}; give the rows that were fitted"
         )
     return {first: found.covariance() for first, found in sums.items()}
 
