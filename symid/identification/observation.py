@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -179,11 +179,13 @@ class ForceRows:
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation) -> ForceRows:
         """That of a log, with the complete preparation of its observation."""
+        before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
-        alone = {name: log[name] if name == model.force else still for name in model.highest_derivatives}
-        run = Log(log.source, log.start, log.sampling_period, alone)
-        sampling = _sampling(_linear(model), run, chosen, PAPER)
-        return cls(sampling, QuinticSpline(sampling.signals[model.force]))
+        force = _filtered(model, log, chosen, PAPER.widening, (model.force,))
+        signals = {**dict.fromkeys(model.highest_derivatives, still), **force}
+        rest = log.n_samples - before - after
+        sampling = _Sampling(_linear(model), chosen, PAPER, log.sampling_period, signals, before, rest)
+        return cls(sampling, QuinticSpline(signals[model.force]))
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y, by a force that is moved `late` seconds to an earlier time."""
@@ -216,7 +218,7 @@ def _linear(model: GeneratedModel) -> GeneratedModel:
 
 def _sampling(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> _Sampling:
     before, after = chosen.trim or (0, 0)
-    signals = _filtered(model, log, chosen, scheme.widening)
+    signals = _filtered(model, log, chosen, scheme.widening, model.highest_derivatives)
     return _Sampling(
         model, chosen, scheme, log.sampling_period, signals, before, log.n_samples - before - after
     )
@@ -351,17 +353,20 @@ def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray,
         out[row] = row_filter.apply(rows[row])[chosen]
 
 
-def _filtered(model: GeneratedModel, log: Log, chosen: Preparation, widening: float) -> dict[str, FloatArray]:
-    """Low-passed signals; the force only if the preparation says so."""
+def _filtered(
+    model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
+) -> dict[str, FloatArray]:
+    """Low-passed signals at the times at which they were; the force is filtered only if the preparation says so."""
     assert chosen.cutoff_hz is not None
-    signals = {name: log[name] for name in model.highest_derivatives}
+    signals = {name: log[name] for name in names}
     cutoff = max(chosen.cutoff_hz, min(widening * chosen.cutoff_hz, _WIDEST * log.sampling_frequency))
     lowpass = LowPass(cutoff, chosen.order)
     for name, values in signals.items():
         if chosen.filter_force or name != model.force:
             signals[name] = lowpass.apply(values, log.sampling_frequency, workers=_WORKERS)
     for name, seconds in chosen.late.items():
-        signals[name] = QuinticSpline(signals[name]).earlier(seconds / log.sampling_period)
+        if name in signals:
+            signals[name] = QuinticSpline(signals[name]).earlier(seconds / log.sampling_period)
     return signals
 
 
