@@ -163,8 +163,8 @@ def overflow(columns: Columns, rng: Generator, extent: float) -> Columns:
 
 
 def other_unit_midway(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """A channel scaled by 1000 in 5 to 85 % of the log: were it nearly all, only the trimmed ends would tell."""
-    name, part = _signal(rng), _span(columns, rng, 0.05 + 0.8 * extent)
+    """A channel scaled by 1000 in 5 to 75 % of the log: were it nearly all, only the trimmed ends would tell."""
+    name, part = _signal(rng), _span(columns, rng, 0.05 + 0.7 * extent)
     return _changed(columns, name, part, 1000.0 * columns[name][part])
 
 

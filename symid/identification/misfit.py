@@ -25,6 +25,7 @@ _CERTAIN = 6.0
 """Classical standard deviations by which parameters without the limited rows must differ."""
 _NOTICEABLE = 0.02
 _WINDOWS = 50
+_LEAST_WINDOWS = 3
 _LOCAL_RATIO = 20.0
 """Times the median rms residual of all windows, beyond which a window is another matter."""
 _SILENT_RATIO = 30.0
@@ -114,13 +115,12 @@ def _local(parts: Sequence[Excerpt], fit: LeastSquares) -> str:
 
 def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
     found = [window for part in parts for window in _windows(part, fit, equation)]
-    if len(found) < _WINDOWS // 2:
+    if len(found) < _LEAST_WINDOWS:
         return ""
     residual, output, predicted, time = np.array(found).T
     worst, usual = int(np.argmax(residual)), float(np.median(residual))
-    if residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * max(
-        output[worst], predicted[worst]
-    ):
+    many, size = len(found) >= _WINDOWS // 2, max(output[worst], predicted[worst])
+    if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
         times = residual[worst] / max(usual, np.finfo(float).tiny)
         return (
             f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
@@ -129,10 +129,9 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
     silent = (predicted > _SILENT_RATIO * output) & (predicted > 0.5 * np.median(predicted))
     if not silent.any():
         return ""
-    first = int(np.argmax(silent))
     return (
-        f"near t = {time[first]:.5g} s the output is less than {100 / _SILENT_RATIO:.2g} % of what the parameters "
-        "found elsewhere predict: the unit changes within the log, or a channel is dead there"
+        f"near t = {time[np.argmax(silent)]:.5g} s the output is less than {100 / _SILENT_RATIO:.2g} % of what the "
+        "parameters found elsewhere predict: the unit changes within the log, or a channel is dead there"
     )
 
 

@@ -17,8 +17,8 @@ FOUND_BY_FUZZING = (
     "few_rows:parquet:blocks:0.0615447314771196:732980",
     "clipped:parquet:whole:0.15923751929217425:4294967294",
     "huge:csv:blocks:0.049874934542639485:7160",
-    "other_unit_midway:parquet:whole:0.9:46",
-    "other_unit_midway:parquet:whole:0.75:15",
+    "other_unit_midway:parquet:whole:0.95:15",
+    "other_unit_midway:csv:blocks:0.95:126914",
 )
 
 
