@@ -42,6 +42,7 @@ from symid.axis.laws import (
     ViscousFriction,
 )
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
+from symid.axis.sketch import sketch, sketch_source
 from symid.axis.source import axis_source, write_axis
 
 __all__ = [
@@ -87,5 +88,7 @@ __all__ = [
     "length_unit",
     "load_axis",
     "shipped_folder",
+    "sketch",
+    "sketch_source",
     "write_axis",
 ]

@@ -11,6 +11,8 @@ from symid.errors import SymidError
 
 COMMANDS = {
     "demo": "Identify the shipped EMPS axis from its real log, diagnose its gap and write a report.",
+    "new": "Write a commented axis file to edit.",
+    "import": "Look at a foreign log: guess its columns, units and sampling, write the mapping.",
     "show": "Equations, regressor and parameter maps of an axis.",
     "generate": "Write the generated modules of axes.",
     "simulate": "A log of an axis under its controller.",
@@ -18,8 +20,13 @@ COMMANDS = {
     "batch": "Many logs, one row each: parameters, deviations, verdicts.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
     "fleet": "What a batch says of a fleet: spread between runs, changes over time, outliers.",
+    "export": "An identified axis as C, MuJoCo model or JSON, and what it loses there.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
+
+
+_MODULES = {"import": "importing"}
+"""Commands whose names cannot be those of modules."""
 
 
 class _Commands(click.Group):
@@ -35,7 +42,7 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"symid.cli.{cmd_name}").command
+        command = import_module(f"symid.cli.{_MODULES.get(cmd_name, cmd_name)}").command
         assert isinstance(command, click.Command)
         return command
 

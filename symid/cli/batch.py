@@ -11,11 +11,12 @@ from symid.axis import load_axis
 from symid.cli.fleet import page_of, write_page
 from symid.cli.identify import (
     foreign_columns,
-    late_times,
+    late_of,
     log_options,
     loop_options,
     preparation_of,
     preparation_options,
+    said_guesses,
 )
 from symid.cli.options import (
     bytes_of,
@@ -90,6 +91,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     LOG is a file, a folder or a pattern. A log that cannot be used is a row that says why. Stopped at any time,
     the same command continues: finished logs are done again only if the log, the axis or the settings changed.
     """
+    said_guesses(options)
     page = page_of(options["report"])
     try:
         batch = identify_batch(
@@ -118,7 +120,7 @@ def _settings(axis: str, options: dict[str, Any]) -> BatchSettings:
     return BatchSettings(
         method=options["method"],
         measured=signal_list(options["measured"]),
-        preparation=preparation_of(options, late_times(options)),
+        preparation=preparation_of(options, late_of(options)),
         held=options["held"],
         ddof=options["ddof"],
         nominal=parameter_file(options["nominal"], load_axis(axis)) if options["nominal"] else None,

@@ -9,14 +9,13 @@ from typing import Any
 import click
 
 from symid.axis import load_axis, write_axis
-from symid.cli.identify import log_options, read_log_of
+from symid.cli.identify import late_of, log_options, read_log_of
 from symid.cli.options import (
     assignments,
     json_option,
     measured_option,
     number,
     parameter_file,
-    seconds_of,
     write_json,
 )
 from symid.cli.progress import working
@@ -80,10 +79,7 @@ def command(axis: str, log: str, **options: Any) -> None:
     run = read_log_of(declared, log, options)
     validation = read_log_of(declared, options["validation"], options) if options["validation"] else None
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
-    late = {
-        name: seconds_of(text, f"--late {name}")
-        for name, text in assignments(options["late"], "--late").items()
-    }
+    late = late_of(options)
     for signal in options["held"]:
         late[signal] = late.get(signal, 0.0) - run.sampling_period / 2
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from symid.cli.options import (
     assignments,
     bytes_of,
     cascade_gains,
+    dark_option,
     gain_option,
     json_option,
     measured_option,
@@ -29,6 +31,7 @@ from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
+    LogMapping,
     Prediction,
     Preparation,
     identify,
@@ -36,7 +39,9 @@ from symid.identification import (
     open_axis_log,
     predict,
     read_axis_log,
+    read_mapping,
 )
+from symid.identification.mapping import require_known
 from symid.report.identification import identification_record, print_identification
 
 if TYPE_CHECKING:
@@ -52,6 +57,11 @@ log_options = shared(
     ),
     click.option(
         "--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."
+    ),
+    click.option(
+        "--mapping",
+        metavar="FILE.json",
+        help="Columns, units, gains and layout of a foreign file, from symid import; other options override it.",
     ),
 )
 
@@ -134,8 +144,11 @@ loop_options = shared(
 )
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @click.option(
-    "--plot", metavar="FILE", help="Draw measured and predicted force and the residual (png, svg or pdf)."
+    "--plot",
+    metavar="FILE",
+    help="Draw model and measurement, residual, frequency response and confidence ellipses (png, svg or pdf).",
 )
+@dark_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
@@ -146,9 +159,17 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
     found, validation, record = by_method(declared, model, runs, validating, options)
     if options["plot"]:
+        from symid.report.colours import DARK, LIGHT
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
-        plot_identification(found, options["plot"], validation)
+        plot_identification(
+            found,
+            options["plot"],
+            validation,
+            axis=declared,
+            runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
+            palette=DARK if options["dark"] else LIGHT,
+        )
     if options["json_file"]:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
@@ -189,7 +210,7 @@ def _by_output_error(
             _in_memory(runs),
             held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
-            preparation=Preparation(late=late_of(declared, options), standstill=_standstill(options)),
+            preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
             nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
         )
     validation = predict_output_error(found, validating) if validating and found.fit else None
@@ -227,8 +248,9 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
 
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
-    """A log by the log options."""
-    return read_axis_log(declared, file, **_log_settings(options))
+    """A log by the log options; what a mapping guessed is said on standard error and becomes notes of the log."""
+    log = read_axis_log(declared, file, **_log_settings(declared, options))
+    return replace(log, notes=(*log.notes, *said_guesses(options)))
 
 
 def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
@@ -236,31 +258,53 @@ def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     memory = bytes_of(options["memory"], "--memory")
     if options["method"] in ("iv", "oe"):
         return read_log_of(declared, file, options)
-    return open_axis_log(declared, file, memory=memory, **_log_settings(options))
+    log = open_axis_log(declared, file, memory=memory, **_log_settings(declared, options))
+    return replace(log, notes=(*log.notes, *said_guesses(options)))
 
 
 def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
     return [run.window(0, run.n_samples) for run in runs]
 
 
-def _log_settings(options: dict[str, Any]) -> dict[str, Any]:
+def _drawn(run: AnyLog) -> Log:
+    """What plots show of a log: its first block."""
+    return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))
+
+
+def _log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
     """What the log options say of columns, and the sensors to read."""
+    require_known(mapping_of(options), declared)
     return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
 
 
 def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
-    """Columns, units and gains by the log options."""
-    gains = assignments(options["gain"], "--gain")
+    """What mapping and log options say of a foreign file."""
+    mapping, gains = mapping_of(options), assignments(options["gain"], "--gain")
     return {
-        "columns": assignments(options["column"], "--column"),
-        "units": assignments(options["unit"], "--unit"),
-        "gains": {name: number(text, f"--gain {name}") for name, text in gains.items()},
+        "columns": {**mapping.columns, **assignments(options["column"], "--column")},
+        "units": {**mapping.units, **assignments(options["unit"], "--unit")},
+        "gains": {**mapping.gains, **{name: number(text, f"--gain {name}") for name, text in gains.items()}},
+        "layout": mapping.layout,
+        "sampling_period": mapping.sampling_period,
     }
+
+
+def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
+    """What a mapping guessed, as notes; said on standard error."""
+    guesses = mapping_of(options).guesses
+    if guesses:
+        click.echo(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
+    return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
+
+
+def mapping_of(options: dict[str, Any]) -> LogMapping:
+    """The mapping of ``--mapping``, an empty one without it."""
+    return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
 
 
 def _preparation(declared: Axis, log: AnyLog, options: dict[str, Any]) -> Preparation:
     held = options["held"] + ((declared.drive.signal,) if declared.drive.held else ())
-    return preparation_of(options, late_of(declared, options)).with_held(held, log.sampling_period)
+    return preparation_of(options, _late(declared, options)).with_held(held, log.sampling_period)
 
 
 def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
@@ -276,21 +320,24 @@ def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparati
     )
 
 
-def late_times(options: dict[str, Any]) -> dict[str, float]:
-    """Seconds of ``--late``."""
-    given = assignments(options["late"], "--late")
-    return {name: seconds_of(text, f"--late {name}") for name, text in given.items()}
-
-
-def late_of(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
+def _late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
     """Seconds by which signals were recorded late, as given."""
-    late = late_times(options)
+    late = late_of(options)
     unknown = [name for name in (*late, *options["held"]) if name not in declared.signal_units]
     if unknown:
         raise SettingError(
             f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
         )
     return late
+
+
+def late_of(options: dict[str, Any]) -> dict[str, float]:
+    """Seconds by which signals were recorded late, by ``--late`` and the mapping."""
+    given = assignments(options["late"], "--late")
+    return {
+        **mapping_of(options).late,
+        **{name: seconds_of(text, f"--late {name}") for name, text in given.items()},
+    }
 
 
 def _standstill(options: dict[str, Any]) -> float | None:

@@ -18,6 +18,7 @@ from symid.units import Unit, to_si
 json_option = click.option(
     "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
 )
+dark_option = click.option("--dark", is_flag=True, help="Draw on a dark background.")
 measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
 gain_option = click.option(
     "--controller-gain",
@@ -136,7 +137,7 @@ def seconds_of(text: str, what: str) -> float:
 
 
 def parameter_file(file: str, axis: Axis) -> dict[str, float]:
-    """Physical parameters of a JSON file, SI.
+    """Physical parameters of a JSON file, SI: names with values, or what `symid identify --json` wrote.
 
     Raises
     ------
@@ -145,7 +146,9 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     """
     try:
         values = json.loads(Path(file).read_text(encoding="utf-8"))
-        parameters = {str(name): float(value) for name, value in values.items()}
+        if isinstance(values.get("physical"), dict):
+            values = {name: found["value"] for name, found in values["physical"].items()}
+        parameters = {str(name): float(value) for name, value in values.items() if value is not None}
     except (ValueError, TypeError, AttributeError) as error:
         raise SettingError(
             f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})'
@@ -160,11 +163,15 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
 
 def write_json(record: object, file: str) -> None:
     """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
-    text = json.dumps(_finite(record), indent=2, ensure_ascii=False)
     if file == "-":
-        sys.stdout.write(text + "\n")
+        sys.stdout.write(as_json(record))
     else:
-        Path(file).write_text(text + "\n", encoding="utf-8")
+        Path(file).write_text(as_json(record), encoding="utf-8")
+
+
+def as_json(record: object) -> str:
+    """Text of a record; numbers that are not finite become null."""
+    return json.dumps(_finite(record), indent=2, ensure_ascii=False) + "\n"
 
 
 def _finite(value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from symid.axis import load_axis
-from symid.cli.options import json_option, measured_option, signal_list, write_json
+from symid.cli.options import dark_option, json_option, measured_option, signal_list, write_json
 from symid.report.derivation import derivation_record, print_derivation
 from symid.symbolic import derive
 
@@ -13,10 +13,18 @@ from symid.symbolic import derive
 @click.command("show", epilog="Example: symid show direct_2m1s --measured q2,ddq1")
 @click.argument("axis")
 @measured_option
+@click.option("--plot", metavar="FILE", help="Draw the schematic of the axis (png, svg or pdf).")
+@dark_option
 @json_option
-def command(axis: str, measured: str | None, json_file: str | None) -> None:
+def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_file: str | None) -> None:
     """Show the equations of motion, the eliminated model, the regressor and the parameter maps of AXIS."""
-    model = derive(load_axis(axis), signal_list(measured))
+    declared = load_axis(axis)
+    if plot:
+        from symid.report.colours import DARK, LIGHT
+        from symid.report.schematic import plot_schematic  # matplotlib takes a second to load
+
+        plot_schematic(declared, plot, DARK if dark else LIGHT)
+    model = derive(declared, signal_list(measured))
     if json_file:
         write_json(derivation_record(model), json_file)
     if json_file != "-":

@@ -8,7 +8,7 @@ with eight masses become some hundred operations.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -44,10 +44,13 @@ class PolynomialLowering:
     ----------
     names : sequence of str
         Variable name of each generator; None for a generator that never occurs.
+    write : callable
+        Writes a coefficient: NumPy code by default.
     """
 
-    def __init__(self, names: Sequence[str | None]) -> None:
+    def __init__(self, names: Sequence[str | None], write: Callable[[sp.Expr], str] = code) -> None:
         self.names = tuple(names)
+        self._write = write
         self.assignments: list[tuple[str, str]] = []
         self._prefix = "c__" if any(name and re.fullmatch(r"c\d+", name) for name in names) else "c"
         self._known: dict[frozenset[tuple[tuple[int, ...], Any]], str] = {}
@@ -62,7 +65,7 @@ class PolynomialLowering:
             variable += 1
         if variable == len(self.names):
             (value,) = terms.values()
-            return code(self._number(value))
+            return self._write(self._number(value))
         key = frozenset(terms.items())
         if key not in self._known:
             text = self._horner(terms, variable)
@@ -78,7 +81,7 @@ class PolynomialLowering:
         text = ""
         for power in range(max(by_power), -1, -1):
             if text:
-                text = f"{name}*{as_factor(text)}" if text != "1" else str(name)
+                text = f"{name}*{as_factor(text)}" if text != self._write(sp.S.One) else str(name)
             if power in by_power:
                 part = self._lower(by_power[power], variable + 1)
                 text = f"{text} + {part}" if text else part

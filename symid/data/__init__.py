@@ -13,11 +13,15 @@ from symid.data.filtering import (
     faithful_share,
     kept_indices,
 )
+from symid.data.foreign import ForeignColumn, foreign_columns
+from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, spans
 from symid.data.reading import columns_in, read_log
 from symid.data.scanning import MEMORY, open_log
 from symid.data.spline import QuinticSpline
+from symid.data.table import Table
+from symid.data.tables import open_table
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
@@ -26,11 +30,14 @@ __all__ = [
     "REFERENCE",
     "AnyLog",
     "Clock",
+    "ForeignColumn",
+    "Layout",
     "Log",
     "LongLog",
     "LowPass",
     "Piece",
     "QuinticSpline",
+    "Table",
     "ZeroPhaseFilter",
     "central_difference",
     "central_difference_gain",
@@ -40,6 +47,8 @@ __all__ = [
     "decimation_filter",
     "derivatives",
     "faithful_share",
+    "foreign_columns",
+    "guessed_layout",
     "in_pieces",
     "inspect_clock",
     "inspect_spans",
@@ -47,6 +56,7 @@ __all__ = [
     "kept_indices",
     "kept_of",
     "open_log",
+    "open_table",
     "read_log",
     "spans",
 ]

@@ -13,6 +13,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
+from symid.data.layout import Layout, first_lines
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, values_of
 from symid.errors import LogError
 
@@ -35,6 +36,28 @@ def open_csv(path: Path) -> Table:
         lambda positions: _read_csv(path, separator, width, positions),
         lambda positions: _slices(path, separator, width, positions),
     )
+
+
+def open_laid_out(path: Path, layout: Layout) -> Table:
+    """Table in a CSV file whose layout is known: any encoding, lines above the header, lines of units."""
+    lines, skipped = first_lines(path, layout.encoding), layout.above + 1 + layout.below
+    if len(lines) <= skipped:
+        raise LogError(
+            f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
+        )
+    headers = layout.headers(lines)
+    width = max(len(headers), len(_fields(lines[skipped], layout.separator)))
+
+    def read(positions: Sequence[int]) -> list[FloatArray | str]:
+        try:
+            text = path.read_text(encoding=layout.encoding)
+        except UnicodeError as error:
+            raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
+        values = text.split("\n", skipped)[-1].encode("utf-8")
+        frame = _scan_csv(values, layout.separator, width, positions, pl.String(), header_rows=0)
+        return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
+
+    return Table(headers, read)
 
 
 def _first_lines(path: Path) -> tuple[str, str]:

@@ -14,6 +14,7 @@ from symid.arrays import FloatArray
 from symid.data.checks import inspect_spans, inspect_steps, inspect_values
 from symid.data.clock import Clock, inspect_clock
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, sources_of
+from symid.data.layout import Layout
 from symid.data.log import Log
 from symid.data.table import Table, said_of
 from symid.data.tables import open_table
@@ -34,6 +35,8 @@ def read_log(
     units: Mapping[str, str] = _NOTHING,
     gains: Mapping[str, float] = _NO_GAINS,
     time_column: str = TIME,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
 ) -> Log:
     """Read and check the signals of an axis from a CSV, Parquet or MATLAB (v5 to v7) file.
 
@@ -52,6 +55,10 @@ def read_log(
         factor that is applied after the conversion to SI.
     time_column : str
         Column of the time, unless `columns` names one.
+    layout : Layout, optional
+        Of a CSV file that is not one line of names and then values.
+    sampling_period : float, optional
+        Time between two samples, s, of a file without a column of the time.
 
     Returns
     -------
@@ -65,21 +72,55 @@ def read_log(
         fit, a value is no number, the clock is not uniform, a signal is constant.
     """
     file = Path(path)
-    table = open_table(file)
+    table = opened_table(file, layout, sampling_period)
     given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
     with said_of(file):
         return read_table(file, table, expected, sources_of(given, named=columns.keys()), columns.keys())
 
 
-def columns_in(path: str | os.PathLike[str]) -> frozenset[str]:
+def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> frozenset[str]:
     """Names of the columns of a file, with and without their units; LogError if it is no log.
 
     Parameters
     ----------
-    path : path-like
-        A file that `read_log` reads.
+    path, layout
+        As in `read_log`.
     """
-    return names_of(open_table(Path(path)).headers)
+    return names_of(open_table(Path(path), layout).headers)
+
+
+def opened_table(file: Path, layout: Layout | None, sampling_period: float | None) -> Table:
+    """Table in a file, with a column of the time if it has none; parameters and errors as those of `read_log`."""
+    table = open_table(file, layout)
+    if sampling_period is None:
+        return table
+    with said_of(file):
+        return with_clock(table, sampling_period)
+
+
+def with_clock(table: Table, sampling_period: float) -> Table:
+    """The table with a last column `t` of the time, for a file that has none.
+
+    Raises
+    ------
+    LogError
+        If there is such a column, or the period is not positive.
+    """
+    if TIME in table.headers:
+        raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
+    if not 0 < sampling_period < np.inf:
+        raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
+    last = len(table.headers)
+
+    def read(positions: Sequence[int]) -> list[FloatArray | str]:
+        others = [position for position in positions if position != last]
+        columns = iter(table.read(others))
+        found = dict(zip(others, columns, strict=True))
+        size = max((c.size for c in found.values() if not isinstance(c, str)), default=0)
+        found[last] = sampling_period * np.arange(size, dtype=np.float64)
+        return [found[position] for position in positions]
+
+    return Table((*table.headers, TIME), read)
 
 
 def read_table(

@@ -19,10 +19,10 @@ from symid.arrays import FloatArray
 from symid.data.checks import inspect_finite, inspect_spans, inspect_steps, said_range
 from symid.data.clock import MINIMUM_SAMPLES, Clock, ClockOfBlocks
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, sources_of
+from symid.data.layout import Layout
 from symid.data.long_log import BLOCK, AnyLog, LongLog, spans
-from symid.data.reading import in_si, positions_of, read_table
+from symid.data.reading import in_si, opened_table, positions_of, read_table
 from symid.data.table import Slices, said_of
-from symid.data.tables import open_table
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -45,6 +45,8 @@ def open_log(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     gains: Mapping[str, float] | None = None,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
     memory: int = MEMORY,
     block: int = BLOCK,
 ) -> AnyLog:
@@ -52,8 +54,8 @@ def open_log(
 
     Parameters
     ----------
-    path, expected, alternatives, columns, units, gains
-        As in `read_log`. MATLAB files are always read as a whole.
+    path, expected, alternatives, columns, units, gains, layout, sampling_period
+        As in `read_log`. MATLAB files, and those of a layout or without a clock, are always read as a whole.
     memory : int
         Bytes that the log and the rows made of it may take.
     block : int
@@ -65,7 +67,7 @@ def open_log(
         As `read_log` does; of a long log, for the first block that has a fault.
     """
     file, named = Path(path), dict(columns or {})
-    table = open_table(file)
+    table = opened_table(file, layout, sampling_period)
     given = Assignment(
         table.headers, expected, alternatives or {}, {TIME: TIME, **named}, units or {}, gains or {}
     )

@@ -16,7 +16,8 @@ import polars as pl
 import scipy
 
 from symid.arrays import FloatArray
-from symid.data.csv_table import open_csv
+from symid.data.csv_table import open_csv, open_laid_out
+from symid.data.layout import Layout
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, first_line, said_of, values_of
 from symid.errors import LogError
 
@@ -26,8 +27,8 @@ SUFFIXES: Final = (".csv", ".parquet", ".mat")
 _NUMERIC_KINDS: Final = "biufc"
 
 
-def open_table(path: Path) -> Table:
-    """Table in a file, by its suffix.
+def open_table(path: Path, layout: Layout | None = None) -> Table:
+    """Table in a file, by its suffix; a CSV file by its layout if one is given, whatever its suffix.
 
     Raises
     ------
@@ -39,11 +40,13 @@ def open_table(path: Path) -> Table:
     if not path.exists():
         raise LogError(f"{path}: there is no such file: check the path")
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {_suffixes()} file")
     try:
         if path.stat().st_size == 0:
             raise LogError(f"{path}: is empty: give a file with a header and samples")
+        if layout is not None and suffix not in (".parquet", ".mat"):
+            return open_laid_out(path, layout)
         if suffix == ".csv":
             with said_of(path):
                 return open_csv(path)

@@ -23,12 +23,14 @@ from symid.diagnosis.diagnose import (
     concluded,
     data_of,
     effect_values,
+    fits_of,
     standard_deviations,
     timing,
 )
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
 from symid.diagnosis.record import Record, record_of
+from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
     Diagnosis,
     EffectParameter,
@@ -106,8 +108,8 @@ def diagnose_against(
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
     start = unfitted(with_effects(state, weighting, _same(state, base)), weighting)
-    turns = search(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
-    fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
+    turns = judged_together(search(base, library, start if len(data.record.dynamics.bodies) > 1 else None))
+    fits = fits_of(base, turns)
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, turns, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -57,10 +56,10 @@ class Comparison:
 
     @property
     def upheld(self) -> int:
-        """How many of the effects hold on these data: up to the first with which the error grows."""
+        """How many of the effects hold on these data: what follows makes the error grow."""
         errors = [self.level(model).rms for model in range(1, len(self.states))]
-        holds = [after <= _GROWN * before for before, after in pairwise(errors)]
-        return next((i for i, held in enumerate(holds) if not held), len(holds))
+        held = [n for n in range(1, len(errors)) if errors[n] <= _GROWN * min(errors[:n])]
+        return max(held, default=0)
 
     def squares(self, model: int) -> FloatArray:
         """Squares of the weighted force error in the kept rows."""

@@ -17,6 +17,7 @@ from symid.diagnosis.faults import recording_faults
 from symid.diagnosis.fit import Fit, first_state, fitted, refitted, unfitted
 from symid.diagnosis.location import located, maps
 from symid.diagnosis.record import Record, record_of
+from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
@@ -118,12 +119,18 @@ def _diagnosed(
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
     base = refitted(fitted(state, weighting, ITERATIONS))
-    turns = search(
-        base, library, unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    )
-    fits = [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
+    before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
+    turns = search(base, library, before)
+    upheld = compared(data.validation, None, fits_of(base, turns), data.held_out).upheld
+    turns = judged_together(turns[:upheld] or turns)
+    fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     return concluded(comparison, turns, fits, nominal, logs)
+
+
+def fits_of(base: Fit, turns: Sequence[Turn]) -> list[Fit]:
+    """The re-identified model, and those with effects accepted one by one."""
+    return [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,11 @@ from itertools import islice
 
 import numpy as np
 
-from symid.diagnosis.effects import Effect
+from symid.diagnosis.effects import Effect, Placed
+from symid.diagnosis.effects.friction import SlopedFriction, WavyFriction
 from symid.diagnosis.fit import Fit, fitted, refitted, with_effects
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
+from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
 from symid.errors import SettingError
 
@@ -23,6 +25,10 @@ _LEAST_POWER = 0.06
 _EXPLAINED = 1.4
 _MARCHED = 2
 _TWINS = 3
+_COULOMB = "coulomb_friction"
+_MORE_THAN_COULOMB = ("position_dependent_friction", "presliding_friction", "stribeck_friction")
+_HARDLY_MORE = 0.01
+_VARIES = 0.4
 _HARDLY = 0.1
 """With more of the mean square left, no candidate has explained it."""
 _TIE = 2.0
@@ -123,19 +129,56 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
     found = screened(fit, library)
     confirmed: dict[tuple[str, str], Confirmed] = {}
     for stage in _stages(fit, found, library, nominal, confirmed):
-        for start in stage:
-            own = _confirmed(fit, start)
-            if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
-                confirmed[own.key] = own
+        _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.worth, default=None)
         if best is not None and best.fit.mean_square < _EXPLAINED:
             break
+    _confirm(fit, [Start(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
+    _prefer_coulomb(confirmed)
     driven = fit.state.scene.axis.drive.at
 
     def order(own: Confirmed) -> float:
         return -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
 
     return Turn(fit, tuple(sorted(confirmed.values(), key=order)), tuple(found))
+
+
+def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]) -> None:
+    """Fit candidates; each keeps the best of its fits."""
+    for start in starts:
+        own = confirmed_from(fit, start)
+        if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
+            confirmed[own.key] = own
+
+
+def _simpler(key: tuple[str, str], confirmed: Mapping[tuple[str, str], Confirmed]) -> bool:
+    """Whether a candidate is the Coulomb friction that one of those confirmed contains."""
+    name, place = key
+    contained = any((more, place) in confirmed for more in _MORE_THAN_COULOMB)
+    return name == _COULOMB and contained and key not in confirmed
+
+
+def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
+    """Drop what explains hardly more than the Coulomb friction that it contains: the next turn finds the rest."""
+    for name, place in list(confirmed):
+        plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
+        if plain is None or name not in _MORE_THAN_COULOMB:
+            continue
+        if more.worth < (1 + _HARDLY_MORE) * plain.worth or _is_nearly_constant(
+            more.fit.state.scene, more.fit.state.placed[-1]
+        ):
+            del confirmed[name, place]
+
+
+def _is_nearly_constant(scene: Scene, item: Placed) -> bool:
+    """Whether a friction level that varies along the stroke varies by less than some tens of percent."""
+    effect = item.effect
+    if not isinstance(effect, (SlopedFriction, WavyFriction)):
+        return False
+    level, *varying = item.amplitudes
+    joint = scene.joints[item.at]
+    course = np.tensordot(varying, effect.variation(joint, item.shape), 1)[scene.record.in_log] + level
+    return bool(np.ptp(course) / 2 < _VARIES * abs(course.mean()))
 
 
 def _stages(
@@ -170,7 +213,7 @@ def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Cand
     return kept
 
 
-def _confirmed(fit: Fit, start: Start) -> Confirmed | None:
+def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it."""
     weighting = start.fit.weighting
     try:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 from symid.axis import Axis
-from symid.data import MEMORY
+from symid.data import MEMORY, Layout
 from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.identification.logs import axis_columns
@@ -29,6 +29,8 @@ class BatchSettings:
         Sensors to use; those that each log holds by default.
     columns, units, gains : mapping of str to str, str, float
         Column, unit and factor of signals whose columns are foreign, as in `symid.read_axis_log`.
+    layout, sampling_period
+        Of foreign files, as in `symid.read_axis_log`.
     preparation : Preparation
         What is left open is chosen from each log.
     held : tuple of str
@@ -62,6 +64,8 @@ class BatchSettings:
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     gains: Mapping[str, float] = field(default_factory=dict)
+    layout: Layout | None = None
+    sampling_period: float | None = None
     preparation: Preparation = field(default_factory=Preparation)
     held: tuple[str, ...] = ()
     ddof: int | None = None

@@ -104,7 +104,7 @@ def _threads() -> ThreadpoolController:
 def _axis_of(axes: tuple[FleetAxis, ...], log: str) -> FleetAxis:
     if len(axes) == 1:
         return axes[0]
-    columns = columns_in(log)
+    columns = columns_in(log, axes[0].settings.layout)
     for axis in axes:
         if axis.is_held_in(columns):
             return axis
@@ -123,6 +123,8 @@ def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
         columns=settings.columns,
         units=settings.units,
         gains=settings.gains,
+        layout=settings.layout,
+        sampling_period=settings.sampling_period,
         memory=settings.memory if in_blocks else sys.maxsize,
     )
     measured = measured_signals(declared, [log], settings.measured)

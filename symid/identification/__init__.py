@@ -4,6 +4,7 @@ from symid.identification.bias import Bias, bias_of
 from symid.identification.excerpts import Excerpt, excerpts
 from symid.identification.identify import distrusted, found_from, identify
 from symid.identification.logs import measured_signals, open_axis_log, read_axis_log
+from symid.identification.mapping import LogMapping, guessed_mapping, read_mapping, stated_period
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.prediction import Prediction, predict
@@ -17,6 +18,7 @@ __all__ = [
     "EquationResidual",
     "Excerpt",
     "Identification",
+    "LogMapping",
     "Observation",
     "PhysicalEstimate",
     "Prediction",
@@ -26,6 +28,7 @@ __all__ = [
     "distrusted",
     "excerpts",
     "found_from",
+    "guessed_mapping",
     "identify",
     "measured_signals",
     "observe",
@@ -33,5 +36,7 @@ __all__ = [
     "physical_estimates",
     "predict",
     "read_axis_log",
+    "read_mapping",
+    "stated_period",
     "timing_of",
 ]

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 
 from symid.axis import Axis
-from symid.data import MEMORY, AnyLog, Log, open_log, read_log
+from symid.data import MEMORY, AnyLog, Layout, Log, open_log, read_log
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -51,6 +51,8 @@ def read_axis_log(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     gains: Mapping[str, float] | None = None,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
 ) -> Log:
     """Log of an axis from a CSV, Parquet or MATLAB file.
 
@@ -64,6 +66,8 @@ def read_axis_log(
         Sensors to read; all that the file holds by default.
     columns, units, gains : mapping, optional
         Column, unit and factor of signals whose columns are foreign, as in `read_log`.
+    layout, sampling_period
+        Of a foreign file, as in `read_log`.
 
     Raises
     ------
@@ -85,6 +89,8 @@ def read_axis_log(
         columns=columns or {},
         units=units or {},
         gains=gains or {},
+        layout=layout,
+        sampling_period=sampling_period,
     )
 
 
@@ -96,13 +102,15 @@ def open_axis_log(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     gains: Mapping[str, float] | None = None,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
     memory: int = MEMORY,
 ) -> AnyLog:
     """Do what `read_axis_log` does for a log that fits in memory; of a longer one, read only windows.
 
     Parameters
     ----------
-    axis, path, measured, columns, units, gains
+    axis, path, measured, columns, units, gains, layout, sampling_period
         As in `read_axis_log`.
     memory : int
         Bytes that the log and the rows made of it may take.
@@ -127,6 +135,8 @@ def open_axis_log(
         columns=columns,
         units=units,
         gains=gains,
+        layout=layout,
+        sampling_period=sampling_period,
         memory=memory,
     )
 

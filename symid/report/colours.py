@@ -2,6 +2,55 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
 EXPLAINED, NOMINAL, NOISE = "#009E73", "#CC79A7", "#777777"
 INK = "#222222"
+
+
+@dataclass(frozen=True)
+class Palette:
+    """Colours of a figure. What is measured is wide and pale, what is computed thin and strong: that prints in grey.
+
+    Parameters
+    ----------
+    paper, ink, grid : str
+        Background, text and lines, and lines behind the curves.
+    measured, model, residual, other : str
+        Curves; `other` is a third one.
+    fill : str
+        Areas, such as a body or a confidence ellipse.
+    """
+
+    paper: str
+    ink: str
+    grid: str
+    measured: str
+    model: str
+    residual: str
+    other: str
+    fill: str
+
+    @property
+    def style(self) -> Any:
+        """Settings of matplotlib."""
+        named = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
+        return {
+            "font.size": 9,
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.grid": True,
+            "grid.color": self.grid,
+            "grid.linewidth": 0.6,
+            "figure.facecolor": self.paper,
+            "savefig.facecolor": self.paper,
+            "axes.facecolor": self.paper,
+            "legend.facecolor": self.paper,
+            **dict.fromkeys(named, self.ink),
+        }
+
+
+LIGHT = Palette("#FFFFFF", INK, "#E3E3E3", "#8CC5E8", "#C04C00", "#444444", "#007D5C", "#DCE9F2")
+DARK = Palette("#14181C", "#E6E6E6", "#343B42", "#3F77A3", "#FFA552", "#C4C4C4", "#5FD3AE", "#27384A")

@@ -70,6 +70,7 @@ def write_html(found: Diagnosis, file: str | Path) -> None:
 
 def _page(found: Diagnosis) -> str:
     from symid.report.interactive import plots_of  # half a second to load: only where a page is written
+    from symid.report.schematic import schematic_svg
 
     record = diagnosis_record(found)
     return (
@@ -82,6 +83,7 @@ def _page(found: Diagnosis) -> str:
             maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
             accepted={(effect.effect, effect.at) for effect in found.effects},
             plots=plots_of(found),
+            schematic=schematic_svg(found.axis),
             version=__version__,
         )
     )

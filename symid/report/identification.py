@@ -52,6 +52,7 @@ def identification_record(found: Identification, validation: Prediction | None =
         ),
         "physical": _physical(found, 0),
         "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
+        "covariance": _covariances(found),
         "relations": _relations(found),
         "residual": _residuals(found, found.residuals),
         "correlation": {
@@ -97,6 +98,14 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
     corrected = estimate.propagated_deviations(found.correlated.covariance)
     bias = None if found.bias is None else found.bias.mapped(estimate.sensitivity)
     return parameter_records(found.model.physical_units, estimate.parameters, classical, corrected, bias)
+
+
+def _covariances(found: Identification) -> dict[str, Any]:
+    """Covariances of the minimal and of the physical parameters of the first branch, as `std_corrected` says."""
+    if not found.physical:
+        return {"minimal": found.covariance.tolist(), "physical": None}
+    slopes = found.physical[0].sensitivity
+    return {"minimal": found.covariance.tolist(), "physical": (slopes @ found.covariance @ slopes.T).tolist()}
 
 
 def _timing(found: Identification) -> dict[str, Any] | None:

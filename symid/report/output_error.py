@@ -42,6 +42,12 @@ def output_error_record(
         "minimal": _output_error_parameters(found, "minimal"),
         "physical": _output_error_parameters(found, "physical"),
         "physical_branches": [],
+        "covariance": None
+        if fit is None
+        else {
+            "minimal": found.minimal_covariance(corrected=True).tolist(),
+            "physical": found.physical_covariance(corrected=True).tolist(),
+        },
         "relations": None,
         "residual": _prediction_errors(found, found.predictions),
         "assumptions": [],

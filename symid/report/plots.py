@@ -1,55 +1,33 @@
-"""Figures of an identification: measured and predicted output, residual over time, velocity and frequency."""
+"""Figures of an identification: model and measurement over time, residual over motion and frequency, Bode, ellipses."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import matplotlib as mpl
 import numpy as np
-import scipy
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Prediction
-from symid.report.colours import MEASURED, MODEL, RESIDUAL
+from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
+from symid.report.colours import LIGHT, Palette
+from symid.report.motion import Motion, Response, response_of
+from symid.report.panels import Panel, draw_panel
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
 
-PLOT_STYLE: Any = {
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.alpha": 0.3,
-}
-_MOST_POINTS = 20_000
-
-
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """What is drawn of one output of one log.
-
-    Parameters
-    ----------
-    title : str
-        Above it.
-    output, unit : str
-        What is compared.
-    time, measured, predicted : array of shape (n,)
-        The curves; nan where nothing is compared.
-    """
-
-    title: str
-    output: str
-    unit: str
-    time: FloatArray
-    measured: FloatArray
-    predicted: FloatArray
+PLOT_STYLE: Any = LIGHT.style
+_MOST_ELLIPSES, _MOST_RESPONSES = 4, 2
+_PANEL, _BODE, _ELLIPSES, _WIDTH = 6.0, 5.2, 3.2, 12.0
+"""Heights of a panel, of the Bode diagrams and of the ellipses, and width, in inches."""
 
 
 def figure_path(file: str | Path) -> Path:
@@ -64,11 +42,16 @@ def plot_identification(
     found: Identification | OutputErrorIdentification,
     file: str | Path,
     validation: Prediction | OutputErrorPrediction | None = None,
+    *,
+    axis: Axis | None = None,
+    runs: Sequence[Log] = (),
+    palette: Palette = LIGHT,
 ) -> None:
     """Draw an identification into a file.
 
-    For each output: measured and predicted output over time, the residual below it, and on the right the residual
-    against the predicted output and its spectrum beside that of the output. A validation log gets rows of its own.
+    For each output of each log: measured and predicted output over time and against each other, the residual over
+    time, velocity, position and frequency. With the axis and its logs: the frequency response of the identified
+    axis beside the measured one. Parameters that are correlated get confidence ellipses.
 
     Parameters
     ----------
@@ -78,6 +61,12 @@ def plot_identification(
         png, svg or pdf, by its suffix.
     validation : Prediction or OutputErrorPrediction, optional
         The parameters applied to another log.
+    axis : Axis, optional
+        The declared axis.
+    runs : sequence of Log
+        The logs identified, then the one of the validation.
+    palette : Palette
+        `LIGHT` or `DARK`.
 
     Raises
     ------
@@ -85,17 +74,85 @@ def plot_identification(
         If the suffix is not known, or the parameters are not determined.
     """
     path = figure_path(file)
+    identification_figure(found, validation, axis=axis, runs=runs, palette=palette).savefig(path, dpi=150)
+
+
+def identification_figure(
+    found: Identification | OutputErrorIdentification,
+    validation: Prediction | OutputErrorPrediction | None = None,
+    *,
+    axis: Axis | None = None,
+    runs: Sequence[Log] = (),
+    palette: Palette = LIGHT,
+) -> Figure:
+    """The figure that `plot_identification` writes."""
     panels = (
         _panels_of_equations(found, cast("Prediction | None", validation))
         if isinstance(found, Identification)
         else _panels_of_readings(found, cast("OutputErrorPrediction | None", validation))
     )
-    with mpl.rc_context(PLOT_STYLE):
-        figure = Figure(figsize=(11, 3.6 * len(panels)), layout="constrained")
-        grids = figure.add_gridspec(len(panels), 1)
-        for place, panel in enumerate(panels):
-            _draw(figure, grids[place], panel)
-        figure.savefig(path, dpi=150)
+    if axis is not None and runs:
+        panels = _with_motion(panels, axis, runs)
+    responses = _responses(found, axis, runs)
+    units, values, covariance = _parameters(found)
+    pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
+    heights = [_PANEL] * len(panels) + [_BODE] * bool(responses) + [_ELLIPSES] * bool(pairs)
+    with mpl.rc_context(palette.style):
+        figure = Figure(figsize=(_WIDTH, sum(heights)), layout="constrained")
+        places: Any = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for place, panel in zip(places, panels, strict=False):
+            draw_panel(place, panel, palette)
+        if responses:
+            columns: Any = places[len(panels)].subfigures(1, len(responses), squeeze=False)[0]
+            for place, response in zip(columns, responses, strict=True):
+                draw_bode(place, response, palette)
+        if pairs:
+            grid: Any = places[-1].subplots(1, max(len(pairs), 3), squeeze=False)[0]
+            for axes, pair in zip(grid, pairs, strict=False):
+                draw_ellipse(axes, pair, values, covariance, units, palette)
+            for axes in grid[len(pairs) :]:
+                axes.axis("off")
+            places[-1].legend(
+                *grid[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False
+            )
+    return figure
+
+
+def _responses(
+    found: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
+) -> list[Response]:
+    """Frequency responses of the first sensors, where the axis is known well enough."""
+    if axis is None or not _has_response(found, axis, runs):
+        return []
+    identified, signals = runs[: len(found.logs)], found.model.measured[:_MOST_RESPONSES]
+    return [response_of(axis, found.physical_parameters, signal, identified) for signal in signals]
+
+
+def _has_response(found: Identification | OutputErrorIdentification, axis: Axis, runs: Sequence[Log]) -> bool:
+    """Whether the axis is known well enough for its frequency response."""
+    values = found.physical_parameters
+    masses = [values.get(b.mass or b.inertia or "", 0.0) for b in axis.bodies]
+    return bool(runs) and bool(values) and bool(np.isfinite(list(values.values())).all()) and min(masses) > 0
+
+
+def _parameters(
+    found: Identification | OutputErrorIdentification,
+) -> tuple[Mapping[str, str], FloatArray, FloatArray]:
+    """Units by name, values and covariance: of the physical parameters, or of the minimal ones if there are none."""
+    if not isinstance(found, Identification):
+        values = np.array(list(found.physical_parameters.values()))
+        return found.model.physical_units, values, found.physical_covariance(corrected=True)
+    if not found.physical:
+        return found.model.minimal_units, found.fit.parameters, found.covariance
+    slopes = found.physical[0].sensitivity
+    return found.model.physical_units, found.physical[0].parameters, slopes @ found.covariance @ slopes.T
+
+
+def _with_motion(panels: Sequence[Panel], axis: Axis, runs: Sequence[Log]) -> list[Panel]:
+    """Panels with the motion of their logs; each log has as many panels."""
+    each = len(panels) // len(runs)
+    motions = [motion for run in runs for motion in [Motion.of(axis, run)] * each]
+    return [replace(panel, motion=motion) for panel, motion in zip(panels, motions, strict=True)]
 
 
 def _panels_of_equations(found: Identification, validation: Prediction | None) -> list[Panel]:
@@ -135,62 +192,7 @@ def _panels_of_readings(
     ]
 
 
-def _draw(figure: Figure, place: Any, panel: Panel) -> None:
-    grid = place.subgridspec(2, 2, width_ratios=(2.2, 1), height_ratios=(1.6, 1))
-    error, used = panel.measured - panel.predicted, np.isfinite(panel.measured)
-    top = figure.add_subplot(grid[0, 0])
-    below = figure.add_subplot(grid[1, 0], sharex=top)
-    curves = {"measured": (panel.measured, MEASURED, 2.0), "predicted": (panel.predicted, MODEL, 0.7)}
-    _draw_over_time(top, panel.time, curves, f"{panel.output} [{panel.unit}]")
-    top.set_title(panel.title, loc="left")
-    top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
-    top.tick_params(labelbottom=False)
-    _draw_over_time(below, panel.time, {"residual": (error, RESIDUAL, 0.7)}, f"residual [{panel.unit}]")
-    below.set_xlabel("time [s]")
-    _draw_scatter(
-        figure.add_subplot(grid[0, 1]), panel.predicted[used], error[used], panel.output, panel.unit
-    )
-    _draw_spectrum(figure.add_subplot(grid[1, 1]), panel.time, panel.measured, error, panel.unit)
-
-
 def _short(source: str) -> str:
     """Name of a log without its folder."""
     *words, path = source.split(" ")
     return " ".join([*words, Path(path).name])
-
-
-def _draw_over_time(
-    axes: Axes, time: FloatArray, curves: dict[str, tuple[FloatArray, str, float]], label: str
-) -> None:
-    """Curves over time; of long logs the envelope of each bundle of samples, so that no peak is lost."""
-    for name, (values, colour, width) in curves.items():
-        bundle = -(-values.size // _MOST_POINTS)
-        if bundle == 1:
-            axes.plot(time, values, color=colour, linewidth=width, label=name)
-            continue
-        whole = values.size // bundle * bundle
-        parts = values[:whole].reshape(-1, bundle)
-        low, high = np.fmin.reduce(parts, axis=1), np.fmax.reduce(parts, axis=1)
-        axes.fill_between(time[:whole:bundle], low, high, color=colour, alpha=0.8, linewidth=0.4, label=name)
-    axes.set_ylabel(label)
-    axes.margins(x=0.01)
-
-
-def _draw_scatter(axes: Axes, predicted: FloatArray, error: FloatArray, output: str, unit: str) -> None:
-    step = -(-predicted.size // _MOST_POINTS)
-    axes.plot(
-        predicted[::step], error[::step], ".", color=RESIDUAL, markersize=1.5, alpha=0.4, rasterized=True
-    )
-    axes.set_xlabel(f"predicted {output} [{unit}]")
-    axes.set_ylabel(f"residual [{unit}]")
-
-
-def _draw_spectrum(axes: Axes, time: FloatArray, y: FloatArray, error: FloatArray, unit: str) -> None:
-    """Amplitude densities of output and residual; rows that were left out count as zero."""
-    rate = 1.0 / (time[1] - time[0])
-    for values, colour, name in ((y, MEASURED, "output"), (error, RESIDUAL, "residual")):
-        frequency, power = scipy.signal.welch(np.nan_to_num(values), fs=rate, nperseg=min(1024, values.size))
-        axes.loglog(frequency[1:], np.sqrt(power[1:]), color=colour, linewidth=0.9, label=name)
-    axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel(f"{unit}/√Hz")
-    axes.legend(loc="lower left", frameon=False)

@@ -32,9 +32,10 @@ def test_one_effect(effect: str) -> None:
     assert found.effects[0].at == ("actuator" if effect == "delay" else "motor")
     for name, value in values.items():
         assert found.effects[0].parameters[name].value == pytest.approx(value, rel=0.06)
-    assert found.gap.closed_fraction > 0.9
+    swings = effect == "flexible_mode"  # already where the log begins, which the mass takes up
+    assert found.gap.closed_fraction > (0.8 if swings else 0.9)
     for change in found.parameters:
-        if effect != "flexible_mode":  # the log begins while the load swings, which the mass takes up
+        if not swings:
             assert change.explained == pytest.approx(RIGID[change.name], rel=0.05)
 
 

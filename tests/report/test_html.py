@@ -142,3 +142,13 @@ def test_nothing_known_of_the_floor_or_the_spectrum_is_no_obstacle(tmp_path):
 def test_a_file_that_cannot_be_a_page_is_refused_with_its_name(name, tmp_path):
     with pytest.raises(SettingError, match="report"):
         html_path(tmp_path / name)
+
+
+def test_the_page_holds_the_schematic_of_the_axis(tmp_path):
+    found = diagnosis_example(KINDS[0])
+    pages = (written(found, tmp_path) for _ in range(2))
+    drawing, again = (re.search("<figure class.*?</figure>", page, re.DOTALL)[0] for page in pages)
+    for body in found.axis.bodies:
+        assert f'id="body {body.name}"' in drawing
+        assert f">{body.name}<" in drawing
+    assert drawing == again

@@ -1,0 +1,162 @@
+"""A first declaration to edit: bodies in a row, with or without a structure that yields, and comments beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from symid.axis.axis import Axis, Element
+from symid.axis.elements import GROUND, Acceleration, Between, Body, Drive, Ground, Position, Sensor, Spring
+from symid.axis.laws import CoulombFriction, ViscousFriction
+from symid.axis.source import axis_source
+from symid.errors import SettingError
+
+
+def sketch(
+    name: str,
+    bodies: int = 2,
+    springs: int | None = None,
+    *,
+    structure: bool = False,
+    rotary: bool = False,
+    coulomb: bool = True,
+    encoders: Sequence[str] = (),
+    accelerometers: Sequence[str] = (),
+) -> Axis:
+    """Axis of bodies in a row: (structure,) motor, load, load2, ...
+
+    The structure stands on the ground by a spring and carries the motor; a load is joined to what is before it by a
+    spring and a damper. The drive pushes the motor against what it is on.
+
+    Parameters
+    ----------
+    name : str
+        Name of the axis.
+    bodies : int
+        Number of bodies, the structure included.
+    springs : int, optional
+        Number of springs: bodies - 1 (default), or as many as bodies, then the motor's joint has one too.
+    structure : bool
+        Whether the first body is a structure that yields.
+    rotary : bool
+        Whether bodies turn: inertias and a torque instead of masses and a force.
+    coulomb : bool
+        Whether the motor's joint has Coulomb friction.
+    encoders, accelerometers : sequence of str
+        Bodies with an encoder (besides the motor) or an accelerometer, both against the ground.
+
+    Raises
+    ------
+    SettingError
+        If the numbers or the names of bodies are not possible.
+
+    Examples
+    --------
+    >>> list(sketch("mine", 2, encoders=["load"]).physical_parameters)
+    ['Mm', 'Fvm', 'Fsm', 'Kl', 'Cl', 'Ml', 'Fvl']
+    """
+    names = _names(bodies, structure)
+    springs = bodies - 1 if springs is None else springs
+    if springs not in (bodies - 1, bodies):
+        raise SettingError(f"springs is {springs}: {bodies} bodies take {bodies - 1} or {bodies} springs")
+    if wrong := [body for body in (*encoders, *accelerometers) if body not in names]:
+        raise SettingError(f"there is no body {wrong[0]!r} for a sensor: choose from {', '.join(names)}")
+    made: dict[str, Body] = {}
+    elements: list[Element] = []
+    for body in names:
+        tag = _tag(body)
+        carrier = made["structure"] if body == "motor" and structure else GROUND
+        made[body] = (
+            Body(body, inertia=f"J{tag}", on=carrier) if rotary else Body(body, mass=f"M{tag}", on=carrier)
+        )
+        elements += _joint(made, body, tag, held=springs == bodies, coulomb=coulomb)
+    motor = made["motor"]
+    sensors: list[Sensor] = [Position("q" if bodies == 1 else "qm", motor)]
+    sensors += [
+        Position(f"q{_tag(body)}", made[body], relative_to=_ground(made[body]))
+        for body in encoders
+        if body != "motor"
+    ]
+    sensors += [
+        Acceleration(f"ddq{_tag(body)}", made[body], relative_to=_ground(made[body]))
+        for body in accelerometers
+    ]
+    return Axis(name, tuple(elements), Drive("tau" if rotary else "F", motor), tuple(sensors))
+
+
+def _names(bodies: int, structure: bool) -> list[str]:
+    if bodies < 1 + structure:
+        raise SettingError(
+            f"bodies is {bodies}: an axis has at least {1 + structure}{' with a structure' * structure}"
+        )
+    loads = bodies - 1 - structure
+    return [
+        *["structure"] * structure,
+        "motor",
+        *(f"load{i}" if i > 1 else "load" for i in range(1, loads + 1)),
+    ]
+
+
+def _tag(body: str) -> str:
+    """End of the names of a body's parameters: its first letter, and its number if it has one."""
+    return body[0] + body.lstrip("abcdefghijklmnopqrstuvwxyz")
+
+
+def _ground(body: Body) -> Ground | None:
+    """The ground for a body on another one; what is on the ground is read against it without saying so."""
+    return None if body.on == GROUND else GROUND
+
+
+def _joint(made: dict[str, Body], body: str, tag: str, *, held: bool, coulomb: bool) -> Iterator[Element]:
+    """A body with what holds it."""
+    own = made[body]
+    before = list(made.values())[-2] if len(made) > 1 else None
+    if body.startswith("load") and before is not None:
+        name = "transmission" if body == "load" else f"transmission{tag[1:]}"
+        yield Spring(name, Between(first=before, second=own), stiffness=f"K{tag}", damping=f"C{tag}")
+    yield own
+    yield ViscousFriction(own, f"Fv{tag}")
+    if body == "structure":
+        yield Spring("foundation", own, stiffness=f"K{tag}")
+    if body == "motor":
+        if coulomb:
+            yield CoulombFriction(own, f"Fs{tag}")
+        if held:
+            yield Spring("flexure", own, stiffness=f"K{tag}")
+
+
+_COMMENTS = (
+    ("structure = ", "the machine bed, on the ground; it yields by the spring `foundation`"),
+    ("motor = ", "what the drive pushes; `on=` says what carries it, and its coordinate is relative to that"),
+    (
+        "load = ",
+        "joined to the motor by the spring `transmission`; geared=Geared(to=motor, ratio=...) makes it rigid",
+    ),
+    ("    elements=", "one line an element; names in quotes are parameters to identify: delete, add, rename"),
+    ("    drive=", 'held=True: sent at t and held until the next sample; unit="A": the constant is unknown'),
+    (
+        "    sensors=",
+        "names are the columns of a log; the first is needed, of the others those that a log has",
+    ),
+)
+
+
+def sketch_source(axis: Axis) -> str:
+    """Text of the axis file of a sketch, with comments that say what to edit.
+
+    Examples
+    --------
+    >>> print(sketch_source(sketch("mine", 1)).splitlines()[0])
+    \"""Axis mine: motor. Edit it, look at it with `symid show`, and write its regressors with `symid generate`.
+    """
+    summary = (
+        f"Axis {axis.name}: {', '.join(body.name for body in axis.bodies)}. Edit it, look at it with `symid show`, "
+        "and write its regressors with `symid generate`. More elements (weights, gears, Stribeck friction, cogging, "
+        "backlash) are in docs/declaring.md."
+    )
+    lines: list[str] = []
+    for line in axis_source(axis, summary).splitlines():
+        comment = next((text for start, text in _COMMENTS if line.startswith(start)), None)
+        if comment:
+            lines.append(f"{' ' * (len(line) - len(line.lstrip()))}# {comment}")
+        lines.append(line)
+    return "\n".join(lines) + "\n"

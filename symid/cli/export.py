@@ -1,0 +1,95 @@
+"""`symid export`: an identified axis for other programs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from symid.axis import Axis, load_axis
+from symid.cli.options import (
+    as_json,
+    json_option,
+    measured_option,
+    parameter_file,
+    signal_list,
+    write_json,
+)
+from symid.errors import SettingError
+from symid.export import Exported, c_source, mjcf, parameter_record, write_fmu
+from symid.symbolic import derive
+
+FORMATS = ("c", "mjcf", "fmu", "json")
+
+
+@click.command(
+    "export",
+    epilog="Example: symid export direct_2m1s --parameters P.json --to c --measured q2,ddq1 -o axis.c",
+)
+@click.argument("axis")
+@click.option(
+    "--parameters",
+    required=True,
+    metavar="P.json",
+    help="Physical parameters, or what `symid identify --json` or `symid diagnose --write-axis` wrote.",
+)
+@click.option(
+    "--to",
+    type=click.Choice(FORMATS),
+    required=True,
+    help="C99, MuJoCo, unit for co-simulation (FMI 2.0), or JSON.",
+)
+@measured_option
+@click.option("-o", "--output", metavar="FILE", help="Where to write [standard output].")
+@json_option
+def command(axis: str, **options: Any) -> None:
+    """Write AXIS with its parameters for another program, and say what that program cannot express."""
+    declared = load_axis(axis)
+    values = parameter_file(options["parameters"], declared)
+    exported = _exported(declared, values, options)
+    written = _write(exported, options["output"]) if options["output"] else []
+    if options["json_file"]:
+        record = {
+            "axis": declared.name,
+            "to": options["to"],
+            "files": written,
+            "losses": list(exported.losses),
+        }
+        write_json(record if written else {**record, "text": exported.files}, options["json_file"])
+    if not written and options["json_file"] != "-":
+        print(exported.whole, end="")
+    for file in written if options["json_file"] != "-" else ():
+        print(f"wrote {file}")
+    for loss in exported.losses:
+        print(f"lost: {loss}", file=sys.stderr)
+
+
+def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any]) -> Exported:
+    if options["to"] == "mjcf":
+        return mjcf(declared, values)
+    if options["to"] == "fmu":
+        if not options["output"]:
+            raise SettingError("a unit is a file: give its name with -o FILE.fmu")
+        return Exported({}, write_fmu(derive(declared), values, options["output"]))
+    identified = json.loads(Path(options["parameters"]).read_text(encoding="utf-8"))
+    model = derive(declared, signal_list(options["measured"]) or identified.get("measured"))
+    if options["to"] == "c":
+        return c_source(model, values, Path(options["output"]).stem if options["output"] else None)
+    minimal = {name: p["value"] for name, p in identified.get("minimal", {}).items()} or None
+    record = parameter_record(model, values, identified.get("covariance"), minimal)
+    return Exported({".json": as_json(record)}, ())
+
+
+def _write(exported: Exported, output: str) -> list[str]:
+    """Write the main file, and the others beside it; a unit is written already."""
+    path = Path(output)
+    if not exported.files:
+        return [output]
+    main, *others = exported.files
+    files = {path: exported.files[main]} | {path.with_suffix(s): exported.files[s] for s in others}
+    for file, text in files.items():
+        file.write_text(text, encoding="utf-8")
+    return list(map(str, files))

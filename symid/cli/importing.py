@@ -1,0 +1,130 @@
+"""`symid import`: a look at a foreign log."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.table import Table as Shown
+
+from symid.axis import Axis, load_axis
+from symid.cli.options import json_option, write_json
+from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
+from symid.data.tables import SUFFIXES
+from symid.errors import SettingError
+from symid.identification import LogMapping, guessed_mapping, stated_period
+from symid.report.console import report_console
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a foreign file seems to hold."""
+
+    layout: Layout | None
+    table: Table
+    columns: tuple[ForeignColumn, ...]
+    period: float | None
+
+
+@click.command("import", epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json")
+@click.argument("log")
+@click.option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
+@click.option(
+    "--rate", type=float, metavar="HZ", help="Sampling rate of a file without a column of the time."
+)
+@click.option("--gain", type=float, help="Force per unit of the drive's column, such as N per A.")
+@click.option("--rated", type=float, help="Force or torque that 100 % stands for.")
+@click.option(
+    "-o", "--output", metavar="FILE.json", help="Write the mapping, for --mapping of other commands."
+)
+@click.option("--plot", metavar="FILE", help="Draw the columns over time (png, svg or pdf).")
+@json_option
+def command(log: str, **options: Any) -> None:
+    """Look at the foreign LOG: guess its layout, columns, units and sampling, and say why. Nothing is used unseen."""
+    if options["output"] and not options["axis"]:
+        raise SettingError("-o needs --axis: a mapping names the signals of an axis")
+    declared = load_axis(options["axis"]) if options["axis"] else None
+    look = _look(Path(log), options["rate"])
+    mapping = _mapping(look, declared, options) if declared else None
+    if options["plot"]:
+        from symid.report.foreign import plot_foreign  # matplotlib takes a second to load
+
+        plot_foreign(look.table, look.columns, look.period, options["plot"])
+    if mapping and options["output"]:
+        write_json(mapping.as_record, options["output"])
+    if options["json_file"]:
+        write_json(_record(log, look, mapping), options["json_file"])
+    if options["json_file"] != "-":
+        _show(log, look, mapping, options)
+
+
+def _look(path: Path, rate: float | None) -> Look:
+    """Layout, columns and the sampling period that is given or stated."""
+    text = path.is_file() and (path.suffix.lower() == ".csv" or path.suffix.lower() not in SUFFIXES)
+    layout = guessed_layout(path) if text else None
+    if rate is not None and rate <= 0:
+        raise SettingError(f"--rate is {rate:g}: it must be positive")
+    table = open_table(path, layout)
+    period = 1 / rate if rate else (stated_period(path, layout) if layout else None)
+    return Look(layout, table, foreign_columns(table), period)
+
+
+def _mapping(look: Look, axis: Axis, options: dict[str, Any]) -> LogMapping:
+    return guessed_mapping(
+        axis,
+        look.columns,
+        layout=look.layout,
+        sampling_period=look.period,
+        gain=options["gain"],
+        rated=options["rated"],
+    )
+
+
+def _record(log: str, look: Look, mapping: LogMapping | None) -> dict[str, Any]:
+    return {
+        "log": log,
+        "layout": asdict(look.layout) if look.layout else None,
+        "sampling_period": look.period,
+        "columns": [asdict(column) for column in look.columns],
+        "mapping": mapping.as_record if mapping else None,
+    }
+
+
+def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, Any]) -> None:
+    console = report_console()
+    if look.layout:
+        of = look.layout
+        console.print(
+            f"{log}: {of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}, {of.above} lines above the "
+            f"header, {of.below} between it and the values",
+            markup=False,
+        )
+    shown = Shown(box=None, pad_edge=False)
+    for title in ("column", "seems to be", "unit", "because"):
+        shown.add_column(title)
+    for column in look.columns:
+        what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"
+        unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
+        shown.add_row(*(_plain(text) for text in (column.header, what, unit, column.reason)))
+    console.print(shown)
+    if mapping is None:
+        console.print("\nThese are guesses. With --axis AXIS they become a mapping.")
+        return
+    console.print(f"\nGuessed for {options['axis']}, check each:")
+    for guess in mapping.guesses:
+        console.print(f"    {guess}", markup=False)
+    for lack in mapping.missing:
+        console.print(f"Missing: {lack}", markup=False)
+    if options["output"]:
+        console.print(
+            f"\nwrote {options['output']}: check it, delete the guesses that are right, then\n    symid identify "
+            f"{options['axis']} {log} --mapping {options['output']}",
+            markup=False,
+        )
+
+
+def _plain(text: str) -> str:
+    """Text in which brackets are no markup."""
+    return text.replace("[", r"\[")

@@ -1,0 +1,68 @@
+"""`symid new`: a commented axis file to edit."""
+
+from __future__ import annotations
+
+from keyword import iskeyword
+from pathlib import Path
+
+import click
+
+from symid.axis import load_axis, sketch, sketch_source
+from symid.cli.options import json_option, write_json
+from symid.errors import SettingError
+from symid.signals import is_signal_name
+
+
+@click.command("new", epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure")
+@click.argument("axis")
+@click.option("--bodies", default=2, show_default=True, help="Bodies in a row, the structure included.")
+@click.option("--springs", type=int, help="Springs: one less than bodies, or as many [one less].")
+@click.option(
+    "--structure/--no-structure", default=False, help="Whether the first body is a structure that yields."
+)
+@click.option("--rotary/--linear", default=False, help="Whether bodies turn.")
+@click.option("--coulomb/--no-coulomb", default=True, help="Whether the motor has Coulomb friction.")
+@click.option(
+    "--encoder", "encoders", multiple=True, metavar="BODY", help="A body with an encoder besides the motor."
+)
+@click.option(
+    "--accelerometer", "accelerometers", multiple=True, metavar="BODY", help="A body with an accelerometer."
+)
+@json_option
+def command(
+    axis: str,
+    bodies: int,
+    springs: int | None,
+    structure: bool,
+    rotary: bool,
+    coulomb: bool,
+    encoders: tuple[str, ...],
+    accelerometers: tuple[str, ...],
+    json_file: str | None,
+) -> None:
+    """Write the file of a new AXIS: models/AXIS.py for a name, or the given path that ends with .py."""
+    path = Path(axis) if axis.endswith(".py") else Path("models") / f"{axis}.py"
+    if not is_signal_name(path.stem) or iskeyword(path.stem):
+        raise SettingError(
+            f"{axis!r} cannot name an axis: use letters, digits and underscores, a letter first"
+        )
+    if path.exists():
+        raise SettingError(f"axis file {str(path)!r} exists: choose another name, or delete it first")
+    sketched = sketch(
+        path.stem,
+        bodies,
+        springs,
+        structure=structure,
+        rotary=rotary,
+        coulomb=coulomb,
+        encoders=encoders,
+        accelerometers=accelerometers,
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("x", encoding="utf-8") as file:
+        file.write(sketch_source(sketched))
+    load_axis(str(path))
+    if json_file:
+        write_json({"axis": sketched.name, "file": str(path)}, json_file)
+    if json_file != "-":
+        print(f"wrote {path}: edit it, then symid show {axis}")

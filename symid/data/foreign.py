@@ -1,0 +1,169 @@
+"""What the columns of a foreign log seem to be: their quantity, unit and part, each with the reason for the guess."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data.table import Table
+from symid.errors import LogError
+from symid.units import Unit, to_si
+
+Quantity = Literal["time", "position", "velocity", "acceleration", "force", "current", "voltage", "percent"]
+
+_UNITS: Final[tuple[tuple[Quantity, tuple[str, ...]], ...]] = (
+    ("time", ("s",)),
+    ("velocity", ("m/s", "rad/s")),
+    ("acceleration", ("m/s^2", "rad/s^2")),
+    ("force", ("N", "N*m")),
+    ("current", ("A",)),
+    ("voltage", ("V",)),
+    ("position", ("m", "rad")),
+)
+_WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
+    ("time", r"t|time|timestamp|zeit|temps|sec|ms"),
+    ("acceleration", r"acc\w*|beschl\w*|ddq\w*"),
+    ("velocity", r"vel\w*|speed|geschw\w*|drehzahl|v"),
+    ("force", r"torque|trq|moment|drehmoment|force|kraft|fm?|tau"),
+    ("current", r"current|cur|iq|i|strom|amps?"),
+    ("position", r"pos\w*|lage|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
+)
+_SETPOINT: Final = r"set\w*|soll\w*|cmd|command\w*|ref\w*|target|nominal|desired|qg"
+_WRITTEN: Final = {
+    "Nm": "N*m",
+    "°": "deg",
+    "µm": "um",
+    "μm": "um",
+    "1/min": "rpm",
+    "U/min": "rpm",
+    "sec": "s",
+}
+_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*")
+_TRAILING: Final = re.compile(
+    r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m)"
+)
+_PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
+_CLOCKS: Final = ("s", "ms", "us", "ns")
+_LONGEST_STROKE: Final = 10.0
+
+
+@dataclass(frozen=True)
+class ForeignColumn:
+    """A column and what it seems to be.
+
+    Parameters
+    ----------
+    header : str
+        As written in the file.
+    quantity : str or None
+        What it seems to measure; None where nothing tells.
+    unit : str or None
+        Unit that `to_si` reads; None where none is known.
+    setpoint : bool
+        Whether it seems to be commanded, not measured.
+    reason : str
+        Why.
+    stated : bool
+        Whether the unit stands in the file; otherwise it is guessed, or unknown.
+    """
+
+    header: str
+    quantity: Quantity | None
+    unit: str | None
+    setpoint: bool
+    reason: str
+    stated: bool
+
+
+def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
+    """Guess what each column of numbers of a table is; columns of anything else are left out.
+
+    Parameters
+    ----------
+    table : Table
+        Of the file.
+    """
+    values = table.read(range(len(table.headers)))
+    return tuple(
+        _guessed(header, column)
+        for header, column in zip(table.headers, values, strict=True)
+        if not isinstance(column, str) and column.size and header
+    )
+
+
+def _guessed(header: str, values: FloatArray) -> ForeignColumn:
+    name, written = split_header(header)
+    words = [word for word in re.split(r"[^A-Za-z0-9]+|(?<=[a-z])(?=[A-Z])", name) if word]
+    setpoint = _match(words, _SETPOINT) is not None
+    quantity, unit = _measured_in(written)
+    if quantity is not None and quantity != "percent":
+        return ForeignColumn(header, quantity, unit, setpoint, f"its unit is written, {written}", True)
+    for by_name, pattern in _WORDS:
+        word = _match(words, pattern)
+        if word is None:
+            continue
+        if quantity == "percent":
+            return ForeignColumn(
+                header, "percent", "%", setpoint, f"{word!r} in percent: of a rated value", True
+            )
+        return _without_unit(header, by_name, word, setpoint, values, written)
+    why = f"its unit {written!r} is not known" if written else "neither name nor unit tells"
+    return ForeignColumn(header, None, None, setpoint, why, False)
+
+
+def split_header(header: str) -> tuple[str, str | None]:
+    """Name and unit of a foreign header.
+
+    Examples
+    --------
+    >>> split_header("Time (ms)"), split_header("Torque %"), split_header("ActPos")
+    (('Time', 'ms'), ('Torque', '%'), ('ActPos', None))
+    """
+    match = _BRACKETS.fullmatch(header) or _TRAILING.fullmatch(header)
+    return (match["name"], match["unit"].strip()) if match else (header, None)
+
+
+def _match(words: Sequence[str], pattern: str) -> str | None:
+    return next((word for word in words if re.fullmatch(pattern, word, re.IGNORECASE)), None)
+
+
+def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
+    """Quantity that a unit measures, and the unit as `to_si` reads it."""
+    if not written:
+        return None, None
+    if "%" in written:
+        return "percent", "%"
+    unit = _WRITTEN.get(written, written.replace("²", "^2").replace("°", "deg"))
+    for quantity, names in _UNITS:
+        for name in names:
+            try:
+                to_si(unit, Unit.of(name))
+            except LogError:
+                continue
+            return quantity, unit
+    return None, None
+
+
+def _without_unit(
+    header: str, quantity: Quantity, word: str, setpoint: bool, values: FloatArray, written: str | None
+) -> ForeignColumn:
+    """A column that its name tells; its unit is guessed from its values where they tell."""
+    said = f"{word!r} in its name"
+    if quantity == "time":
+        step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
+        low, high = _PLAUSIBLE_PERIODS
+        fits = [unit for unit in _CLOCKS if low <= step * to_si(unit) <= high]
+        if fits:
+            reason = f"{said}; steps of {step:g} are a plausible sampling period in {fits[0]}"
+            return ForeignColumn(header, "time", fits[0], setpoint, reason, False)
+        return ForeignColumn(header, "time", None, setpoint, f"{said}; steps of {step:g} fit no unit", False)
+    if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
+        reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres"
+        return ForeignColumn(header, "position", "mm", setpoint, reason, False)
+    lacking = f"{written!r} is no unit" if written else "no unit"
+    return ForeignColumn(header, quantity, None, setpoint, f"{said}; {lacking}, so SI is assumed", False)

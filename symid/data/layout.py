@@ -1,0 +1,183 @@
+"""How a CSV file is laid out: encoding, separator, decimal mark, lines above the header; guessed from its beginning."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from symid.errors import LogError
+
+_BEGINNING = 200_000
+_LINES = 400
+_LEAST_ROWS = 5
+_SEPARATORS = ("\t", ";", ",", "|")
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a CSV file is laid out.
+
+    Parameters
+    ----------
+    encoding : str
+        Of its text.
+    separator : str
+        Between fields.
+    decimal : str
+        Decimal mark, a point or a comma.
+    above : int
+        Lines above the header.
+    below : int
+        Lines between header and values: one with units is joined to the names, others are left out.
+    """
+
+    encoding: str = "utf-8-sig"
+    separator: str = ","
+    decimal: str = "."
+    above: int = 0
+    below: int = 0
+
+    def __post_init__(self) -> None:
+        if self.decimal not in (".", ",") or len(self.separator) != 1 or min(self.above, self.below) < 0:
+            raise LogError(
+                f"layout of a file is not possible (separator {self.separator!r}, decimal {self.decimal!r}, "
+                f"{self.above} lines above, {self.below} below): give one character, a point or comma, and no "
+                "negative numbers"
+            )
+        try:
+            codecs.lookup(self.encoding)
+        except LookupError as error:
+            raise LogError(f"encoding {self.encoding!r} is not known: write for example utf-8") from error
+
+    def headers(self, lines: Sequence[str]) -> tuple[str, ...]:
+        """Headers in the first lines of a file; a line of units below them is joined to them as ``name [unit]``."""
+        names = [text.strip() for text in fields(lines[self.above], self.separator)]
+        if self.below != 1:
+            return tuple(names)
+        units = [text.strip().strip("[]()") for text in fields(lines[self.above + 1], self.separator)]
+        units += [""] * (len(names) - len(units))
+        return tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=False))
+
+
+def fields(line: str, separator: str) -> list[str]:
+    """Fields of a line."""
+    return next(csv.reader([line], delimiter=separator), [])
+
+
+def first_lines(path: Path, encoding: str) -> list[str]:
+    """The first lines of a text file.
+
+    Raises
+    ------
+    LogError
+        If the text has another encoding.
+    """
+    try:
+        with path.open(encoding=encoding, newline="") as file:
+            text = file.read(_BEGINNING)
+    except UnicodeError as error:
+        raise LogError(f"{path}: is not text in {encoding}: give its encoding") from error
+    return [line.rstrip("\r\n") for line in io.StringIO(text, newline="")][:_LINES]
+
+
+def guessed_layout(path: Path) -> Layout:
+    """The layout that a CSV file seems to have.
+
+    The values begin where at least five lines in a row hold equally many numbers and nothing else; the separator is
+    the one that gives most of them. The header is the nearest line above with as many texts.
+
+    Raises
+    ------
+    LogError
+        If no separator gives columns of numbers.
+    """
+    encoding = _encoding(path)
+    lines = first_lines(path, encoding)
+    best: tuple[int, Layout] | None = None
+    for separator in _SEPARATORS:
+        found = _table(lines, separator)
+        if found is None:
+            continue
+        width, begin = found
+        header = _header(lines[:begin], separator, width)
+        if header is None:
+            continue
+        decimal = "," if separator != "," and _has_decimal_comma(lines[begin:], separator) else "."
+        layout = Layout(encoding, separator, decimal, header, begin - header - 1)
+        if best is None or width > best[0]:
+            best = width, layout
+    if best is None:
+        raise LogError(
+            f"{path}: no columns of numbers below a line of names are found: export it as CSV with one line of names"
+        )
+    return best[1]
+
+
+def _encoding(path: Path) -> str:
+    with path.open("rb") as file:
+        begin = file.read(_BEGINNING)
+    for mark, name in _MARKS:
+        if begin.startswith(mark):
+            return name
+    if begin[1:2] == b"\x00":
+        return "utf-16-le"
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(begin)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"
+
+
+def _table(lines: Sequence[str], separator: str) -> tuple[int, int] | None:
+    """Number of columns of the values and the line at which they begin."""
+    widths = [_numbers(line, separator) for line in lines]
+    for begin in range(len(widths) - _LEAST_ROWS + 1):
+        run = widths[begin : begin + _LEAST_ROWS]
+        if run[0] > 1 and len(set(run)) == 1:
+            return run[0], begin
+    return None
+
+
+def _numbers(line: str, separator: str) -> int:
+    """Number of fields of a line of numbers; 0 if one is anything else."""
+    texts = [text.strip() for text in fields(line, separator)]
+    if texts and not texts[-1]:
+        texts.pop()  # a separator at the end of the line
+    comma = separator != ","
+    return len(texts) if texts and all(_is_number(text, comma=comma) for text in texts) else 0
+
+
+def _is_number(text: str, *, comma: bool) -> bool:
+    try:
+        float(text.replace(",", ".") if comma else text)
+    except ValueError:
+        return text == ""
+    return True
+
+
+def _header(above: Sequence[str], separator: str, width: int) -> int | None:
+    """Line of the names: the one farthest up of those that stand together above the values, two at most."""
+    nearest: int | None = None
+    for place in range(len(above) - 1, max(len(above) - 3, -1), -1):
+        texts = [text.strip() for text in fields(above[place], separator)]
+        filled = [text for text in texts if text]
+        if len(texts) < width or not filled or _numbers(above[place], separator):
+            break
+        if len(filled) >= width - 1 or nearest is None:
+            nearest = place
+    return nearest
+
+
+def _has_decimal_comma(lines: Sequence[str], separator: str) -> bool:
+    return any(_COMMA_NUMBER.fullmatch(text.strip()) for line in lines for text in fields(line, separator))

@@ -1,0 +1,336 @@
+"""C99 source of an axis: regressor, output and minimal parameters of its minimal model, and its forward dynamics.
+
+Plain functions of numbers and arrays, without allocation, state or any library but the mathematical one.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+
+import sympy as sp
+
+from symid.codegen.lowering import PolynomialLowering, as_factor, signal_names
+from symid.export.c_code import assignments, c_code, c_name
+from symid.export.c_step import step_function
+from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics, symbolic_dynamics
+from symid.export.exported import Exported
+from symid.export.losses import losses_of_signals
+from symid.signals import split_derivative
+from symid.symbolic.pipeline import DerivedModel
+
+_HEADER = """\
+/* Axis {name}, exported by symid. {measured_line}
+ *
+{notes}
+ */
+#ifndef {guard}
+#define {guard}
+
+enum {{
+    {name}_bodies = {bodies},         /* displacements in a state x: all displacements, then all velocities */
+    {name}_signals = {n_signals},
+    {name}_equations = {equations},
+    {name}_minimal = {n_minimal},
+    {name}_readings = {n_sensors}
+}};
+
+/* Physical parameters. */
+typedef struct {{
+{members}
+}} {name}_parameters;
+
+/* The values of the export. */
+extern const {name}_parameters {name}_values;
+
+/* Regressor W and output y of the minimal model, y = W X, for
+ * signals = {{{signals}}}. */
+void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}]);
+void {name}_output(const double signals[], double y[{equations}]);
+
+/* Minimal parameters X = {{{minimal}}}. */
+void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]);
+
+/* dx = f(x, {force}) of the state x = {{{state}}}:
+ * displacements of the bodies against the ground (of one on a geared body: against that), then velocities. */
+void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], double {force}, double dx[{n_state}]);
+
+/* Advance the state x by h under a constant {force}. Friction sticks and breaks loose; of first order in h. */
+void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}, double h);
+
+/* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
+void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
+
+#endif
+"""
+
+_SOURCE = """\
+#include <math.h>
+#include "{header}"
+
+/* Speed below which friction is a straight line through 0; 0 is the law as it was identified. */
+#ifndef SYMID_REST_SPEED
+#define SYMID_REST_SPEED 0.0
+#endif
+
+{constants}const {name}_parameters {name}_values = {{
+{values}
+}};
+
+static inline double sign(double v)
+{{
+    const double rest = SYMID_REST_SPEED;
+    return v > rest ? 1.0 : v < -rest ? -1.0 : rest > 0.0 ? v/rest : 0.0;
+}}
+
+static inline double positive(double v)
+{{
+    const double rest = SYMID_REST_SPEED;
+    return v > rest ? 1.0 : v > -rest && rest > 0.0 ? (1.0 + v/rest)/2.0 : 0.0;
+}}
+
+void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}])
+{{
+{regressor}
+}}
+
+void {name}_output(const double signals[], double y[{equations}])
+{{
+{output}
+}}
+
+void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}])
+{{
+{forward}
+}}
+
+void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], double {force}, double dx[{n_state}])
+{{
+{derivative}
+}}
+
+{step}
+void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}])
+{{
+{readings}
+}}
+"""
+
+_REST = (
+    "Friction at rest: the derivative takes sign(0) = 0 and seeks no event, so that a fixed-step solver chatters "
+    "around rest; use the step function, in which joints stick, or compile with -DSYMID_REST_SPEED=1e-4."
+)
+
+
+def c_source(model: DerivedModel, values: Mapping[str, float], header: str | None = None) -> Exported:
+    """Source and header of an axis in C99.
+
+    Parameters
+    ----------
+    model : DerivedModel
+        Axis and sensors with their minimal model.
+    values : mapping of str to float
+        Physical parameters, SI; they stand in the source as `<axis>_values`.
+    header : str, optional
+        Name of the header's file without its suffix; that of the axis by default.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.symbolic import derive
+    >>> exported = c_source(derive(load_axis("rigid_1m")), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
+    >>> sorted(exported.files), "W[0][0] = q_d2;" in exported.text
+    (['.c', '.h'], True)
+    """
+    dynamics = symbolic_dynamics(model.axis)
+    losses = (
+        *((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()),
+        *losses_of_signals(model.axis),
+        *_imperfections(model),
+    )
+    words = _words(model, dynamics, values, losses) | {"header": f"{header or model.axis.name}.h"}
+    return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
+
+
+def _words(
+    model: DerivedModel, dynamics: SymbolicDynamics, values: Mapping[str, float], losses: Sequence[str]
+) -> dict[str, object]:
+    """What is filled into the templates."""
+    axis, minimal, name = model.axis, model.minimal, model.axis.name
+    signals, parameters = model_signals(model), axis.physical_parameters
+    constants = {**minimal.source.source.constants, **dynamics.constants}
+    return {
+        "name": name,
+        "guard": f"SYMID_{name.upper()}_H",
+        "measured_line": f"Measured: {', '.join(model.measured)}.",
+        "notes": _comment([*minimal.written, *(f"Lost: {loss}" for loss in losses)]),
+        "bodies": len(dynamics.bodies),
+        "n_state": 2 * len(dynamics.bodies),
+        "state": ", ".join([*(f"x_{b}" for b in dynamics.bodies), *(f"v_{b}" for b in dynamics.bodies)]),
+        "n_signals": len(signals),
+        "signals": ", ".join(signals),
+        "equations": len(minimal.output),
+        "n_minimal": len(minimal.parameters),
+        "minimal": ", ".join(p.name for p in minimal.parameters),
+        "members": _lines(f"double {c_name(n)};  /* {unit or '1'} */" for n, unit in parameters.items()),
+        "values": _lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
+        "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in constants.items())
+        + ("\n" if constants else ""),
+        "force": c_name(axis.drive.signal),
+        "sensors": ", ".join(dynamics.sensors),
+        "n_sensors": len(dynamics.sensors),
+        "regressor": _regressor(model, signals),
+        "output": _output(model, signals),
+        "forward": _forward(model),
+        "derivative": _derivative(dynamics),
+        "step": step_function(
+            dynamics, lambda names: _lines(_members(names)), _renamed, c_name(axis.drive.signal)
+        ),
+        "readings": _readings(dynamics),
+    }
+
+
+def model_signals(model: DerivedModel) -> tuple[str, ...]:
+    """Signals of the minimal model: the force first, then the sensors as declared, by order of derivative."""
+    minimal = model.minimal
+    written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
+    ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
+    names = [name for name in written if name not in minimal.source.source.constants]
+    return tuple(
+        sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1]))
+    )
+
+
+def _regressor(model: DerivedModel, signals: Sequence[str]) -> str:
+    entries = {
+        f"W[{i}][{j}]": entry for i, row in enumerate(model.minimal.regressor) for j, entry in enumerate(row)
+    }
+    return _of_signals(entries, signals)
+
+
+def _output(model: DerivedModel, signals: Sequence[str]) -> str:
+    return _of_signals({f"y[{i}]": entry for i, entry in enumerate(model.minimal.output)}, signals)
+
+
+def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
+    """A body that computes expressions of the signals."""
+    used = set(signal_names(list(entries.values())))
+    read = [f"const double {c_name(s)} = signals[{i}];" for i, s in enumerate(signals) if s in used]
+    unused = [] if read else ["(void)signals;"]
+    return _lines(
+        [*read, *unused, *assignments(list(entries), [_renamed(e) for e in entries.values()], signals)]
+    )
+
+
+def _forward(model: DerivedModel) -> str:
+    """Minimal parameters by Horner's rule, what they share computed once."""
+    names = [c_name(name) for name in model.axis.physical_parameters]
+    lowering = PolynomialLowering([None, *names], c_code)
+    results = []
+    for parameter in model.minimal.parameters:
+        above = lowering.lower(parameter.function.numerator)
+        below = lowering.lower(parameter.function.denominator)
+        results.append(above if below == "1.0" else f"{as_factor(above)}/{as_factor(below)}")
+    used = {name for p in model.minimal.parameters for name in p.function.names}
+    return _lines(
+        [
+            *_members(name for name in model.axis.physical_parameters if name in used),
+            *(f"const double {name} = {text};" for name, text in lowering.assignments),
+            *(f"X[{i}] = {text};" for i, text in enumerate(results)),
+        ]
+    )
+
+
+def _derivative(dynamics: SymbolicDynamics) -> str:
+    """Velocities, forces of the laws in each joint, then the accelerations that balance them."""
+    n, axis = len(dynamics.bodies), dynamics.axis
+    x = [sp.Symbol(f"x[{i}]") for i in range(n)]
+    v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
+    force = (
+        dynamics.drive * sp.Symbol(axis.drive.signal)
+        + dynamics.constant
+        - dynamics.damping * sp.Matrix(v)
+        - dynamics.stiffness * sp.Matrix(x)
+    )
+    lines, taken = [], {*axis.physical_parameters, *dynamics.constants, axis.drive.signal}
+    for joint in dynamics.joints:
+        symbol, written, effect = _joint(joint, dynamics, x, v)
+        lines += written
+        taken.add(str(symbol))
+        force -= effect * symbol
+    balance = sp.Matrix([sp.Symbol(f"r{i}_") for i in range(n)])
+    motion = [_renamed(f) for f in force]
+    lines += [
+        f"const double r{i}_ = {c_code(f)};  /* {body} */"
+        for i, (body, f) in enumerate(zip(dynamics.bodies, motion, strict=True))
+    ]
+    accelerations = [_renamed(a) for a in dynamics.mass.LUsolve(balance)]
+    lines += [f"dx[{i}] = x[{n + i}];" for i in range(n)]
+    lines += assignments([f"dx[{n + i}]" for i in range(n)], accelerations, {*map(c_name, taken)})
+    return _lines([*_members(_used(dynamics)), *lines])
+
+
+def _joint(
+    joint: LawJoint, dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
+) -> tuple[sp.Symbol, list[str], sp.Matrix]:
+    """Symbol of a joint's force, the statements that compute it, and its effect on each body."""
+    row = [joint.displacement.get(body, sp.Integer(0)) for body in dynamics.bodies]
+    symbol = sp.Symbol(f"f_{joint.name}_")
+    q, velocity = (sp.Symbol(f"{letter}_{joint.name}_") for letter in "qv")
+    law = joint.force.xreplace({DISPLACEMENT: q, VELOCITY: velocity})
+    statements = {q: sp.Add(*map(sp.Mul, row, x)), velocity: sp.Add(*map(sp.Mul, row, v)), symbol: law}
+    needed = law.free_symbols | {symbol}
+    lines = [
+        f"const double {name} = {c_code(_renamed(value))};"
+        for name, value in statements.items()
+        if name in needed
+    ]
+    return symbol, lines, sp.Matrix(row)
+
+
+def _readings(dynamics: SymbolicDynamics) -> str:
+    n, lines = len(dynamics.bodies), []
+    for i, (signal, (row, order)) in enumerate(dynamics.sensors.items()):
+        array, first = ("x", "x", "dx")[order], (0, n, n)[order]
+        places = {body: sp.Symbol(f"{array}[{first + k}]") for k, body in enumerate(dynamics.bodies)}
+        reading = sp.Add(*(factor * places[body] for body, factor in row.items()))
+        lines.append(f"y[{i}] = {c_code(reading)};  /* {signal} */")
+    orders = {order for _, order in dynamics.sensors.values()}
+    unused = [*([] if orders & {0, 1} else ["(void)x;"]), *([] if 2 in orders else ["(void)dx;"])]
+    return _lines([*unused, *lines])
+
+
+def _used(dynamics: SymbolicDynamics) -> list[str]:
+    """Parameters that the dynamics depend on, in the order of the declaration."""
+    matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
+    symbols = set().union(
+        *(m.free_symbols for m in matrices), *(j.force.free_symbols for j in dynamics.joints)
+    )
+    return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]
+
+
+def _imperfections(model: DerivedModel) -> tuple[str, ...]:
+    """Declared imperfections of signals that the equations leave out."""
+    return tuple(
+        f"{sensor.signal}: noise, resolution and delay of the reading are not in the equations."
+        for sensor in model.axis.sensors
+        if sensor.noise or sensor.resolution or sensor.delay
+    )
+
+
+def _members(names: Iterable[str]) -> list[str]:
+    return [f"const double {c_name(name)} = p->{c_name(name)};" for name in names]
+
+
+def _renamed(expression: sp.Expr) -> sp.Expr:
+    """An expression with names that C leaves free."""
+    return expression.xreplace({s: sp.Symbol(c_name(str(s))) for s in expression.free_symbols})
+
+
+def _comment(lines: Iterable[str]) -> str:
+    wrapped = (part for line in lines for part in textwrap.wrap(line, 105, subsequent_indent="    "))
+    return "\n".join(f" * {line}" for line in wrapped)
+
+
+def _lines(lines: Iterable[str]) -> str:
+    return textwrap.indent("\n".join(lines), "    ")

@@ -1,0 +1,148 @@
+"""Forward dynamics of an axis as expressions: what `symid.simulation.plant` holds as numbers.
+
+M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), x being the absolute displacements of the free
+bodies. Balances and laws are those from which the regressors come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from symid.axis import Axis, derivative_order
+from symid.symbolic.equations import by_power
+from symid.symbolic.lagrange import Kinematics, inverse_dynamics
+from symid.symbolic.operators import OperatorModel, operator_model
+
+DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
+"""Of a joint, in the force of its laws; no parameter's name ends with an underscore."""
+
+
+@dataclass(frozen=True, eq=False)
+class LawJoint:
+    """All nonlinear laws that act along one direction.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body, or of both bodies, of the joint.
+    displacement : mapping of str to sympy.Expr
+        Its displacement as coefficients of the bodies' absolute displacements.
+    force : sympy.Expr
+        What opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`.
+    """
+
+    name: str
+    displacement: Mapping[str, sp.Expr]
+    force: sp.Expr
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the force jumps where the joint reverses, so that it can stick."""
+        jumps = (f for f in self.force.atoms(sp.Function) if str(f.func) in ("sign", "positive"))
+        return any(VELOCITY in f.free_symbols for f in jumps)
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicDynamics:
+    """The terms of the equation above.
+
+    Parameters
+    ----------
+    axis : Axis
+        What was declared.
+    bodies : tuple of str
+        Free bodies, in the order of the displacements.
+    mass, damping, stiffness : sympy.Matrix of shape (n, n)
+        M, C and K in the physical parameters.
+    drive, constant : sympy.Matrix of shape (n, 1)
+        B and c.
+    joints : tuple of LawJoint
+        Nonlinear laws by joint.
+    sensors : mapping of str to (mapping, int)
+        For each signal the coefficients of the bodies' displacements and the order of derivative.
+    constants : mapping of str to float
+        Known numbers that stand in the terms as symbols: ratios and gravity.
+    """
+
+    axis: Axis
+    bodies: tuple[str, ...]
+    mass: sp.Matrix
+    damping: sp.Matrix
+    stiffness: sp.Matrix
+    drive: sp.Matrix
+    constant: sp.Matrix
+    joints: tuple[LawJoint, ...]
+    sensors: Mapping[str, tuple[Mapping[str, sp.Expr], int]]
+    constants: Mapping[str, float]
+
+
+def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
+    """Forward dynamics of an axis as expressions.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> dynamics = symbolic_dynamics(load_axis("rigid_1m"))
+    >>> dynamics.mass, dynamics.joints[0].force
+    (Matrix([[M]]), Fs*sign(joint_v_))
+    """
+    operators = operator_model(inverse_dynamics(axis))
+    bodies = tuple(operators.motion)
+    powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
+    stiffness, damping, mass = (
+        sp.Matrix([[_expression(entry.get(order)) for entry in row] for row in powers]) for order in range(3)
+    )
+    ones = [str(w.symbol) for w in operators.source.inputs if not w.expression.free_symbols]
+    kinematics = Kinematics(axis)
+    return SymbolicDynamics(
+        axis=axis,
+        bodies=bodies,
+        mass=mass,
+        damping=damping,
+        stiffness=stiffness,
+        drive=sp.Matrix([-_expression(operators.force[b]) for b in bodies]),
+        constant=sp.Matrix(
+            [-sp.Add(*(_expression(operators.inputs[b].get(one)) for one in ones)) for b in bodies]
+        ),
+        joints=_joints(operators, kinematics),
+        sensors={
+            sensor.signal: (_row(operators, kinematics.reading(sensor)), derivative_order(sensor))
+            for sensor in axis.sensors
+        },
+        constants={**operators.source.constants, **kinematics.constants},
+    )
+
+
+def _expression(polynomial: Any) -> sp.Expr:
+    return polynomial.as_expr() if polynomial else sp.Integer(0)
+
+
+def _row(operators: OperatorModel, displacement: sp.Expr) -> dict[str, sp.Expr]:
+    """A displacement as coefficients of the bodies' absolute displacements."""
+    field = operators.ring.domain
+    return {
+        body: field.to_sympy(field.convert(value))
+        for body, value in operators.functional(displacement).items()
+    }
+
+
+def _joints(operators: OperatorModel, kinematics: Kinematics) -> tuple[LawJoint, ...]:
+    names: dict[tuple[tuple[str, sp.Expr], ...], str] = {}
+    forces: dict[tuple[tuple[str, sp.Expr], ...], sp.Expr] = {}
+    for entry in operators.source.inputs:
+        if not entry.expression.free_symbols:
+            continue
+        row = _row(operators, kinematics.displacement(entry.joint))
+        body, lever = next(iter(row.items()))
+        parameter = _expression(operators.inputs[body][str(entry.symbol)]) / lever
+        key = tuple(sorted(row.items()))
+        if key not in names:
+            name = "_".join(sorted(row))
+            names[key] = name if name not in names.values() else f"{name}_{len(names)}"
+        law = entry.expression.xreplace({sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY})
+        forces[key] = forces.get(key, sp.Integer(0)) + sp.cancel(parameter) * law
+    return tuple(LawJoint(name, dict(key), forces[key]) for key, name in names.items())

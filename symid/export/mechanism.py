@@ -1,0 +1,283 @@
+"""An axis as what simulators of mechanisms know: inertias, and linear or simple properties along paths of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import sympy as sp
+
+from symid.axis import (
+    AsymmetricFriction,
+    Axis,
+    Backlash,
+    Body,
+    Damper,
+    Joint,
+    Law,
+    PendulumWeight,
+    Spring,
+    Weight,
+)
+from symid.errors import SettingError
+from symid.symbolic.lagrange import Kinematics
+
+Path: TypeAlias = tuple[tuple[str, float], ...]
+"""A displacement as coefficients of the free bodies' coordinates."""
+
+
+@dataclass(frozen=True)
+class Properties:
+    """What acts along a path whose displacement is q and whose speed is v.
+
+    Parameters
+    ----------
+    stiffness, cubic, damping, drag, frictionloss : float
+        Force against the motion: stiffness q + cubic q^3 + damping v + drag v abs(v) + frictionloss sign(v).
+    constant : float
+        Force in the positive direction.
+    armature : float
+        Inertia that resists its acceleration.
+    """
+
+    stiffness: float = 0.0
+    cubic: float = 0.0
+    damping: float = 0.0
+    drag: float = 0.0
+    frictionloss: float = 0.0
+    constant: float = 0.0
+    armature: float = 0.0
+
+    def plus(self, name: str, value: float) -> Properties:
+        """With more of one of them."""
+        return replace(self, **{name: getattr(self, name) + value})
+
+
+@dataclass(frozen=True)
+class Play:
+    """A spring along a path that is loose within a gap."""
+
+    path: Path
+    stiffness: float
+    gap: float
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """The axis in these terms.
+
+    Parameters
+    ----------
+    bodies : tuple of Body
+        Free bodies.
+    inertia : mapping of str to float
+        Of each free body where its joint is that of a tree; 0 where an armature holds it.
+    moments : mapping of str to float
+        m l of each pendulum, in units of the first one's gravity.
+    paths : mapping of Path to Properties
+        What acts where.
+    plays : tuple of Play
+        Springs with play.
+    drive : Path
+        Along which the drive pushes.
+    readings : mapping of str to Path
+        What each sensor reads, before it is differentiated.
+    losses : tuple of str
+        What of the axis is in none of these.
+    """
+
+    bodies: tuple[Body, ...]
+    inertia: Mapping[str, float]
+    moments: Mapping[str, float]
+    paths: Mapping[Path, Properties]
+    plays: tuple[Play, ...]
+    drive: Path
+    readings: Mapping[str, Path]
+    losses: tuple[str, ...]
+
+    @property
+    def roots(self) -> tuple[Body, ...]:
+        """Bodies that are on no other one."""
+        return tuple(b for b in self.bodies if _holder(b) is None)
+
+    def children(self, body: Body) -> tuple[Body, ...]:
+        """Bodies that a body carries."""
+        return tuple(b for b in self.bodies if _holder(b) == body)
+
+    def moves_freely(self, body: Body) -> bool:
+        """Whether a body is one of the tree, with a frame that moves as it does."""
+        return body.geared is None and bool(self.inertia[body.name])
+
+
+def mechanism(axis: Axis, values: Mapping[str, float]) -> Mechanism:
+    """The axis as inertias and simple properties.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> found = mechanism(load_axis("rigid_1m"), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
+    >>> found.paths[(("motor", 1.0),)].frictionloss
+    20.0
+    """
+    return _Collector(axis, values).mechanism()
+
+
+def _carrier(body: Body) -> Body | None:
+    """The free body of the same kind that carries a body."""
+    on = body.on
+    return on if isinstance(on, Body) and on.geared is None and on.turns == body.turns else None
+
+
+def _holder(body: Body) -> Body | None:
+    """The free body under which a body is nested: what carries it, or what turns the geared body that carries it."""
+    geared = body.on.geared if isinstance(body.on, Body) else None
+    return _carrier(body) if geared is None else geared.to
+
+
+def _line(body: Body | None) -> Iterator[str]:
+    """A body and all under which it is nested."""
+    while body is not None:
+        yield body.name
+        body = _holder(body)
+
+
+class _Collector:
+    """Goes through the elements of an axis once."""
+
+    def __init__(self, axis: Axis, values: Mapping[str, float]) -> None:
+        self.axis, self.values = axis, values
+        self.kinematics = Kinematics(axis)
+        self.paths: dict[Path, Properties] = {}
+        self.plays: list[Play] = []
+        self.losses: list[str] = []
+        self.moments: dict[str, float] = {}
+
+    def mechanism(self) -> Mechanism:
+        """All of it."""
+        inertia = {}
+        for body in self.axis.bodies:
+            value, path = (
+                self.values[body.mass or body.inertia or ""],
+                self.path(self.kinematics.absolute(body)),
+            )
+            if self._is_in_tree(body):
+                inertia[body.name] = value
+            else:
+                inertia |= {body.name: 0.0} if body.geared is None else {}
+                self._check_coupling(body, path)
+                self.add(path, "armature", value)
+        for element in self.axis.elements:
+            self._element(element)
+        return Mechanism(
+            bodies=self.axis.free_bodies,
+            inertia=inertia,
+            moments=self.moments,
+            paths=self.paths,
+            plays=tuple(self.plays),
+            drive=self.path(self.kinematics.displacement(self.axis.drive.at)),
+            readings={s.signal: self.path(self.kinematics.reading(s)) for s in self.axis.sensors},
+            losses=tuple(self.losses),
+        )
+
+    def path(self, displacement: sp.Expr) -> Path:
+        """Coefficients of a displacement as numbers."""
+        constants = {sp.Symbol(name): value for name, value in self.kinematics.constants.items()}
+        factors = ((b.name, displacement.coeff(self.kinematics.symbol(b))) for b in self.axis.free_bodies)
+        return tuple((name, float(factor.xreplace(constants))) for name, factor in factors if factor != 0)
+
+    def add(self, path: Path, name: str, value: float) -> None:
+        """One more property along a path; along a single joint, it becomes one of that joint."""
+        if len(path) == 1:
+            ((body, ratio),) = path
+            power = {"stiffness": 2, "damping": 2, "armature": 2, "cubic": 4, "drag": 3}.get(name, 1)
+            path = ((body, 1.0),)
+            value *= ratio if name == "constant" else abs(ratio) ** power
+        self.paths[path] = self.paths.get(path, Properties()).plus(name, value)
+
+    def _check_coupling(self, body: Body, path: Path) -> None:
+        """MuJoCo couples the inertia of joints only where one is nested under the other."""
+        lines = [tuple(_line(b)) for b in self.axis.free_bodies if b.name in dict(path)]
+        longest = max(lines, key=len)
+        if not all(line[0] in longest for line in lines):
+            raise SettingError(
+                f"body {body.name!r} moves with {', '.join(name for name, _ in path)}, none of which carries "
+                "the other: MuJoCo cannot couple their inertias; export this axis to C"
+            )
+
+    def _is_in_tree(self, body: Body) -> bool:
+        """Whether its displacement is the sum of the joints down to the ground."""
+        chain: Body | None = body
+        joints = []
+        while chain is not None:
+            joints.append((chain.name, 1.0))
+            chain = _carrier(chain)
+        return body.geared is None and dict(self.path(self.kinematics.absolute(body))) == dict(joints)
+
+    def _element(self, element: object) -> None:
+        value, displacement = self.values, self.kinematics.displacement
+        match element:
+            case Spring():
+                path = self.path(displacement(element.at))
+                self.add(path, "stiffness", value[element.stiffness])
+                if element.damping:
+                    self.add(path, "damping", value[element.damping])
+            case Damper():
+                self.add(self.path(displacement(element.at)), "damping", value[element.damping])
+            case Weight():
+                force = -value[element.body.mass or ""] * element.acceleration
+                self.add(self.path(self.kinematics.absolute(element.body)), "constant", force)
+            case PendulumWeight():
+                self._pendulum(element)
+            case Law():
+                self._law(element, self.path(displacement(element.at)))
+
+    def _pendulum(self, element: PendulumWeight) -> None:
+        first = next(e for e in self.axis.elements if isinstance(e, PendulumWeight))
+        if self._is_in_tree(element.body):
+            moment = self.values[element.moment] * element.acceleration / first.acceleration
+            self.moments[element.body.name] = self.moments.get(element.body.name, 0.0) + moment
+        else:
+            self.losses.append(
+                f"PendulumWeight of {element.body.name}: it turns with a gear and has no frame."
+            )
+
+    def _law(self, law: Law, path: Path) -> None:
+        match law:
+            case AsymmetricFriction():
+                forward, backward = ([self.values[p[i]] for p in (law.viscous, law.coulomb)] for i in (0, 1))
+                self.add(path, "damping", (forward[0] + backward[0]) / 2)
+                self.add(path, "frictionloss", (forward[1] + backward[1]) / 2)
+                self.add(path, "constant", -(forward[1] - backward[1]) / 2)
+                if forward[0] != backward[0]:
+                    self._lose(law, "one viscous coefficient for both directions, their mean")
+            case Backlash():
+                stiffness = self.values[law.stiffness]
+                self.add(path, "stiffness", -stiffness)
+                self.plays.append(Play(path, stiffness, law.gap))
+            case _:
+                for name, value, expression in self._terms(law):
+                    if name:
+                        self.add(path, name, value)
+                    else:
+                        self._lose(law, f"left out: {value:.4g} {expression}")
+
+    def _terms(self, law: Law) -> Iterator[tuple[str | None, float, str]]:
+        known = {
+            "v": "damping",
+            "q": "stiffness",
+            "q**3": "cubic",
+            "v*abs(v)": "drag",
+            "sign(v)": "frictionloss",
+            "1": "constant",
+        }
+        for term in law.terms():
+            name, value = known.get(term.expression), self.values[term.parameter]
+            yield name, -value if name == "constant" else value, term.expression
+
+    def _lose(self, law: Law, how: str) -> None:
+        self.losses.append(f"{type(law).__name__} at {_place(law.at)}: {how}.")
+
+
+def _place(joint: Joint) -> str:
+    return joint.name if isinstance(joint, Body) else f"{joint.first.name} and {joint.second.name}"

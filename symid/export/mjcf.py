@@ -1,0 +1,264 @@
+"""An axis as a MuJoCo model: slides and hinges, joint and tendon properties, actuators and sensors.
+
+Every free body gets one slide along x or one hinge about x. What acts in the joint of one body becomes a property of
+it; what acts between bodies, or on a geared one, a fixed tendon: a linear combination of joints.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from symid.axis import Acceleration, Axis, Body, PendulumWeight, Position, Sensor
+from symid.export.exported import Exported
+from symid.export.losses import losses_of_signals
+from symid.export.mechanism import Mechanism, Path, mechanism
+from symid.simulation import plant_of
+
+_TEMPLATE = """\
+<mujoco model="{name}">
+{notes}  <compiler angle="radian"/>
+  <option timestep="{timestep:.3g}" integrator="implicitfast" gravity="0 0 {gravity}">
+    <flag contact="disable"/>
+  </option>
+  <worldbody>
+{bodies}
+  </worldbody>
+{tendons}  <actuator>
+{actuators}
+  </actuator>
+  <sensor>
+{sensors}
+  </sensor>
+</mujoco>
+"""
+
+_LONGEST_STEP = 2.5e-4
+_STEPS_A_RADIAN = 20
+_NO_MASS = 1e-9
+"""Mass that MuJoCo demands of every body, where the mass of the axis is in an armature instead."""
+_SITE = 0.05
+"""Half a side of the boxes that are drawn, m; they have no mass and touch nothing."""
+
+_SOFT = (
+    "Coulomb friction: MuJoCo's friction constraint is soft, so a joint at rest creeps instead of sticking; "
+    "solreffriction and solimpfriction are as hard as the time step allows."
+)
+
+
+def mjcf(axis: Axis, values: Mapping[str, float]) -> Exported:
+    """MuJoCo model of an axis.
+
+    Parameters
+    ----------
+    axis : Axis
+        Its laws that MuJoCo cannot express become losses.
+    values : mapping of str to float
+        Physical parameters, SI.
+
+    Raises
+    ------
+    SettingError
+        If a parameter is missing, or a mass is not positive.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> exported = mjcf(load_axis("rigid_1m"), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
+    >>> 'damping="200"' in exported.text, 'frictionloss="20"' in exported.text
+    (True, True)
+    """
+    plant = plant_of(axis, values)
+    fastest = math.sqrt(
+        float(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(plant.mass, plant.stiffness)))))
+    )
+    timestep = min(_LONGEST_STEP, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0)))
+    return _Writer(axis, mechanism(axis, values), timestep).exported()
+
+
+class _Writer:
+    """Writes the parts of a model; tendons are collected as they are needed."""
+
+    def __init__(self, axis: Axis, machine: Mechanism, timestep: float) -> None:
+        self.axis, self.machine, self.timestep = axis, machine, timestep
+        self.tendons: dict[Path, str] = {}
+        self.losses = [*machine.losses, *losses_of_signals(axis)]
+        if any(p.frictionloss for p in machine.paths.values()):
+            self.losses.append(_SOFT)
+
+    def exported(self) -> Exported:
+        """The whole model."""
+        bodies = "\n".join(self._body(b, 2) for b in self.machine.roots)
+        actuators = "\n".join(["    " + line for line in (self._motor(), *self._constants())])
+        sensors = "\n".join("    " + line for s in self.axis.sensors for line in self._sensor(s))
+        gravity = next((-e.acceleration for e in self.axis.elements if isinstance(e, PendulumWeight)), 0.0)
+        text = _TEMPLATE.format(
+            name=self.axis.name,
+            timestep=self.timestep,
+            gravity=_written(gravity),
+            bodies=bodies,
+            tendons=self._tendons(),
+            actuators=actuators,
+            sensors=sensors,
+            notes="".join(f"  <!-- {line} -->\n" for line in self._notes()),
+        )
+        return Exported({".xml": text}, tuple(self.losses))
+
+    def _notes(self) -> list[str]:
+        drive = self.axis.drive
+        ctrl = f"ctrl[0] is {drive.command or drive.signal}; actuators named constant_... need no ctrl."
+        units = "Exported by symid. SI units; slides along x, hinges about x."
+        return [units, ctrl, *(f"Lost: {loss}".replace("--", "- -") for loss in self.losses)]
+
+    def _body(self, body: Body, depth: int) -> str:
+        indent, inertia = "  " * depth, self.machine.inertia[body.name]
+        kind = "hinge" if body.turns else "slide"
+        inner = [
+            f'<joint name={quoteattr(body.name)} type="{kind}" axis="1 0 0"{self._properties(((body.name, 1.0),))}/>',
+            self._inertial(body, inertia),
+            f'<geom type="box" size="{_SITE} {_SITE} {_SITE}" mass="0" contype="0" conaffinity="0"/>',
+            f'<site name={quoteattr(body.name)} size="0.01"/>',
+        ]
+        carried = [self._body(b, depth + 1) for b in self.machine.children(body)]
+        lines = [f"{indent}<body name={quoteattr(body.name)}>", *(f"{indent}  {line}" for line in inner)]
+        return "\n".join([*lines, *carried, f"{indent}</body>"])
+
+    def _inertial(self, body: Body, inertia: float) -> str:
+        """Mass and inertia about the centre of mass; a pendulum's centre hangs below its hinge."""
+        size = max(inertia, _NO_MASS)
+        mass, height = size, 0.0
+        moment = self.machine.moments.get(body.name, 0.0)
+        if moment:
+            mass = 2 * moment**2 / size
+            height, size = -moment / mass, size / 2
+        numbers = " ".join([f"{_written(size)}"] * 3)
+        return f'<inertial pos="0 0 {_written(height)}" mass="{_written(mass)}" diaginertia="{numbers}"/>'
+
+    def _properties(self, path: Path) -> str:
+        """Attributes of a joint or tendon."""
+        found = self.machine.paths.get(path)
+        if found is None:
+            return ""
+        words = {
+            "armature": [found.armature],
+            "stiffness": [found.stiffness, 0.0, found.cubic] if found.cubic else [found.stiffness],
+            "damping": [found.damping, found.drag] if found.drag else [found.damping],
+            "frictionloss": [found.frictionloss],
+        }
+        written = {
+            name: " ".join(f"{_written(x)}" for x in numbers)
+            for name, numbers in words.items()
+            if any(numbers)
+        }
+        if found.frictionloss:
+            written["solreffriction"] = f"{2 * self.timestep:.3g} 1"
+            written["solimpfriction"] = "0.99 0.9999 0.001"
+        return "".join(f' {name}="{text}"' for name, text in written.items())
+
+    def _tendon(self, path: Path) -> str:
+        """Name of a tendon along a path, which is written if it was not before."""
+        return self.tendons.setdefault(path, "_".join([body for body, _ in path]) + f"_{len(self.tendons)}")
+
+    def _tendons(self) -> str:
+        for path in self.machine.paths:
+            if not _is_joint(path):
+                self._tendon(path)
+        lines = []
+        for path, name in self.tendons.items():
+            lines += _fixed(name, path, self._properties(path))
+        for i, play in enumerate(self.machine.plays):
+            edge = f"{_written(play.gap / 2)}"
+            spring = f' stiffness="{_written(play.stiffness)}" springlength="-{edge} {edge}"'
+            lines += _fixed(f"play_{i}", play.path, spring)
+        return "\n".join(["  <tendon>", *lines, "  </tendon>\n"]) if lines else ""
+
+    def _transmission(self, path: Path) -> tuple[str, float]:
+        """Joint or tendon along a path, and how far the path moves with it."""
+        if len(path) == 1:
+            return f"joint={quoteattr(path[0][0])}", path[0][1]
+        return f"tendon={quoteattr(self._tendon(path))}", 1.0
+
+    def _motor(self) -> str:
+        drive = self.axis.drive
+        where, ratio = self._transmission(self.machine.drive)
+        gear = ratio * (1.0 if drive.gain is None else drive.gain)
+        return f'<motor name={quoteattr(drive.command or drive.signal)} {where} gear="{_written(gear)}"/>'
+
+    def _constants(self) -> list[str]:
+        """Constant forces: actuators whose force is their bias."""
+        lines = []
+        for path, found in self.machine.paths.items():
+            if found.constant:
+                where, ratio = self._transmission(path)
+                name = "constant_" + "_".join(body for body, _ in path)
+                lines.append(
+                    f'<general name={quoteattr(name)} {where} gear="{_written(ratio)}" gainprm="0" biastype="affine" '
+                    f'biasprm="{_written(found.constant)} 0 0"/>'
+                )
+        return lines
+
+    def _sensor(self, sensor: Sensor) -> list[str]:
+        settings = f' noise="{_written(sensor.noise)}"' if sensor.noise else ""
+        if sensor.delay:
+            samples = math.ceil(sensor.delay / self.timestep) + 2
+            settings += f' delay="{_written(sensor.delay)}" nsample="{samples}"'
+        if sensor.noise:
+            self.losses.append(f"{sensor.signal}: MuJoCo notes its noise but does not add it.")
+        if sensor.resolution:
+            self.losses.append(f"{sensor.signal}: MuJoCo's sensors have no resolution.")
+        if isinstance(sensor, Acceleration):
+            return self._acceleration(sensor, settings)
+        path, quantity = (
+            self.machine.readings[sensor.signal],
+            "pos" if isinstance(sensor, Position) else "vel",
+        )
+        name = f"name={quoteattr(sensor.signal)}"
+        if _is_joint(path):
+            return [f"<joint{quantity} {name} joint={quoteattr(path[0][0])}{settings}/>"]
+        return [f"<tendon{quantity} {name} tendon={quoteattr(self._tendon(path))}{settings}/>"]
+
+    def _acceleration(self, sensor: Acceleration, settings: str) -> list[str]:
+        """Accelerations of sites are absolute and have three components."""
+        kind = "frameangacc" if sensor.body.turns else "framelinacc"
+        places = {sensor.signal: sensor.body}
+        if isinstance(sensor.reference, Body):
+            first, second = (f"{sensor.signal}_{body.name}" for body in (sensor.body, sensor.reference))
+            places = {first: sensor.body, second: sensor.reference}
+            self.losses.append(
+                f"{sensor.signal}: MuJoCo has no relative acceleration; subtract {second} from {first}."
+            )
+        hidden = [body.name for body in places.values() if not self.machine.moves_freely(body)]
+        if hidden:
+            self.losses.append(f"{sensor.signal}: {', '.join(hidden)} is geared and has no frame in MuJoCo.")
+            return []
+        self.losses.append(
+            f"{sensor.signal}: a sensor of three components, of which the first is the reading."
+        )
+        return [
+            f'<{kind} name={quoteattr(name)} objtype="site" objname={quoteattr(body.name)}{settings}/>'
+            for name, body in places.items()
+        ]
+
+
+def _written(number: float) -> str:
+    """A number in full, without a needless point.
+
+    Examples
+    --------
+    >>> _written(200.0), _written(0.1)
+    ('200', '0.1')
+    """
+    return repr(float(number)).removesuffix(".0")
+
+
+def _is_joint(path: Path) -> bool:
+    """Whether a path is the joint of one body and nothing else."""
+    return len(path) == 1 and path[0][1] == 1.0
+
+
+def _fixed(name: str, path: Path, properties: str) -> list[str]:
+    joints = (f'      <joint joint={quoteattr(body)} coef="{_written(factor)}"/>' for body, factor in path)
+    return [f"    <fixed name={quoteattr(name)}{properties}>", *joints, "    </fixed>"]

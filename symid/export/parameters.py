@@ -1,0 +1,118 @@
+"""Identified parameters with their units and covariance, for programs of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen.generate import compiled
+from symid.errors import SettingError
+from symid.symbolic.pipeline import DerivedModel
+
+
+def parameter_record(
+    model: DerivedModel,
+    values: Mapping[str, float],
+    covariances: Mapping[str, Any] | None = None,
+    minimal: Mapping[str, float] | None = None,
+) -> dict[str, Any]:
+    """Minimal and physical parameters: values, deviations, units, covariance, correlation.
+
+    Parameters
+    ----------
+    model : DerivedModel
+        Axis and sensors.
+    values : mapping of str to float
+        Physical parameters, SI.
+    covariances : mapping, optional
+        ``minimal`` and ``physical`` covariance in the order of the declaration, as `symid identify --json` writes
+        them; without them deviations and correlations are None.
+    minimal : mapping of str to float, optional
+        Estimated minimal parameters; those of `values` by default.
+
+    Raises
+    ------
+    SettingError
+        If a covariance is not of this axis and these sensors.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> from symid.symbolic import derive
+    >>> record = parameter_record(derive(load_axis("rigid_1m")), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
+    >>> record["minimal"]["names"], record["minimal"]["values"], record["minimal"]["units"]
+    (['X1', 'X2', 'X3'], [95.0, 200.0, 20.0], ['kg', 'N*s/m', 'N'])
+    """
+    module, axis = compiled(model), model.axis
+    known = covariances or {}
+    physical_names = list(axis.physical_parameters)
+    if minimal is None:
+        found = module.minimal_parameters(*(values[name] for name in physical_names))
+        minimal = dict(zip(module.minimal_units, map(float, found), strict=True))
+    return {
+        "axis": axis.name,
+        "signature": axis.signature,
+        "measured": list(model.measured),
+        "units": "SI",
+        "minimal": _table(
+            "minimal",
+            list(module.minimal_units),
+            [minimal[name] for name in module.minimal_units],
+            list(module.minimal_units.values()),
+            known.get("minimal"),
+        ),
+        "physical": _table(
+            "physical",
+            physical_names,
+            [values[name] for name in physical_names],
+            list(module.physical_units.values()),
+            known.get("physical"),
+        ),
+    }
+
+
+def _table(
+    kind: str,
+    names: Sequence[str],
+    values: Sequence[float],
+    units: Sequence[str],
+    covariance: Sequence[Sequence[float | None]] | None,
+) -> dict[str, Any]:
+    table: dict[str, Any] = {
+        "names": list(names),
+        "values": list(values),
+        "units": list(units),
+        "std": None,
+        "covariance": None,
+        "correlation": None,
+    }
+    if covariance is not None:
+        matrix = np.array(covariance, dtype=float)
+        if matrix.shape != (len(names), len(names)):
+            raise SettingError(
+                f"the covariance of the {kind} parameters is of shape {matrix.shape}, there are {len(names)} of them: "
+                "give --measured as it was identified"
+            )
+        deviations = np.sqrt(np.diag(matrix))
+        table |= {
+            "std": deviations.tolist(),
+            "covariance": matrix.tolist(),
+            "correlation": correlation(matrix).tolist(),
+        }
+    return table
+
+
+def correlation(covariance: FloatArray) -> FloatArray:
+    """Correlation of a covariance; nan where a deviation is 0 or not known.
+
+    Examples
+    --------
+    >>> correlation(np.array([[4.0, 3.0], [3.0, 9.0]])).tolist()
+    [[1.0, 0.5], [0.5, 1.0]]
+    """
+    deviations = np.sqrt(np.diag(covariance))
+    known = np.where(deviations > 0, deviations, np.nan)
+    return np.asarray(covariance / np.outer(known, known))

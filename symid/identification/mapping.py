@@ -1,0 +1,233 @@
+"""How the columns of a foreign file become the signals of an axis: guessed once, written, edited, and used again."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from symid.axis import Axis, derivative_order
+from symid.data import REFERENCE, ForeignColumn, Layout
+from symid.data.layout import first_lines
+from symid.errors import LogError, SettingError
+from symid.units import Unit, to_si
+
+_QUANTITIES = ("position", "velocity", "acceleration")
+_PERIOD = re.compile(
+    r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True)
+class LogMapping:
+    """What `read_axis_log` must know of a foreign file.
+
+    Parameters
+    ----------
+    columns, units, gains : mapping
+        Column, unit and factor by signal.
+    late : mapping of str to float
+        Time by which signals were recorded late, s.
+    layout : Layout or None
+        Of a CSV file; None for other files, and for CSV files that are one line of names and then values.
+    sampling_period : float or None
+        Of a file without a column of the time, s.
+    guesses : tuple of str
+        What was guessed and why; said whenever the mapping is used, until these lines are deleted.
+    missing : tuple of str
+        What nothing told; a mapping with such lines cannot be used.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+    late: Mapping[str, float] = field(default_factory=dict)
+    layout: Layout | None = None
+    sampling_period: float | None = None
+    guesses: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+
+    @property
+    def as_record(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+def read_mapping(file: str | Path) -> LogMapping:
+    """A mapping from its JSON file.
+
+    Raises
+    ------
+    SettingError
+        If the file holds no mapping, or one in which something is still missing.
+    """
+    try:
+        record = json.loads(Path(file).read_text(encoding="utf-8"))
+        layout = Layout(**record.pop("layout")) if record.get("layout") else record.pop("layout", None)
+        for name in ("guesses", "missing"):
+            record[name] = tuple(map(str, record.get(name, ())))
+        for name in ("gains", "late"):
+            record[name] = {str(key): float(value) for key, value in record.get(name, {}).items()}
+        mapping = LogMapping(**record, layout=layout)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise SettingError(
+            f"{file} holds no mapping of columns: write one with symid import ({error})"
+        ) from error
+    if mapping.missing:
+        raise SettingError(
+            f"mapping {file} is not complete: {'; '.join(mapping.missing)}; fill it in and delete its line in missing"
+        )
+    return mapping
+
+
+def guessed_mapping(
+    axis: Axis,
+    columns: Iterable[ForeignColumn],
+    *,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
+    gain: float | None = None,
+    rated: float | None = None,
+) -> LogMapping:
+    """Guess which column is which signal of an axis.
+
+    Sensors get the measured columns of their quantity in the order of the declaration; the drive gets a column of its
+    own quantity, or of a current, or in percent of a rated value. A factor is never guessed: it is given, or missing.
+
+    Parameters
+    ----------
+    axis : Axis
+        Its signals.
+    columns : iterable of ForeignColumn
+        From `foreign_columns`.
+    layout, sampling_period
+        Of the file.
+    gain : float, optional
+        Force per unit of the drive's column.
+    rated : float, optional
+        Force that 100 % stands for.
+    """
+    guess = _Guess(list(columns))
+    guess.clock(sampling_period)
+    for sensor in axis.sensors:
+        guess.sensor(sensor.signal, _QUANTITIES[derivative_order(sensor)], needed=sensor == axis.sensors[0])
+    guess.drive(axis, gain, rated)
+    setpoint = next((c for c in guess.free if c.setpoint and c.quantity == "position"), None)
+    if setpoint is not None:
+        guess.take(REFERENCE, setpoint)
+    return LogMapping(
+        guess.names,
+        guess.units,
+        guess.gains,
+        {},
+        layout,
+        guess.period,
+        tuple(guess.guesses),
+        tuple(guess.missing),
+    )
+
+
+def stated_period(path: Path, layout: Layout) -> float | None:
+    """Sampling period that a line above the header states, s.
+
+    Examples
+    --------
+    >>> _period_in("Sampling interval: 2 ms"), _period_in("SampleRate;4 kHz"), _period_in("Axis X")
+    (0.002, 0.00025, None)
+    """
+    found = (_period_in(line) for line in first_lines(path, layout.encoding)[: layout.above])
+    return next((period for period in found if period), None)
+
+
+def _period_in(line: str) -> float | None:
+    match = _PERIOD.search(line)
+    if match is None:
+        return None
+    value = float(match["value"].replace(",", ".")) * to_si(match["unit"].replace("µ", "u"))
+    if not value:
+        return None
+    return 1.0 / value if "Hz" in match["unit"] else value
+
+
+class _Guess:
+    """Columns that are still free, and what has been decided."""
+
+    def __init__(self, columns: list[ForeignColumn]) -> None:
+        self.free = columns
+        self.names: dict[str, str] = {}
+        self.units: dict[str, str] = {}
+        self.gains: dict[str, float] = {}
+        self.period: float | None = None
+        self.guesses: list[str] = []
+        self.missing: list[str] = []
+
+    def take(self, signal: str, column: ForeignColumn, unit: str | None = None) -> None:
+        """Decide that a column is a signal."""
+        self.free.remove(column)
+        self.names[signal] = column.header
+        written = unit or column.unit
+        if written:
+            self.units[signal] = written
+        self.guesses.append(
+            f"{signal} is column {column.header!r}{f' in {column.unit}' if column.unit else ''}: {column.reason}"
+        )
+
+    def clock(self, sampling_period: float | None) -> None:
+        """The column of the time, or the period of a file that has none."""
+        times = [c for c in self.free if c.quantity == "time"]
+        if times and times[0].unit:
+            self.take("t", times[0])
+        elif sampling_period is not None:
+            self.period = sampling_period
+            self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
+        else:
+            self.missing.append(
+                "there is no column of the time whose unit is known: give sampling_period in s (--rate)"
+            )
+
+    def sensor(self, signal: str, quantity: str, *, needed: bool) -> None:
+        """A column for a sensor: one of its name, else the first measured one of its quantity."""
+        found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
+        found.sort(key=lambda c: not c.header.startswith(signal))
+        if found:
+            self.take(signal, found[0])
+        elif needed:
+            self.missing.append(f"no column seems to be the {quantity} {signal}: name it in columns")
+
+    def drive(self, axis: Axis, gain: float | None, rated: float | None) -> None:
+        """A column for the drive's force, with its factor where it needs one."""
+        signal = axis.drive.signal
+        unit = axis.signal_units[signal]
+        own = "current" if unit == Unit.of("A") else "force"
+        measured = {c.quantity: c for c in reversed(self.free) if not c.setpoint}
+        command = axis.drive.command
+        if command and "voltage" in measured and own not in measured:
+            self.take(command, measured["voltage"])
+            return
+        column = next((measured[q] for q in (own, "percent", "current") if q in measured), None)
+        if column is None:
+            self.missing.append(f"no column seems to be the force {signal}: name it in columns")
+            return
+        if column.quantity == own:
+            self.take(signal, column)
+            return
+        self.take(signal, column, str(unit))
+        factor = rated / 100 if rated is not None and column.quantity == "percent" else gain
+        if factor is not None:
+            self.gains[signal] = factor
+            return
+        per = "% (rated value / 100)" if column.quantity == "percent" else "A"
+        self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
+
+
+def require_known(mapping: LogMapping, axis: Axis) -> None:
+    """Raise LogError if the mapping is that of another axis."""
+    known = {"t", REFERENCE, *axis.signal_units, *([axis.drive.command] if axis.drive.command else [])}
+    if strange := [name for name in mapping.columns if name not in known]:
+        raise LogError(
+            f"the mapping names {strange[0]!r}, which axis {axis.name!r} does not have: choose its own mapping"
+        )

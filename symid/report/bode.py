@@ -1,0 +1,132 @@
+"""Bode diagram of an identified axis beside what its logs show, and confidence ellipses of correlated parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import scipy
+from matplotlib.axes import Axes
+
+from symid.arrays import FloatArray
+from symid.report.colours import Palette
+from symid.report.motion import Response
+
+COHERENT = 0.6
+"""Coherence from which a measured point is drawn in full."""
+CORRELATED = 0.5
+"""Absolute correlation beyond which two parameters get an ellipse."""
+
+
+def draw_bode(place: Any, response: Response, palette: Palette) -> None:
+    """Magnitude, phase and coherence below each other.
+
+    Parameters
+    ----------
+    place : matplotlib subfigure
+        Where to draw.
+    response : Response
+        What to draw.
+    palette : Palette
+        Colours.
+    """
+    magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
+    sure, f = response.coherence >= COHERENT, response.frequency
+    curves: tuple[tuple[Axes, Any], ...] = (
+        (magnitude, np.abs),
+        (phase, lambda h: np.rad2deg(np.angle(h))),
+    )
+    for axes, of in curves:
+        for some, size, alpha, label in (
+            (~sure, 1.5, 0.4, f"coherence below {COHERENT}"),
+            (sure, 3.4, 1.0, "measured (H1)"),
+        ):
+            (dots,) = axes.plot(
+                f[some], of(response.measured[some]), "o", color=palette.measured, label=label
+            )
+            dots.set(markersize=size, alpha=alpha)
+        axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
+    magnitude.set(
+        xscale="log", yscale="log", ylabel=f"{response.quantity} / {response.force} [{response.unit}]"
+    )
+    magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=22)
+    magnitude.set_ylim(*_seen(np.abs(response.identified), np.abs(response.measured[sure])))
+    handles, labels = magnitude.get_legend_handles_labels()
+    magnitude.legend(
+        handles[::-1],
+        labels[::-1],
+        loc="lower left",
+        bbox_to_anchor=(-0.02, 0.99),
+        ncols=3,
+        frameon=False,
+        markerscale=1.5,
+    )
+    phase.set(ylabel="phase [°]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
+    coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")
+    coherence.axhline(COHERENT, color=palette.ink, linewidth=0.7, linestyle="--")
+    coherence.set(ylabel="coherence", ylim=(0, 1.03), xlabel="frequency [Hz]")
+
+
+def _seen(*curves: FloatArray) -> tuple[float, float]:
+    """Range of some curves, with a margin on a logarithmic scale."""
+    values = np.concatenate(curves)
+    return float(values.min() / 3), float(values.max() * 3)
+
+
+def correlated_pairs(covariance: FloatArray) -> list[tuple[int, int, float]]:
+    """Pairs of parameters whose correlation exceeds `CORRELATED` in size, the strongest first.
+
+    Examples
+    --------
+    >>> correlated_pairs(np.array([[1.0, 0.9, 0.1], [0.9, 1.0, -0.6], [0.1, -0.6, 1.0]]))
+    [(0, 1, 0.9), (1, 2, -0.6)]
+    """
+    deviations = np.sqrt(np.diag(covariance))
+    n = len(covariance)
+    pairs = [
+        (i, j, float(covariance[i, j] / (deviations[i] * deviations[j])))
+        for i in range(n)
+        for j in range(i + 1, n)
+        if deviations[i] > 0 and deviations[j] > 0
+    ]
+    strong = [pair for pair in pairs if abs(pair[2]) > CORRELATED]
+    return sorted(strong, key=lambda pair: -abs(pair[2]))
+
+
+def draw_ellipse(
+    axes: Axes,
+    pair: tuple[int, int, float],
+    values: FloatArray,
+    covariance: FloatArray,
+    units: Mapping[str, str],
+    palette: Palette,
+) -> None:
+    """Regions that hold both parameters with a probability of 68 % and 95 %, and the deviations of each alone."""
+    i, j, rho = pair
+    names = list(units)
+    part = covariance[np.ix_((i, j), (i, j))]
+    deviations = np.array([_scale(values[k]) * np.sqrt(covariance[k, k]) for k in (i, j)])
+    spread, directions = np.linalg.eigh(part / np.sqrt(np.outer(np.diag(part), np.diag(part))))
+    turn = np.linspace(0, 2 * np.pi, 181)
+    for level, style in ((0.95, "-"), (0.68, "--")):
+        radii = np.sqrt(scipy.stats.chi2.ppf(level, 2) * np.maximum(spread, 0.0))
+        outline = directions @ (radii[:, None] * np.array([np.cos(turn), np.sin(turn)]))
+        x, y = deviations[:, None] * outline
+        axes.fill(x, y, facecolor=palette.fill, edgecolor="none", alpha=0.6)
+        axes.plot(x, y, color=palette.model, linewidth=1.3, linestyle=style, label=f"{level:.0%} together")
+    x_alone, y_alone = deviations[:1], deviations[1:]
+    axes.errorbar(0.0, 0.0, y_alone, x_alone, color=palette.ink, capsize=2, linewidth=0.9, label="each alone")
+    axes.set_xlabel(_label(names[i], values[i], units[names[i]]))
+    axes.set_ylabel(_label(names[j], values[j], units[names[j]]))
+    axes.set_title(f"{names[i]}, {names[j]}: correlation {rho:+.2f}".replace("-", "−"), loc="left")
+    axes.locator_params(nbins=5)
+
+
+def _scale(value: float) -> float:
+    """To percent of the value; a value of 0 has none."""
+    return 100.0 / abs(value) if value else 1.0
+
+
+def _label(name: str, value: float, unit: str) -> str:
+    return f"{name} [% of {abs(value):.4g} {unit}]" if value else f"{name} [{unit}]"

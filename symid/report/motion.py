@@ -1,0 +1,152 @@
+"""Position and velocity of an axis at the rows of a figure, and the response that a log shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Axis, Position, Velocity, length_unit
+from symid.data import Log
+from symid.simulation import plant_of
+from symid.units import Unit
+
+_AVERAGES = 8
+"""At least so many segments of a log are averaged."""
+_TOP = 0.4
+"""Of the sampling frequency: up to there a response is shown."""
+_SMOOTHED_HZ = 50.0
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Position and velocity of the first position sensor.
+
+    Parameters
+    ----------
+    signal, unit : str
+        The sensor's signal.
+    time, position, velocity : array of shape (n_samples,)
+        SI; the velocity is smoothed below 50 Hz.
+    """
+
+    signal: str
+    unit: str
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+
+    @classmethod
+    def of(cls, axis: Axis, log: Log) -> Motion | None:
+        """That of a log; None if it holds no position."""
+        signals = [s.signal for s in axis.sensors if isinstance(s, Position) and s.signal in log.signals]
+        if not signals:
+            return None
+        position, period = np.asarray(log[signals[0]]), log.sampling_period
+        velocity = np.gradient(position, period)
+        if 0.4 / period > _SMOOTHED_HZ and position.size > 100:
+            sections = scipy.signal.butter(2, _SMOOTHED_HZ, fs=1 / period, output="sos")
+            velocity = scipy.signal.sosfiltfilt(sections, velocity)
+        return cls(signals[0], str(axis.signal_units[signals[0]]), log.time, position, velocity)
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity at other times."""
+        return np.interp(time, self.time, self.position), np.interp(time, self.time, self.velocity)
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A frequency response from the drive force to a reading.
+
+    Parameters
+    ----------
+    force, signal, quantity, unit : str
+        The drive, the sensor, what is compared (velocity or acceleration) and the unit of the response.
+    frequency : array of shape (n,)
+        Hz.
+    measured : complex array of shape (n,)
+        H1 = S_uy / S_uu of the logs.
+    coherence : array of shape (n,)
+        abs(S_uy)^2 / (S_uu S_yy): 1 where the reading follows from the force alone.
+    identified : complex array of shape (n,)
+        Of the identified axis without its nonlinear laws.
+    """
+
+    force: str
+    signal: str
+    quantity: str
+    unit: str
+    frequency: FloatArray
+    measured: ComplexArray
+    coherence: FloatArray
+    identified: ComplexArray
+
+
+def response_of(axis: Axis, values: dict[str, float], signal: str, logs: Sequence[Log]) -> Response:
+    """Measured and identified response of a sensor, averaged over logs of the same sampling period.
+
+    Velocity per force for a sensor of position or velocity, acceleration per force for an accelerometer. A position is
+    differentiated by central differences, whose known attenuation is taken out again. Under feedback H1 is biased
+    where the coherence is low.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    values : dict of str to float
+        Identified physical parameters, SI.
+    signal : str
+        Of the sensor.
+    logs : sequence of Log
+        At least one.
+    """
+    (sensor,) = axis.measured((signal,))
+    moves = isinstance(sensor, (Position, Velocity))
+    period, second = logs[0].sampling_period, Unit.of("s")
+    same = [log for log in logs if log.sampling_period == period]
+    length = 2 ** int(np.log2(2 * min(log.n_samples for log in same) / (_AVERAGES + 1)))
+    settings = {"fs": 1 / period, "nperseg": length, "detrend": "linear"}
+    frequency: FloatArray = np.fft.rfftfreq(length, period).astype(np.float64)
+    uu, yy, uy = np.zeros(frequency.size), np.zeros(frequency.size), np.zeros(frequency.size, complex)
+    for log in same:
+        u, y = np.asarray(log[axis.drive.signal]), np.asarray(log[signal])
+        y = np.gradient(y, period) if isinstance(sensor, Position) else y
+        uu = uu + scipy.signal.welch(u, **settings)[1]
+        yy = yy + scipy.signal.welch(y, **settings)[1]
+        uy = uy + scipy.signal.csd(u, y, **settings)[1]
+    kept = (frequency > 0) & (frequency <= _TOP / period)
+    frequency, uu, uy, yy = frequency[kept], uu[kept], uy[kept], yy[kept]
+    attenuation = np.sinc(2 * frequency * period) if isinstance(sensor, Position) else np.ones(frequency.size)
+    return Response(
+        force=axis.drive.signal,
+        signal=signal,
+        quantity="velocity" if moves else "acceleration",
+        unit=f"{length_unit(sensor.body) / second ** (1 if moves else 2)} per {axis.signal_units[axis.drive.signal]}",
+        frequency=frequency,
+        measured=np.asarray(uy / uu / attenuation),
+        coherence=np.abs(uy) ** 2 / (uu * yy),
+        identified=identified_response(axis, values, signal, frequency, 1 if moves else 2),
+    )
+
+
+def identified_response(
+    axis: Axis, values: dict[str, float], signal: str, frequency: FloatArray, order: int
+) -> ComplexArray:
+    """Response of a derivative of a sensor's displacement to the drive force, r s^k (M s^2 + C s + K)^-1 B.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> values = {"M": 2.0, "Fv": 0.0, "Fs": 1.0}
+    >>> abs(identified_response(load_axis("rigid_1m"), values, "q", np.array([1 / (2 * np.pi)]), 1)).tolist()
+    [0.5]
+    """
+    plant = plant_of(axis, values)
+    s = 2j * np.pi * frequency[:, None, None]
+    matrix = plant.mass * s**2 + plant.damping * s + plant.stiffness
+    motion = np.linalg.solve(matrix, np.broadcast_to(plant.drive[:, None], (len(s), plant.drive.size, 1)))
+    response = plant.sensors[signal][0] @ motion[..., 0].T * s[:, 0, 0] ** order
+    return np.asarray(response)

@@ -1,0 +1,20 @@
+"""Pictures of the catalogue: one for each effect, and what they show is what was hidden."""
+
+import numpy as np
+
+from benchmarks.effect_signatures import SIGNATURES, picture, residual_of
+from symid.diagnosis import LIBRARY
+
+
+def test_every_effect_has_a_signature() -> None:
+    assert set(SIGNATURES) == {effect.name for effect in LIBRARY}
+
+
+def test_a_constant_force_is_left_as_a_constant(tmp_path) -> None:
+    found = residual_of("offset_force")
+    moving = found.used & (np.abs(found.over["velocity"]) > 0.01)
+    forward, backward = (found.error[moving & way].mean() for way in (found.forward, ~found.forward))
+    assert abs(forward) > 10.0
+    assert abs(forward - backward) < 0.02 * abs(forward)
+    picture("offset_force", tmp_path / "offset.png")
+    assert (tmp_path / "offset.png").read_bytes().startswith(b"\x89PNG")

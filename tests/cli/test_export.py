@@ -1,0 +1,109 @@
+"""`symid export`: what is written, and what is said to be lost."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from axes.shipped import VALUES, write_parameters
+from command_line import run
+from export.compiler import STRICT, compiler
+from hand_made import rigid_log
+
+from symid.cli.simulate import write_log
+
+PARAMETERS = ("--parameters", "rigid_1m.json")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write_parameters(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("axis", list(VALUES))
+def test_source_and_header_compile_in_two_files_and_as_one_text(
+    axis: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("export", axis, "--parameters", f"{axis}.json", "--to", "c", "-o", "drive.c") == 0
+    assert "wrote drive.c" in capsys.readouterr().out
+    assert run("export", axis, "--parameters", f"{axis}.json", "--to", "c") == 0
+    (folder / "one.c").write_text(capsys.readouterr().out)
+    for file in ("drive.c", "one.c"):
+        subprocess.run([compiler(), *STRICT, "-c", file], check=True)
+
+
+@pytest.mark.usefixtures("folder")
+def test_losses_are_on_standard_error_and_in_the_record(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("export", "rigid_1m", *PARAMETERS, "--to", "mjcf", "-o", "a.xml", "--json", "-") == 0
+    out, err = capsys.readouterr()
+    record = json.loads(out)
+    assert record["files"] == ["a.xml"]
+    assert [f"lost: {loss}" for loss in record["losses"]] == err.splitlines()
+    assert "creeps" in record["losses"][0]
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_was_identified_keeps_its_covariance(capsys: pytest.CaptureFixture[str]) -> None:
+    write_log(rigid_log(), Path("run.csv"))
+    assert run("identify", "rigid_1m", "run.csv", "--json", "found.json") == 0
+    found = json.loads(Path("found.json").read_text())
+    capsys.readouterr()
+    assert run("export", "rigid_1m", "--parameters", "found.json", "--to", "json") == 0
+    record = json.loads(capsys.readouterr().out)
+    physical = record["physical"]
+    assert physical["names"] == ["M", "Fv", "Fs"]
+    assert physical["units"] == ["kg", "N*s/m", "N"]
+    assert physical["values"] == [found["physical"][name]["value"] for name in physical["names"]]
+    wanted = [found["physical"][name]["std_corrected"] for name in physical["names"]]
+    np.testing.assert_allclose(physical["std"], wanted, rtol=1e-9)
+    covariance, correlation = (np.array(physical[name]) for name in ("covariance", "correlation"))
+    np.testing.assert_allclose(correlation * np.outer(wanted, wanted), covariance, rtol=1e-9)
+    assert -1 < correlation[1, 2] < -0.3  # viscous and Coulomb friction share the force
+
+
+@pytest.mark.usefixtures("folder")
+def test_plain_values_have_no_covariance(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("export", "direct_2m1s", "--parameters", "direct_2m1s.json", "--to", "json") == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["physical"]["std"] is None
+    place = record["minimal"]["units"].index("s^2")
+    assert record["minimal"]["values"][place] == pytest.approx((1700 + 460) / 1.3e8)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("export", "rigid_1m", "--to", "c"), "--parameters"),
+        (("export", "rigid_1m", *PARAMETERS, "--to", "vhdl"), "'mjcf'"),
+        (("export", "direct_2m1s", *PARAMETERS, "--to", "c"), "lacks Ms"),
+        (("export", "rigid_1m", *PARAMETERS, "--to", "c", "-o", "nowhere/a.c"), "nowhere"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_a_mistake_is_one_line(
+    arguments: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*arguments) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_a_diagnosis_found_is_exported(capsys: pytest.CaptureFixture[str]) -> None:
+    write_log(rigid_log(lambda t, q, v, a, path: 300 * v * abs(v), seconds=5.0), Path("run.csv"))
+    assert run("diagnose", "rigid_1m", "run.csv", "--write-axis", "explained.py") == 0
+    values = json.loads(Path("explained.json").read_text())
+    drag = values["motor_c"]
+    assert drag == pytest.approx(300, rel=0.1)
+    capsys.readouterr()
+    arguments = ("export", "explained.py", "--parameters", "explained.json")
+    for target, suffix in (("c", ".c"), ("mjcf", ".xml"), ("fmu", ".fmu")):
+        assert run(*arguments, "--to", target, "-o", f"explained{suffix}") == 0
+    assert "v_motor_*fabs(v_motor_)" in Path("explained.c").read_text()
+    assert f'damping="{values["Fv"]!r} {drag!r}"' in Path("explained.xml").read_text()

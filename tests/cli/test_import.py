@@ -1,0 +1,173 @@
+"""`symid import`: foreign files written by hand are guessed, declared as guesses, mapped and identified alike."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy
+from command_line import run
+
+from symid import load_axis, simulate
+from symid.data import Layout, foreign_columns, guessed_layout, open_table
+from symid.simulation import plant_of, trapezoids, tuned_cascade
+
+TRUE = {"M": 50.0, "Fv": 40.0, "Fs": 15.0}
+PERIOD = 1e-3
+KT = 12.5  # N/A
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    axis = load_axis("rigid_1m")
+    reference = trapezoids([0.2], [0.1, 0.4], acceleration=4.0, jerk=200.0, sampling_period=PERIOD)
+    return simulate(axis, TRUE, reference, tuned_cascade(plant_of(axis, TRUE), "q")).log
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def table(columns: dict[str, np.ndarray], separator: str, *, comma: bool = False) -> str:
+    rows = [separator.join(f"{x:.10g}" for x in row) for row in zip(*columns.values(), strict=True)]
+    text = "\n".join(rows)
+    return separator.join(columns) + "\n" + (text.replace(".", ",") if comma else text) + "\n"
+
+
+def written(kind: str, log, folder: Path) -> str:
+    t, q, F = log.time, log["q"], log["F"]
+    if kind == "milliseconds":
+        text = table({"Time (ms)": 1e3 * t, "Position [mm]": 1e3 * q, "I_q [A]": F / KT}, ";", comma=True)
+        (folder / "a.csv").write_text(text, encoding="cp1252")
+        return "a.csv"
+    if kind == "microseconds":
+        text = table({"Time": 1e6 * t, "CmdPos": 1e3 * q, "ActPos": 1e3 * q, "Motor Force (N)": F}, ",")
+        (folder / "b.csv").write_text(text, encoding="utf-8")
+        return "b.csv"
+    if kind == "percent":
+        above = "Scope;X axis\nRecorded;2026-11-21\nSampling interval: 1 ms\n\n"
+        text = table({"Lage [µm]": 1e6 * q, "Torque %": 100 * F / 400.0, "Drehzahl [mm/s]": 0 * q}, "\t")
+        (folder / "c.txt").write_text(above + text, encoding="utf-16")
+        return "c.txt"
+    scipy.io.savemat(folder / "d.mat", {"time": t, "pos_mm": 1e3 * q, "kraft": F, "note": "text"})
+    return "d.mat"
+
+
+KINDS = {
+    "milliseconds": ("--gain 12.5", {"t": "ms", "q": "mm", "F": "N"}),
+    "microseconds": ("", {"t": "us", "q": "mm", "F": "N"}),
+    "percent": ("--rated 400", {"q": "um", "F": "N"}),
+    "matlab": ("", {"q": "mm"}),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_mapping_reads_the_foreign_file(
+    kind: str, recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options, units = KINDS[kind]
+    file = written(kind, recorded, folder)
+    if kind == "matlab":
+        options = "--rate 1000"  # its time is in seconds, as 1 ms steps show; a rate is not used then
+    arguments = ["--axis", "rigid_1m", *options.split(), "-o", "map.json", "--plot", "map.png"]
+    assert run("import", file, *arguments) == 0
+    shown = capsys.readouterr().out
+    assert "check each" in shown
+    assert (folder / "map.png").read_bytes().startswith(b"\x89PNG")
+    mapping = json.loads((folder / "map.json").read_text())
+    assert units.items() <= mapping["units"].items()
+    assert len(mapping["guesses"]) >= 3
+    assert (
+        run("identify", "rigid_1m", file, "--mapping", "map.json", "--held", "F", "--json", "out.json") == 0
+    )
+    assert "map.json guesses: " in capsys.readouterr().err
+    record = json.loads((folder / "out.json").read_text())
+    assert sum("guessed in the mapping" in note for note in record["notes"]) == len(mapping["guesses"])
+    for name, value in TRUE.items():
+        assert record["physical"][name]["value"] == pytest.approx(value, rel=2e-2)
+
+
+def test_guesses_that_were_checked_are_silent_and_late_is_used(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written("microseconds", recorded, folder)
+    assert run("import", file, "--axis", "rigid_1m", "-o", "map.json") == 0
+    mapping = json.loads((folder / "map.json").read_text())
+    (folder / "map.json").write_text(json.dumps({**mapping, "guesses": [], "late": {"F": -PERIOD / 2}}))
+    capsys.readouterr()
+    assert run("identify", "rigid_1m", file, "--mapping", "map.json", "--json", "late.json") == 0
+    assert "guess" not in capsys.readouterr().err
+    assert (
+        run("identify", "rigid_1m", file, "--mapping", "map.json", "--late", "F=0", "--json", "now.json") == 0
+    )
+    late, now = (
+        json.loads((folder / name).read_text())["physical"]["M"]["value"]
+        for name in ("late.json", "now.json")
+    )
+    assert abs(late - TRUE["M"]) < abs(now - TRUE["M"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "words"),
+    [
+        ("milliseconds", "", "F has no factor: give gains F in N per A"),
+        ("percent", "", "per % (rated value / 100)"),
+    ],
+)
+def test_what_nothing_tells_is_missing_and_not_used(
+    kind: str, options: str, words: str, recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(kind, recorded, folder)
+    assert run("import", file, "--axis", "rigid_1m", "-o", "map.json", *options.split()) == 0
+    assert words in capsys.readouterr().out
+    assert run("identify", "rigid_1m", file, "--mapping", "map.json") == 2
+    err = capsys.readouterr().err
+    assert words in err
+    assert err.count("\n") == 1
+
+
+def test_layouts_are_found(recorded, folder: Path) -> None:
+    found = {kind: guessed_layout(folder / written(kind, recorded, folder)) for kind in list(KINDS)[:3]}
+    assert found["milliseconds"] == Layout("utf-8-sig", ";", ",", 0, 0)
+    assert found["microseconds"] == Layout("utf-8-sig", ",", ".", 0, 0)
+    assert found["percent"] == Layout("utf-16", "\t", ".", 4, 0)
+
+
+def test_setpoints_and_units_are_told_from_names_and_values(recorded, folder: Path) -> None:
+    columns = foreign_columns(open_table(folder / written("microseconds", recorded, folder)))
+    assert [(c.quantity, c.unit, c.setpoint, c.stated) for c in columns] == [
+        ("time", "us", False, False),
+        ("position", "mm", True, False),
+        ("position", "mm", False, False),
+        ("force", "N", False, True),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("import none.csv", "no such file"),
+        ("import text.csv", "no columns of numbers"),
+        ("import good.csv -o map.json", "-o needs --axis"),
+        ("import good.csv --rate -1", "must be positive"),
+        ("import good.csv --plot figure.doc", ".png"),
+        ("import good.csv --axis nowhere", "nowhere"),
+        ("identify rigid_1m good.csv --mapping wrong.json", "holds no mapping"),
+        ("identify rigid_1m good.csv --mapping strange.json", "does not have"),
+        ("identify rigid_1m good.csv --mapping layout.json", "separator"),
+    ],
+)
+def test_mistakes_are_one_line(
+    recorded, folder: Path, arguments: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "good.csv").write_text(table({"t": recorded.time, "q": recorded["q"], "F": recorded["F"]}, ","))
+    (folder / "text.csv").write_text("a;b\n" + "one;two\n" * 20)
+    (folder / "wrong.json").write_text('{"colums": {}}')
+    (folder / "strange.json").write_text('{"columns": {"q7": "q"}}')
+    (folder / "layout.json").write_text('{"layout": {"separator": ";;"}}')
+    assert run(*arguments.split()) == 2
+    err = capsys.readouterr().err
+    assert words in err
+    assert err.count("\n") == 1

@@ -1,0 +1,118 @@
+"""The exported unit, run by FMPy, against the simulation."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from axes.catalogue import cases, derived
+from axes.shipped import VALUES, write_parameters
+from command_line import run
+from fmpy.validation import validate_fmu
+
+from symid import load_axis
+from symid.errors import SettingError
+from symid.export import write_fmu
+from symid.simulation import Engine, plant_of
+from symid.symbolic import derive
+
+PERIOD = 1e-3
+
+
+@pytest.mark.parametrize("name", list(VALUES))
+def test_a_unit_moves_as_the_simulation_does(name: str, tmp_path: Path) -> None:
+    axis, values = load_axis(name), VALUES[name]
+    file = tmp_path / f"{name}.fmu"
+    losses = write_fmu(derive(axis), values, file)
+    assert any("linux64" in loss or "darwin64" in loss for loss in losses)
+    assert validate_fmu(str(file)) == []
+    plant = plant_of(axis, values)
+    t = PERIOD * np.arange(400)
+    size = 0.5 * float(np.trace(plant.mass)) + 2 * sum(law.limits(0.0)[1] for law in plant.laws)
+    force = np.where(t < 0.25, size * np.sin(2 * np.pi * 6 * t), 0.0)
+    drive = axis.drive.command or axis.drive.signal
+    inputs = np.rec.fromarrays([t, force / (axis.drive.gain or 1.0)], names=f"time,{drive}")
+    signal = axis.sensors[0].signal
+    found = run_unit(file, inputs, drive, signal)
+    engine, wanted = Engine(plant), []
+    for f in force:
+        engine.advance(float(f), PERIOD)
+        wanted.append(plant.sensors[signal][0] @ engine.state[: len(plant.bodies)])
+    assert np.max(np.abs(found - wanted)) < 1e-3 * np.ptp(wanted)
+
+
+def run_unit(file: Path, inputs: np.recarray, drive: str, signal: str) -> np.ndarray:
+    """Readings after each held input."""
+    description = fmpy.read_model_description(str(file))
+    places = {v.name: v.valueReference for v in description.modelVariables}
+    folder = fmpy.extract(str(file))
+    unit = fmpy.fmi2.FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=folder,
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="axis",
+    )
+    unit.instantiate()
+    unit.setupExperiment(startTime=0.0)
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    read = []
+    for time, value in zip(inputs["time"], inputs[drive], strict=True):
+        unit.setReal([places[drive]], [float(value)])
+        unit.doStep(currentCommunicationPoint=float(time), communicationStepSize=PERIOD)
+        read.append(unit.getReal([places[signal]])[0])
+    unit.terminate()
+    unit.freeInstance()
+    return np.array(read)
+
+
+def test_parameters_can_be_set_and_a_held_axis_rests(tmp_path: Path) -> None:
+    case = cases()["vertical_2m1s"]
+    file = tmp_path / "vertical.fmu"
+    write_fmu(derived("vertical_2m1s", case.sensor_sets[0]), case.values, file)
+    weight = -float(np.sum(plant_of(case.declared, case.values).constant))
+    found = fmpy.simulate_fmu(
+        str(file),
+        stop_time=0.5,
+        output_interval=0.01,
+        start_values={"Fsm": 2 * weight, "F": 0.0},
+        output=["qm"],
+        fmi_type="CoSimulation",
+    )
+    assert np.ptp(found["qm"]) < 1e-12, "friction of twice the weight holds the motor"
+    falling = fmpy.simulate_fmu(str(file), stop_time=0.5, output=["qm"], start_values={"F": 0.0})
+    assert falling["qm"][-1] < -0.1
+
+
+def test_the_unit_holds_its_sources(tmp_path: Path) -> None:
+    file = tmp_path / "a.fmu"
+    write_fmu(derive(load_axis("rigid_1m")), VALUES["rigid_1m"], file)
+    held = set(zipfile.ZipFile(file).namelist())
+    assert {
+        "modelDescription.xml",
+        "sources/rigid_1m.c",
+        "sources/rigid_1m.h",
+        "sources/rigid_1m_fmu.c",
+    } <= held
+
+
+def test_without_a_compiler_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(SettingError, match="compiler"):
+        write_fmu(derive(load_axis("rigid_1m")), VALUES["rigid_1m"], tmp_path / "a.fmu")
+
+
+def test_the_command_writes_a_unit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_parameters(tmp_path)
+    arguments = ("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "fmu")
+    assert run(*arguments, "-o", "axis.fmu") == 0
+    assert "wrote axis.fmu" in capsys.readouterr().out
+    assert zipfile.is_zipfile("axis.fmu")
+    assert run(*arguments) == 2
+    assert "-o FILE.fmu" in capsys.readouterr().err

@@ -1,0 +1,100 @@
+"""The schematic: everything that is declared is drawn once, nothing lies on a label, and both backgrounds work."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+from axes.catalogue import cases
+from axes.effects import EFFECTS, with_effect
+from command_line import run
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from symid import chain, load_axis
+from symid.axis import axis_names
+from symid.report.colours import DARK, LIGHT, Palette
+from symid.report.schematic import schematic
+
+AXES = {
+    **{name: load_axis(name) for name in axis_names()},
+    **{name: case.declared for name, case in cases().items()},
+    **{f"with_{name}": with_effect(name) for name in EFFECTS},
+    "chain_5m4s": chain("chain_5m4s", 5),
+}
+
+
+def labels(figure: Figure) -> list[str]:
+    """Texts of a figure."""
+    return [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+
+
+def names(figure: Figure) -> set[str]:
+    """Group ids of everything drawn."""
+    return {artist.get_gid() for artist in figure.axes[0].get_children() if artist.get_gid()}
+
+
+@pytest.mark.parametrize("name", list(AXES))
+def test_every_body_parameter_and_signal_has_a_label(name: str) -> None:
+    axis = AXES[name]
+    figure = schematic(axis)
+    shown = [part for label in labels(figure) for part in label.replace(" g sin q", "").split(", ")]
+    many = [
+        p
+        for law in axis.laws
+        if len(law.terms()) > 2
+        for p in dict.fromkeys(t.parameter for t in law.terms())
+    ]
+    expected = {b.name for b in axis.bodies} | {s.signal for s in axis.sensors}
+    expected |= set(axis.physical_parameters) - set(many) | {axis.drive.command or axis.drive.signal}
+    assert expected <= set(shown), expected - set(shown)
+    assert {f"body {b.name}" for b in axis.bodies} | {f"sensor {s.signal}" for s in axis.sensors} <= names(
+        figure
+    )
+
+
+@pytest.mark.parametrize("name", list(AXES))
+def test_no_label_lies_on_another_one_or_outside(name: str) -> None:
+    figure = schematic(AXES[name])
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    texts = [text for text in figure.axes[0].texts if text.get_text()]
+    boxes = {id(text): text.get_window_extent(renderer) for text in texts}
+    for first, second in combinations(texts, 2):
+        overlap = boxes[id(first)].overlaps(boxes[id(second)])
+        assert not overlap, f"{first.get_text()!r} lies on {second.get_text()!r}"
+    for text in texts:
+        box = boxes[id(text)]
+        inside = figure.bbox.contains(box.x0, box.y0) and figure.bbox.contains(box.x1, box.y1)
+        assert inside, f"{text.get_text()!r} is cut off"
+
+
+def test_bodies_that_turn_are_discs() -> None:
+    patches = {p.get_gid(): p for p in schematic(AXES["geared_ballscrew_3m2s"]).axes[0].patches}
+    assert isinstance(patches["body screw"], Circle)
+    assert not isinstance(patches["body table"], Circle)
+
+
+def test_kinds_of_sensors_differ_by_their_lines() -> None:
+    lines = {line.get_gid(): line.get_linestyle() for line in schematic(AXES["triangle"]).axes[0].lines}
+    assert (lines["sensor qa"], lines["sensor dc"], lines["sensor ddb"]) == ("-", "--", ":")
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK])
+def test_ink_stands_out_from_paper_and_bodies(palette: Palette) -> None:
+    def grey(colour: str) -> float:
+        return sum(w * int(colour[i : i + 2], 16) / 255 for w, i in ((0.299, 1), (0.587, 3), (0.114, 5)))
+
+    for ground in (palette.paper, palette.fill):
+        assert abs(grey(palette.ink) - grey(ground)) > 0.5
+    assert abs(grey(palette.measured) - grey(palette.model)) > 0.2, "the curves are one in grey print"
+
+
+def test_show_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("show", "motor_bench", "--plot", "axis.svg", "--dark") == 0
+    drawn = Path("axis.svg").read_text()
+    assert 'id="body motor"' in drawn
+    assert DARK.paper.lower() in drawn.lower()
+    assert run("show", "motor_bench", "--plot", "axis.bmp") == 2
