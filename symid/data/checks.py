@@ -238,7 +238,7 @@ def cut_in_motion(x: FloatArray) -> int:
     Examples
     --------
     >>> cut_in_motion(np.clip(np.sin(np.arange(200) / 10), -0.8, 1.0))
-    36
+    39
     """
     runs = _Runs.of(x)
     long = runs.only(_extreme(x, runs)).longer(max(_CLIPPED_SAMPLES, 3.0 * float(np.median(runs.length))))

@@ -26,7 +26,7 @@ def packed(found: LogFactors) -> str:
     >>> factor = TriangularFactor.empty(1).update(np.array([[3.0], [4.0]]), np.array([3.0, 4.0]))
     >>> text = packed(LogFactors("a", (factor,), np.eye(1)))
     >>> len(text), unpacked("a", text).factors[0].rows
-    (108, 2)
+    (96, 2)
     """
     head = [found.dependence, float(len(found.factors)), float(found.factors[0].parameters)]
     rows = [float(factor.rows) for factor in found.factors]
