@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from symid.codegen.generate import compiled, generate
     from symid.codegen.store import load_generated
     from symid.data import Log, read_log
+    from symid.fleet import Batch, BatchSettings, identify_batch
     from symid.identification import Identification, Preparation, identify, predict, read_axis_log
     from symid.simulation import simulate
     from symid.symbolic import DerivedModel, derive
@@ -51,10 +52,13 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _ROOMS = {
+    "Batch": "symid.fleet",
+    "BatchSettings": "symid.fleet",
     "compiled": "symid.codegen.generate",
     "derive": "symid.symbolic",
     "DerivedModel": "symid.symbolic",
     "identify": "symid.identification",
+    "identify_batch": "symid.fleet",
     "Identification": "symid.identification",
     "load_generated": "symid.codegen.store",
     "Log": "symid.data",
@@ -84,6 +88,8 @@ __all__ = [
     "AsymmetricFriction",
     "Axis",
     "Backlash",
+    "Batch",
+    "BatchSettings",
     "Between",
     "Body",
     "Cogging",
@@ -120,6 +126,7 @@ __all__ = [
     "derive",
     "generate",
     "identify",
+    "identify_batch",
     "load_axis",
     "load_generated",
     "predict",

@@ -6,6 +6,7 @@ read by pint (`to_si`), which knows them all.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -68,6 +69,9 @@ class Unit:
 def _base(name: str) -> Unit:
     return Unit(tuple(int(name == base) for base in BASE_UNITS))
 
+
+_WRITTEN = re.compile(r"[\w\s*/^().%°·⋅×⁻+-]*")
+"""What units are written in; pint passes over any other sign."""
 
 _METRE, _SECOND, _NEWTON = _base("m"), _base("s"), _base("kg") * _base("m") / _base("s") ** 2
 _NAMED: dict[str, Unit] = {
@@ -143,6 +147,8 @@ def to_si(text: str, expected: Unit | None = None) -> float:
         return 1.0
     registry = _registry()
     try:
+        if not _WRITTEN.fullmatch(text):
+            raise ValueError(text)
         quantity = registry.Quantity(1.0, registry.parse_units(text)).to_base_units()
     except Exception as error:
         raise LogError(

@@ -17,7 +17,9 @@ COMMANDS = {
     "generate": "Write the generated modules of axes.",
     "simulate": "A log of an axis under its controller.",
     "identify": "Parameters and their deviations from logs.",
+    "batch": "Many logs, one row each: parameters, deviations, verdicts.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
+    "fleet": "What a batch says of a fleet: spread between runs, changes over time, outliers.",
     "export": "An identified axis as C, MuJoCo model or JSON, and what it loses there.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }

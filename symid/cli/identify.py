@@ -12,6 +12,7 @@ import click
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
     assignments,
+    bytes_of,
     cascade_gains,
     dark_option,
     gain_option,
@@ -26,7 +27,7 @@ from symid.cli.options import (
 )
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, load_generated
-from symid.data import Log
+from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
@@ -35,6 +36,7 @@ from symid.identification import (
     Preparation,
     identify,
     measured_signals,
+    open_axis_log,
     predict,
     read_axis_log,
     read_mapping,
@@ -103,8 +105,6 @@ preparation_options = shared(
     ),
 )
 
-_NO_GAINS = {"position_gain": 0.0, "integral_gain": 0.0}
-
 loop_options = shared(
     gain_option,
     click.option("--rate", type=float, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
@@ -135,6 +135,13 @@ loop_options = shared(
     metavar="P.json",
     help="Nominal parameters, a start where the inverse map has no closed form.",
 )
+@click.option(
+    "--memory",
+    default="1GB",
+    show_default=True,
+    metavar="SIZE",
+    help="What a log may take; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+)
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @click.option(
     "--plot",
@@ -146,7 +153,7 @@ loop_options = shared(
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    runs = [read_log_of(declared, file, options) for file in tracked(logs, "reading logs")]
+    runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
     model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
@@ -160,7 +167,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             options["plot"],
             validation,
             axis=declared,
-            runs=[*runs, *([validating] if validation is not None and validating else [])],
+            runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
             palette=DARK if options["dark"] else LIGHT,
         )
     if options["json_file"]:
@@ -172,7 +179,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 def _by_regression(
     declared: Axis,
     model: GeneratedModel,
-    runs: Sequence[Log],
+    runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
 ) -> tuple[Identification, Prediction | None, dict[str, Any]]:
@@ -185,7 +192,7 @@ def _by_regression(
 def _by_output_error(
     declared: Axis,
     model: GeneratedModel,
-    runs: Sequence[Log],
+    runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
 ) -> tuple[OutputErrorIdentification, OutputErrorPrediction | None, dict[str, Any]]:
@@ -200,7 +207,7 @@ def _by_output_error(
         found = identify_output_error(
             declared,
             model,
-            runs,
+            _in_memory(runs),
             held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
             preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
@@ -211,7 +218,7 @@ def _by_output_error(
 
 
 def _identified(
-    declared: Axis, model: GeneratedModel, runs: Sequence[Log], options: dict[str, Any]
+    declared: Axis, model: GeneratedModel, runs: Sequence[AnyLog], options: dict[str, Any]
 ) -> Identification:
     """Identify by the method that was asked for."""
     preparation = _preparation(declared, runs[0], options)
@@ -222,7 +229,7 @@ def _identified(
         loop = _closed_loop(declared, options)
         return identify_by_instruments(
             model,
-            runs,
+            _in_memory(runs),
             loop,
             preparation=preparation,
             nominal=nominal,
@@ -235,39 +242,59 @@ def _identified(
 
 def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
     """The axis under the controller that the options describe, if they do."""
-    from symid.simulation import Cascade, ClosedLoop
+    from symid.simulation import ClosedLoop
 
-    loop, gains = ClosedLoop(declared, rate_hz=options["rate"]), cascade_gains(options["gains"])
-    if not gains:
-        return loop
-    if "velocity_gain" not in gains:
-        raise SettingError("--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller")
-    return replace(loop, controller=Cascade(loop.position, **{**_NO_GAINS, **gains}))
+    return ClosedLoop.with_gains(declared, cascade_gains(options["gains"]), options["rate"])
 
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
     """A log by the log options; what a mapping guessed is said on standard error and becomes notes of the log."""
-    mapping = mapping_of(options)
-    require_known(mapping, declared)
-    gains = {
-        name: number(text, f"--gain {name}") for name, text in assignments(options["gain"], "--gain").items()
+    log = read_axis_log(declared, file, **_log_settings(declared, options))
+    return replace(log, notes=(*log.notes, *said_guesses(options)))
+
+
+def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
+    """A log by the log options, in memory if it fits or if the method needs it there."""
+    memory = bytes_of(options["memory"], "--memory")
+    if options["method"] in ("iv", "oe"):
+        return read_log_of(declared, file, options)
+    log = open_axis_log(declared, file, memory=memory, **_log_settings(declared, options))
+    return replace(log, notes=(*log.notes, *said_guesses(options)))
+
+
+def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
+    return [run.window(0, run.n_samples) for run in runs]
+
+
+def _drawn(run: AnyLog) -> Log:
+    """What plots show of a log: its first block."""
+    return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))
+
+
+def _log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
+    """What the log options say of columns, and the sensors to read."""
+    require_known(mapping_of(options), declared)
+    return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
+
+
+def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
+    """What mapping and log options say of a foreign file."""
+    mapping, gains = mapping_of(options), assignments(options["gain"], "--gain")
+    return {
+        "columns": {**mapping.columns, **assignments(options["column"], "--column")},
+        "units": {**mapping.units, **assignments(options["unit"], "--unit")},
+        "gains": {**mapping.gains, **{name: number(text, f"--gain {name}") for name, text in gains.items()}},
+        "layout": mapping.layout,
+        "sampling_period": mapping.sampling_period,
     }
-    log = read_axis_log(
-        declared,
-        file,
-        measured=signal_list(options["measured"]),
-        columns={**mapping.columns, **assignments(options["column"], "--column")},
-        units={**mapping.units, **assignments(options["unit"], "--unit")},
-        gains={**mapping.gains, **gains},
-        layout=mapping.layout,
-        sampling_period=mapping.sampling_period,
-    )
-    if not mapping.guesses:
-        return log
-    click.echo(f"{options['mapping']} guesses: {'; '.join(mapping.guesses)}", err=True)
-    return replace(
-        log, notes=(*log.notes, *(f"guessed in the mapping: {guess}" for guess in mapping.guesses))
-    )
+
+
+def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
+    """What a mapping guessed, as notes; said on standard error."""
+    guesses = mapping_of(options).guesses
+    if guesses:
+        click.echo(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
+    return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
 
 
 def mapping_of(options: dict[str, Any]) -> LogMapping:
@@ -275,10 +302,13 @@ def mapping_of(options: dict[str, Any]) -> LogMapping:
     return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
 
 
-def _preparation(declared: Axis, log: Log, options: dict[str, Any]) -> Preparation:
-    late = _late(declared, options)
-    for signal in options["held"] + ((declared.drive.signal,) if declared.drive.held else ()):
-        late[signal] = late.get(signal, 0.0) - log.sampling_period / 2
+def _preparation(declared: Axis, log: AnyLog, options: dict[str, Any]) -> Preparation:
+    held = options["held"] + ((declared.drive.signal,) if declared.drive.held else ())
+    return preparation_of(options, _late(declared, options)).with_held(held, log.sampling_period)
+
+
+def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
+    """Preparation by the preparation options, but for ``--held``."""
     return Preparation(
         cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
         order=options["order"],

@@ -56,6 +56,29 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     return {_CASCADE[name]: number(text, f"--controller-gain {name}") for name, text in given.items()}
 
 
+def bytes_of(text: str, what: str) -> int:
+    """Bytes of a text such as ``512MB``.
+
+    Raises
+    ------
+    SettingError
+        If it is no such text.
+
+    Examples
+    --------
+    >>> bytes_of("1.5GB", "--memory")
+    1500000000
+    """
+    sizes = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
+    factor = sizes.get(text[-2:])
+    if factor is None:
+        raise SettingError(f"{what} {text!r} is no size: write a number with kB, MB or GB, such as 512MB")
+    size = number(text[:-2], what)
+    if not size > 0:
+        raise SettingError(f"{what} {text!r} is not possible: give more than 0")
+    return int(size * factor)
+
+
 def signal_list(text: str | None) -> tuple[str, ...] | None:
     """Signals of a comma-separated list."""
     return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())

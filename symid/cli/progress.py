@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sized
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import TypeVar
 
@@ -30,29 +30,46 @@ def working(what: str) -> AbstractContextManager[object]:
     return Console(stderr=True).status(what)
 
 
-def tracked(items: Sequence[Item], what: str) -> Iterator[Item]:
+def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Iterator[Item]:
     """Pass items on; once their work has taken two seconds, show a bar if standard error is a terminal.
+
+    Parameters
+    ----------
+    items : iterable
+        What is worked on, or what comes out of it.
+    what : str
+        Word for them.
+    total : int, optional
+        How many there will be, if `items` has no length.
 
     Examples
     --------
     >>> list(tracked(["a", "b"], "letters"))
     ['a', 'b']
     """
-    return _with_bar(items, what) if sys.stderr.isatty() else iter(items)
+    if not sys.stderr.isatty():
+        return iter(items)
+    return _with_bar(items, what, total if total is not None or not isinstance(items, Sized) else len(items))
 
 
-def _with_bar(items: Sequence[Item], what: str) -> Iterator[Item]:
+def _with_bar(items: Iterable[Item], what: str, total: int | None) -> Iterator[Item]:
     from rich.console import Console  # takes 50 ms to load
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]:.3g}/s"),
+        TimeRemainingColumn(),
+    )
     with ExitStack() as shown:
         bar: Progress | None = None
         begin = time.monotonic()
         for done, item in enumerate(items):
             if bar is None and time.monotonic() - begin > _PATIENCE:
                 bar = shown.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
-                bar.add_task(what, total=len(items))
+                bar.add_task(what, total=total, rate=0.0)
             if bar is not None:
-                bar.update(bar.task_ids[0], completed=done)
+                bar.update(bar.task_ids[0], completed=done, rate=done / (time.monotonic() - begin))
             yield item

@@ -133,6 +133,53 @@ def load_generated(
     >>> load_generated("direct_2m1s", ("q2",)).signals
     ('Fm', 'Fm_d1', 'Fm_d2', 'q2_d1', 'q2_d2', 'q2_d3', 'q2_d4')
     """
+    return stored_module(axis, measured, folder).compiled()
+
+
+@dataclass(frozen=True)
+class StoredModule:
+    """Text of a generated module, which can be sent to another process.
+
+    Parameters
+    ----------
+    name, text : str
+        File name and contents.
+    signature : str
+        That of the declaration as it is now.
+    cure : str
+        The command that generates the module anew.
+    """
+
+    name: str
+    text: str
+    signature: str
+    cure: str
+
+    def compiled(self) -> GeneratedModel:
+        """The module as a record; GeneratedModuleError as in `load_generated`."""
+        model = compile_module(self.text, self.name, self.cure)
+        if model.signature != self.signature:
+            raise GeneratedModuleError(
+                f"generated module {self.name} is older than the declaration of {model.axis!r}; {self.cure}"
+            )
+        return model
+
+
+def stored_module(
+    axis: str | Axis, measured: Sequence[str] | None = None, folder: Path | None = None
+) -> StoredModule:
+    """Text of the module that `load_generated` runs.
+
+    Raises
+    ------
+    GeneratedModuleError
+        If there is none.
+
+    Examples
+    --------
+    >>> stored_module("emps").name
+    'emps__q.py'
+    """
     name_or_path = axis.name if isinstance(axis, Axis) else axis
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
     signals = tuple(
@@ -140,15 +187,10 @@ def load_generated(
     )
     folder = folder or generated_folder(axis_file(name_or_path))
     path = folder / f"{module_name(declared.name, signals)}.py"
-    command = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
+    cure = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
     if not path.is_file():
-        raise GeneratedModuleError(f"there is no generated module {path.name}; {command}")
-    model = compile_module(_text(path), path.name, command)
-    if model.signature != declared.signature:
-        raise GeneratedModuleError(
-            f"generated module {path.name} is older than the declaration of {declared.name!r}; {command}"
-        )
-    return model
+        raise GeneratedModuleError(f"there is no generated module {path.name}; {cure}")
+    return StoredModule(path.name, _text(path), declared.signature, cure)
 
 
 def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:

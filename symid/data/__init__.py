@@ -1,7 +1,8 @@
 """Logs of machines: reading, checking, filtering and differentiating them."""
 
-from symid.data.checks import inspect_spans, inspect_values
+from symid.data.checks import cut_in_motion, inspect_spans, inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
+from symid.data.columns import REFERENCE
 from symid.data.filtering import (
     LowPass,
     central_difference,
@@ -15,18 +16,24 @@ from symid.data.filtering import (
 from symid.data.foreign import ForeignColumn, foreign_columns
 from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
-from symid.data.reading import REFERENCE, read_log
+from symid.data.long_log import AnyLog, LongLog, spans
+from symid.data.reading import columns_in, read_log
+from symid.data.scanning import MEMORY, open_log
 from symid.data.spline import QuinticSpline
-from symid.data.tables import Table, open_table
+from symid.data.table import Table
+from symid.data.tables import open_table
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
+    "MEMORY",
     "MINIMUM_SAMPLES",
     "REFERENCE",
+    "AnyLog",
     "Clock",
     "ForeignColumn",
     "Layout",
     "Log",
+    "LongLog",
     "LowPass",
     "Piece",
     "QuinticSpline",
@@ -34,6 +41,8 @@ __all__ = [
     "ZeroPhaseFilter",
     "central_difference",
     "central_difference_gain",
+    "columns_in",
+    "cut_in_motion",
     "decimate",
     "decimation_filter",
     "derivatives",
@@ -46,6 +55,8 @@ __all__ = [
     "inspect_values",
     "kept_indices",
     "kept_of",
+    "open_log",
     "open_table",
     "read_log",
+    "spans",
 ]

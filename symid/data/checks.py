@@ -22,6 +22,12 @@ _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be call
 _USUAL_RUNS: Final = 10  # times the median run: coarse encoders and slow controllers repeat values by nature
 _TRAVEL: Final = 0.05  # of its whole range, by which another position moves in a span that is not at rest
 _CLIPPED_SHARE: Final = 0.001  # of all samples, below which a clipped force is not worth a note
+_LARGEST: Final = 1e15  # in SI: beyond it a number is damaged
+_SMALLEST: Final = 1e-30
+_NEAR: Final = 20  # samples on either side with which a step is compared
+_JUMP_RATIO: Final = 30.0
+_JUMP_STEPS: Final = 20.0  # of the finest step: quantisation makes no jump
+_JUMP_RANGE: Final = 1e-3  # of the travel
 
 
 @dataclass(frozen=True)
@@ -65,20 +71,118 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
     >>> inspect_values(np.arange(3.0), {"q": np.full(3, 2.0)})
     ("'q' is constant (2) over the whole log: check its sensor or leave it out of the measured signals",)
     """
+    faults: list[str] = []
+    for name, x in signals.items():
+        if wrong := inspect_finite(time, {name: x}):
+            faults += wrong
+        elif x.size and (fault := said_range(name, float(x.min()), float(x.max()))):
+            faults.append(fault)
+    return tuple(faults)
+
+
+def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: int = 0) -> tuple[str, ...]:
+    """Faults of channels with values that are empty or not finite.
+
+    Parameters
+    ----------
+    time, signals
+        As in `inspect_values`.
+    before : int
+        Rows before the first of these samples, in messages.
+
+    Examples
+    --------
+    >>> inspect_finite(np.arange(2.0), {"q": np.array([1.0, np.nan])}, before=10)[0][:49]
+    "'q' has 1 value empty or not finite, the first at"
+    """
     faults = []
     for name, x in signals.items():
         bad = np.flatnonzero(~np.isfinite(x))
         if bad.size:
             faults.append(
                 f"{name!r} has {describe(bad.size, 'value')} empty or not finite, the first at "
-                f"t = {time[bad[0]]:.7g} s (row {bad[0] + 1}): repair or cut out those rows"
+                f"t = {time[bad[0]]:.7g} s (row {before + bad[0] + 1}): repair or cut out those rows"
             )
-        elif x.size and x.min() == x.max():
+            continue
+        largest = int(np.argmax(np.abs(x)))
+        if abs(x[largest]) > _LARGEST:
             faults.append(
-                f"{name!r} is constant ({x[0]:g}) over the whole log: "
-                "check its sensor or leave it out of the measured signals"
+                f"{name!r} has a value of {x[largest]:.3g} at t = {time[largest]:.7g} s (row {before + largest + 1}), "
+                "which no sensor measures: repair or cut out such rows"
             )
     return tuple(faults)
+
+
+def said_range(name: str, lowest: float, highest: float) -> str | None:
+    """Fault of a channel that never changes, or of which rounding has eaten the digits; None if there is none.
+
+    Examples
+    --------
+    >>> said_range("q", 0.0, 1.0) is None
+    True
+    """
+    if lowest == highest:
+        return said_constant(name, lowest)
+    if max(abs(lowest), abs(highest)) < _SMALLEST:
+        return f"{name!r} has no value above {_SMALLEST:g}: check its unit and its sensor"
+    return None
+
+
+def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: int = 0) -> tuple[str, ...]:
+    """Faults of positions that jump: rows are missing, the unit changes, a value is wrong, or a counter overflows.
+
+    A jump is a step that differs from both the step before it and the one after it, by far more than any of the steps
+    near it does. A change of speed, as by an impact, is none.
+
+    Parameters
+    ----------
+    time, signals, before
+        As in `inspect_finite`; the signals are positions or angles without missing values.
+
+    Examples
+    --------
+    >>> t = np.arange(100) / 10.0
+    >>> inspect_steps(t, {"q": np.sin(t) + (t > 5.0)})[0]
+    "'q' jumps by 1.03 at t = 5.1 s (row 52): split the log there, or repair the channel"
+    """
+    faults = []
+    for name, x in signals.items():
+        jumps = _jumps(x)
+        if jumps.size:
+            first = int(jumps[0])
+            more = f", and {describe(jumps.size - 1, 'time')} more" if jumps.size > 1 else ""
+            faults.append(
+                f"{name!r} jumps by {x[first] - x[first - 1]:.3g} at t = {time[first]:.7g} s "
+                f"(row {before + first + 1}){more}: split the log there, or repair the channel"
+            )
+    return tuple(faults)
+
+
+def _jumps(x: FloatArray) -> npt.NDArray[np.intp]:
+    """Samples before which a position jumps."""
+    if x.size < 2 * _NEAR:
+        return np.zeros(0, dtype=np.intp)
+    bend = np.abs(np.diff(x, 2))
+    odd = np.minimum(bend[:-1], bend[1:])  # of the step from sample i + 1 to i + 2
+    coarse = np.abs(np.diff(x))
+    finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
+    least = max(_JUMP_STEPS * finest, _JUMP_RANGE * float(np.ptp(x)))
+    candidates = np.flatnonzero(odd > least)
+    return np.array([i + 2 for i in candidates if _stands_out(odd, int(i))], dtype=np.intp)
+
+
+def _stands_out(odd: FloatArray, place: int) -> bool:
+    """Whether a step is far odder than those near it, its direct neighbours left out."""
+    before, after = odd[max(place - _NEAR, 0) : max(place - 2, 0)], odd[place + 3 : place + 3 + _NEAR]
+    return bool(odd[place] > _JUMP_RATIO * max(np.max(before, initial=0.0), np.max(after, initial=0.0)))
+
+
+def said_constant(name: str, value: float) -> str:
+    """Fault of a channel that never changes."""
+    return (
+        f"{name!r} is constant ({value:g}) over the whole log: "
+        "check its sensor or leave it out of the measured signals"
+    )
 
 
 @np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
@@ -113,7 +217,7 @@ def inspect_spans(
             continue
         runs = _Runs.of(x)
         usual = float(np.median(runs.length))
-        extreme = (x[runs.start] == x.max()) | (x[runs.start] == x.min())
+        extreme = _extreme(x, runs)
         clipped = runs.only(extreme).longer(max(_CLIPPED_SAMPLES, 3.0 * usual))
         long = runs.only(~extreme).longer(max(_STUCK_SAMPLES, _USUAL_RUNS * usual))
         if name in positions:
@@ -126,6 +230,24 @@ def inspect_spans(
         notes += _told(time, name, clipped, "is clipped at the end of its range")
         notes += _told(time, name, stuck, "keeps exactly one value while the machine moves")
     return tuple(notes)
+
+
+def cut_in_motion(x: FloatArray) -> int:
+    """Samples in which a signal of motion is clipped at the end of its range, which it reached at speed.
+
+    Examples
+    --------
+    >>> cut_in_motion(np.clip(np.sin(np.arange(200) / 10), -0.8, 1.0))
+    39
+    """
+    runs = _Runs.of(x)
+    long = runs.only(_extreme(x, runs)).longer(max(_CLIPPED_SAMPLES, 3.0 * float(np.median(runs.length))))
+    return int(np.sum(_cut_in_motion(x, long).length))
+
+
+def _extreme(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:
+    """Whether runs have the largest or the smallest value."""
+    return np.asarray((x[runs.start] == x.max()) | (x[runs.start] == x.min()))
 
 
 def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:

@@ -52,7 +52,12 @@ class _Rate:
 
 
 def inspect_clock(
-    time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, jitter: float = 0.01, name: str = "t"
+    time: FloatArray,
+    *,
+    minimum: int = MINIMUM_SAMPLES,
+    jitter: float = 0.01,
+    name: str = "t",
+    before: int = 0,
 ) -> Clock:
     """Find the sampling period and the faults of the times of a log.
 
@@ -69,6 +74,8 @@ def inspect_clock(
         Largest accepted deviation of an interval from the period, rms, as a share of the period.
     name : str
         Name of the column in messages.
+    before : int
+        Rows before the first of these times, in messages.
 
     Returns
     -------
@@ -87,23 +94,75 @@ def inspect_clock(
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
     forward = np.flatnonzero(intervals > 0.0)
-    faults = _not_finite(time, name)
+    faults = _not_finite(time, name, before)
     step = written_step(time)
     coarse = _too_coarse(intervals, forward.size, step)
     if coarse:
         faults.append(f"{name} is written too coarsely, many samples share a time: write more digits")
     else:
-        faults += _not_forward(time, intervals, name)
+        faults += _not_forward(time, intervals, name, before)
     if forward.size < 2 or coarse:
         return Clock(0.0, float("nan"), tuple(faults) or (f"{name} does not advance: give times in s",))
     rate = _rate(intervals, forward, step)
-    faults += _changed(time, rate, name)
+    faults += _changed(time, rate, name, before)
     late, wide = _lateness(intervals, rate, step)
-    faults += _gaps(time, intervals, wide, rate, name)
+    faults += _gaps(time, intervals, wide, rate, name, before)
     fault, note = _jitter(time, np.where(wide, 0.0, late), intervals > 0.0, rate.before, jitter, name)
     faults += fault
     period = rate.before if faults else _rounded(_slope(time))
     return Clock(float(time[0]), period, tuple(faults), tuple(note))
+
+
+class ClockOfBlocks:
+    """The clock of times that come block by block, each found as `inspect_clock` does.
+
+    Examples
+    --------
+    >>> clock = ClockOfBlocks()
+    >>> clock.add(np.arange(60) / 250.0), clock.add(np.arange(60, 120) / 250.0)
+    ((), ())
+    >>> clock.found.period
+    0.004
+    """
+
+    def __init__(self) -> None:
+        self._seen = 0
+        self._first = self._last = 0.0
+        self._sums = np.zeros(2)
+        self._blocks: list[Clock] = []
+
+    def add(self, time: FloatArray) -> tuple[str, ...]:
+        """Faults of the next block, shape (n_samples,); after one of them no more blocks are possible."""
+        if self._seen == 0:
+            self._first = float(time[0])
+            found = inspect_clock(time)
+        else:
+            found = inspect_clock(np.append(self._last, time), before=self._seen - 1)
+        if found.faults:
+            return found.faults
+        late = time - self._first
+        index = np.arange(self._seen, self._seen + time.size, dtype=np.float64)
+        self._sums += np.dot(index, late), np.sum(late)
+        self._last, self._seen = float(time[-1]), self._seen + time.size
+        self._blocks.append(found)
+        return ()
+
+    @property
+    def found(self) -> Clock:
+        """Clock of all blocks together, none of which had a fault."""
+        mean = 0.5 * (self._seen - 1)
+        moment = self._seen * (self._seen**2 - 1.0) / 12.0
+        period = float((self._sums[0] - mean * self._sums[1]) / moment)
+        periods = np.array([block.period for block in self._blocks])
+        worst = int(np.argmax(np.abs(periods - np.median(periods))))
+        faults: tuple[str, ...] = ()
+        if abs(periods[worst] - np.median(periods)) > _CLOCK_DIFFERENCE * np.median(periods):
+            faults = (
+                f"t changes its sampling period: {np.median(periods):.6g} s in most of the log, {periods[worst]:.6g} s "
+                f"from t = {self._blocks[worst].start:.7g} s on: split the log there or resample it",
+            )
+        notes = tuple(note for block in self._blocks for note in block.notes)
+        return Clock(self._first, _rounded(period), faults, notes[:1])
 
 
 def written_step(time: FloatArray) -> float:
@@ -126,17 +185,17 @@ def describe(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-def _not_finite(time: FloatArray, name: str) -> list[str]:
+def _not_finite(time: FloatArray, name: str, before: int) -> list[str]:
     bad = np.flatnonzero(~np.isfinite(time))
     if not bad.size:
         return []
     return [
         f"{name} has {describe(bad.size, 'value')} empty or no possible time, "
-        f"the first in row {bad[0] + 1}: repair or cut out those rows"
+        f"the first in row {before + bad[0] + 1}: repair or cut out those rows"
     ]
 
 
-def _not_forward(time: FloatArray, intervals: FloatArray, name: str) -> list[str]:
+def _not_forward(time: FloatArray, intervals: FloatArray, name: str, before: int) -> list[str]:
     faults = []
     for bad, what in ((intervals == 0.0, "repeated time"), (intervals < 0.0, "step backwards")):
         where = np.flatnonzero(bad)
@@ -144,7 +203,7 @@ def _not_forward(time: FloatArray, intervals: FloatArray, name: str) -> list[str
             first = where[0] + 1
             faults.append(
                 f"{name} has {describe(where.size, what)}, the first at "
-                f"t = {time[first]:.7g} s (row {first + 1}): remove those rows or split the log there"
+                f"t = {time[first]:.7g} s (row {before + first + 1}): remove those rows or split the log there"
             )
     return faults
 
@@ -190,12 +249,12 @@ def _best_cut(periods: FloatArray) -> int:
     return int(np.argmax(difference * np.sqrt(left * right))) + 1
 
 
-def _changed(time: FloatArray, rate: _Rate, name: str) -> list[str]:
+def _changed(time: FloatArray, rate: _Rate, name: str, before: int) -> list[str]:
     if rate.change is None:
         return []
     return [
         f"{name} changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
-        f"t = {time[rate.change]:.7g} s (row {rate.change + 1}): split the log there or resample it"
+        f"t = {time[rate.change]:.7g} s (row {before + rate.change + 1}): split the log there or resample it"
     ]
 
 
@@ -216,7 +275,7 @@ def _lateness(intervals: FloatArray, rate: _Rate, step: float) -> tuple[FloatArr
 
 
 def _gaps(
-    time: FloatArray, intervals: FloatArray, wide: npt.NDArray[np.bool_], rate: _Rate, name: str
+    time: FloatArray, intervals: FloatArray, wide: npt.NDArray[np.bool_], rate: _Rate, name: str, before: int
 ) -> list[str]:
     where = np.flatnonzero(wide)
     if not where.size:
@@ -225,7 +284,7 @@ def _gaps(
     period = rate.before if rate.change is None or first < rate.change else rate.after
     return [
         f"{name} has {describe(where.size, 'gap')}, the first after "
-        f"t = {time[first]:.7g} s (row {first + 1}), "
+        f"t = {time[first]:.7g} s (row {before + first + 1}), "
         f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there or fill in the samples"
     ]
 

@@ -10,7 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.tables import Table
+from symid.data.table import Table
 from symid.errors import LogError
 from symid.units import Unit, to_si
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 import os
-import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -14,43 +11,19 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_spans, inspect_values
+from symid.data.checks import inspect_spans, inspect_steps, inspect_values
 from symid.data.clock import Clock, inspect_clock
+from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, sources_of
 from symid.data.layout import Layout
 from symid.data.log import Log
-from symid.data.tables import Table, open_table
+from symid.data.table import Table, said_of
+from symid.data.tables import open_table
 from symid.errors import LogError
-from symid.units import Unit, to_si
+from symid.units import Unit
 
-REFERENCE: Final = "reference"
-"""Column of the commanded position, kept where there is one."""
-
-_TIME: Final = "t"
-_HEADER: Final = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*")
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 _NO_GAINS: Final[Mapping[str, float]] = MappingProxyType({})
 _NO_ALTERNATIVES: Final[Mapping[str, tuple[str, float]]] = MappingProxyType({})
-
-
-@dataclass(frozen=True)
-class _Source:
-    """Where a signal comes from: position of its column and the factor that makes it SI."""
-
-    signal: str
-    position: int
-    factor: float
-
-
-@dataclass(frozen=True)
-class _Mapping:
-    """What the user says about the columns of a file, and what the axis declares."""
-
-    headers: tuple[str, ...]
-    expected: Mapping[str, Unit]
-    alternatives: Mapping[str, tuple[str, float]]
-    columns: Mapping[str, str]
-    units: Mapping[str, str]
-    gains: Mapping[str, float]
 
 
 def read_log(
@@ -61,7 +34,7 @@ def read_log(
     columns: Mapping[str, str] = _NOTHING,
     units: Mapping[str, str] = _NOTHING,
     gains: Mapping[str, float] = _NO_GAINS,
-    time_column: str = _TIME,
+    time_column: str = TIME,
     layout: Layout | None = None,
     sampling_period: float | None = None,
 ) -> Log:
@@ -99,19 +72,30 @@ def read_log(
         fit, a value is no number, the clock is not uniform, a signal is constant.
     """
     file = Path(path)
+    table = opened_table(file, layout, sampling_period)
+    given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
+    with said_of(file):
+        return read_table(file, table, expected, sources_of(given, named=columns.keys()), columns.keys())
+
+
+def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> frozenset[str]:
+    """Names of the columns of a file, with and without their units; LogError if it is no log.
+
+    Parameters
+    ----------
+    path, layout
+        As in `read_log`.
+    """
+    return names_of(open_table(Path(path), layout).headers)
+
+
+def opened_table(file: Path, layout: Layout | None, sampling_period: float | None) -> Table:
+    """Table in a file, with a column of the time if it has none; parameters and errors as those of `read_log`."""
     table = open_table(file, layout)
-    if sampling_period is not None:
-        table = with_clock(table, sampling_period)
-    given = _Mapping(table.headers, expected, alternatives, {_TIME: time_column, **columns}, units, gains)
-    try:
-        sources = _sources(given, named=columns.keys())
-        values, notes = _read(table, sources, optional={REFERENCE} - columns.keys() - expected.keys())
-        return _checked(str(file), values, notes, expected)
-    except LogError as error:
-        message = str(error)
-        raise (
-            error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
-        ) from error.__cause__
+    if sampling_period is None:
+        return table
+    with said_of(file):
+        return with_clock(table, sampling_period)
 
 
 def with_clock(table: Table, sampling_period: float) -> Table:
@@ -122,8 +106,8 @@ def with_clock(table: Table, sampling_period: float) -> Table:
     LogError
         If there is such a column, or the period is not positive.
     """
-    if _TIME in table.headers:
-        raise LogError(f"there is a column {_TIME!r}: give no sampling period beside it")
+    if TIME in table.headers:
+        raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
     if not 0 < sampling_period < np.inf:
         raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
     last = len(table.headers)
@@ -136,113 +120,42 @@ def with_clock(table: Table, sampling_period: float) -> Table:
         found[last] = sampling_period * np.arange(size, dtype=np.float64)
         return [found[position] for position in positions]
 
-    return Table((*table.headers, _TIME), read)
+    return Table((*table.headers, TIME), read)
 
 
-def _sources(given: _Mapping, named: Collection[str]) -> tuple[_Source, ...]:
-    """Column and factor of each signal that the file has; raises all faults of the assignment together."""
-    faults = list(_unknown_keys(given))
-    sources: list[_Source] = []
-    for signal in dict.fromkeys((_TIME, *given.expected, REFERENCE)):
-        try:
-            source = _source(given, signal, must=signal == _TIME or signal in named)
-        except LogError as error:
-            faults.append(str(error))
-            continue
-        if source is not None:
-            sources.append(source)
-    if not faults and not any(source.signal in given.expected for source in sources):
-        faults.append(
-            f"has none of the signals {', '.join(given.expected)}: {_there(given.headers)}, "
-            f"name one with --column {next(iter(given.expected), 'q')}=NAME"
-        )
-    if faults:
-        raise LogError("; ".join(faults))
-    return tuple(sources)
+def read_table(
+    file: Path, table: Table, expected: Mapping[str, Unit], sources: Sequence[Source], named: Collection[str]
+) -> Log:
+    """Log of the whole of a file.
+
+    Parameters
+    ----------
+    file, table
+        The file, and what it was opened as.
+    expected : Mapping of str to Unit
+        Signals that the axis knows.
+    sources : sequence of Source
+        Where the signals are.
+    named : collection of str
+        Signals whose column the user has named: these must be usable.
+    """
+    values, notes = _read(table, sources, optional={REFERENCE} - set(named) - expected.keys())
+    return _checked(str(file), values, notes, expected)
 
 
-def _unknown_keys(given: _Mapping) -> list[str]:
-    known = {_TIME, REFERENCE, *given.expected, *(name for name, _ in given.alternatives.values())}
-    keys = dict.fromkeys([*given.columns, *given.units, *given.gains])
-    return [
-        f"signal {key!r} is not known{_similar(key, known)}: the axis has {', '.join(given.expected)}"
-        for key in keys
-        if key not in known
-    ]
+def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list[str]:
+    """Those signals that are positions or angles."""
+    return [name for name in signals if expected.get(name) in (Unit.of("m"), Unit.of("rad"))]
 
 
-def _source(given: _Mapping, signal: str, *, must: bool) -> _Source | None:
-    column = given.columns.get(signal, signal)
-    position = _position(given.headers, column)
-    unit = Unit.of("s") if signal == _TIME else given.expected.get(signal)
-    if position is not None:
-        return _Source(signal, position, _factor(given, signal, position, unit))
-    if must:
-        what = "time" if signal == _TIME else f"signal {signal!r}"
-        hint = "map it with" if signal == _TIME else "correct"
-        raise LogError(
-            f"there is no column {column!r} for the {what}{_similar(column, given.headers)}: "
-            f"{_there(given.headers)}, {hint} --column {signal}=NAME"
-        )
-    if signal not in given.alternatives:
-        return None
-    other, gain = given.alternatives[signal]
-    position = _position(given.headers, given.columns.get(other, other))
-    if position is None:
-        return None
-    if signal in given.units or signal in given.gains:
-        raise LogError(
-            f"unit or gain of {signal!r} is given, but it is made from column {given.headers[position]!r}: "
-            f"add --column {signal}={_split(given.headers[position])[0]} or drop them"
-        )
-    return _Source(signal, position, gain * _factor(given, other, position, None))
-
-
-def _factor(given: _Mapping, signal: str, position: int, unit: Unit | None) -> float:
-    header = given.headers[position]
-    text = given.units.get(signal, _split(header)[1])
-    gain = float(given.gains.get(signal, 1.0))
-    if not np.isfinite(gain) or gain == 0.0:
-        raise LogError(f"gain {gain:g} of {signal!r} is not possible: give a finite number other than zero")
-    if text is None:
-        return gain
-    try:
-        return gain * to_si(text, unit)
-    except LogError as error:
-        raise LogError(f"column {header!r}: {error}") from error
-
-
-def _split(header: str) -> tuple[str, str | None]:
-    """Name and unit of a header."""
-    match = _HEADER.fullmatch(header)
-    return (match["name"], match["unit"].strip()) if match else (header, None)
-
-
-def _position(headers: Sequence[str], column: str) -> int | None:
-    """Position of the column with this header or, failing that, with this name before its unit."""
-    wanted = column.strip()
-    for names in (headers, [_split(header)[0] for header in headers]):
-        found = [position for position, name in enumerate(names) if name == wanted]
-        if len(found) > 1:
-            same = ", ".join(repr(headers[position]) for position in found)
-            raise LogError(f"column {column!r} is there {len(found)} times ({same}): rename all but one")
-        if found:
-            return found[0]
-    return None
-
-
-def _there(headers: Sequence[str]) -> str:
-    shown = ", ".join(headers[:20]) + (", ..." if len(headers) > 20 else "")
-    return f"the file has {shown}" if headers else "the file has no columns of numbers"
-
-
-def _similar(name: str, names: Collection[str]) -> str:
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+def in_si(column: FloatArray, factor: float) -> FloatArray:
+    """A column as it is or, if its unit is another, a copy in SI; what leaves the range is reported as not finite."""
+    with np.errstate(over="ignore"):
+        return column if factor == 1.0 else factor * column
 
 
 def _read(
-    table: Table, sources: Sequence[_Source], optional: Collection[str]
+    table: Table, sources: Sequence[Source], optional: Collection[str]
 ) -> tuple[dict[str, FloatArray], list[str]]:
     """Values of each source in SI; what is wrong with an optional one becomes a note and drops it."""
     columns = table.read([source.position for source in sources])
@@ -250,8 +163,7 @@ def _read(
     faults, notes = [], []
     for source, column in zip(sources, columns, strict=True):
         if not isinstance(column, str):
-            with np.errstate(over="ignore"):  # what leaves the range is reported as not finite
-                values[source.signal] = column if source.factor == 1.0 else source.factor * column
+            values[source.signal] = in_si(column, source.factor)
         elif source.signal in optional:
             notes.append(f"column {table.headers[source.position]!r} {column}; left out")
         else:
@@ -260,7 +172,7 @@ def _read(
         raise LogError("; ".join(faults))
     for signal in optional & values.keys():
         x = values[signal]
-        if x.size != values[_TIME].size or not np.isfinite(x).all():
+        if x.size != values[TIME].size or not np.isfinite(x).all():
             notes.append(f"{signal!r} has missing values or another length; left out")
             del values[signal]
     return values, notes
@@ -273,12 +185,14 @@ def _checked(
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} {size}" for name, size in lengths.items())
         raise LogError(f"the columns differ in length ({listed}): save as many samples of each")
-    time = values.pop(_TIME)
+    time = values.pop(TIME)
     if not time.size:
         raise LogError("has no rows: give a log with samples")
     clock = inspect_clock(time)
     needed = {name: x for name, x in values.items() if name in expected}
     faults = (*clock.faults, *inspect_values(time, needed))
+    if not faults:
+        faults = inspect_steps(time, {name: values[name] for name in positions_of(expected, needed)})
     if faults:
         raise LogError("; ".join(faults))
     return _log(source, clock, time, values, notes, expected)
@@ -292,8 +206,7 @@ def _log(
     notes: list[str],
     expected: Mapping[str, Unit],
 ) -> Log:
-    lengths = (Unit.of("m"), Unit.of("rad"))
-    positions = [name for name in values if expected.get(name) in lengths]
+    positions = positions_of(expected, values)
     return Log(
         source=source,
         start=clock.start,

@@ -38,6 +38,11 @@ class QuinticSpline:
         continued = np.pad(values, _BEYOND, mode="edge")
         self._coefficients: FloatArray = scipy.ndimage.spline_filter1d(continued, order=5)
 
+    @staticmethod
+    def reach(samples: float) -> int:
+        """Samples on either side on which a value that is moved by so many samples depends, to rounding."""
+        return 2 * _BEYOND + math.ceil(abs(samples)) + _REACH + 1
+
     def earlier(self, samples: float) -> FloatArray:
         """The signal moved to an earlier time by any number of samples; negative: to a later one."""
         whole = math.floor(samples)

@@ -13,7 +13,7 @@ from symid.estimation.least_squares import (
     relative_standard_deviation,
     residuals,
 )
-from symid.estimation.refinement import refine
+from symid.estimation.refinement import refine, refine_blocks
 from symid.estimation.triangular import TriangularFactor, combine, triangular_factors
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "corrected_covariance_of_blocks",
     "estimate",
     "refine",
+    "refine_blocks",
     "relative_standard_deviation",
     "residuals",
     "triangular_factors",

@@ -9,7 +9,7 @@ inner sums are taken in the frequency domain, window by window: O(N p log L) for
 than one window in memory.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -37,8 +37,10 @@ _WINDOW = 32_768  # samples of one window at least; its transforms stay within a
 class ObservationBlock:
     """Consecutive samples of an observation, shapes as in `corrected_covariance`.
 
-    `continues` is False where another log begins, so that no correlation is taken across the joint.
-    `instruments`, of the shape of W, are those of an estimate (Z'S^2 W)^-1 Z'S^2 y; all blocks have them or none.
+    Its equations are those of the fit from number `equation` on: every log may have its own, whose residuals are
+    independent of those of the others. `continues` is False where another log begins, so that no correlation is taken
+    across the joint. `instruments`, of the shape of W, are those of an estimate (Z'S^2 W)^-1 Z'S^2 y; all blocks have
+    them or none.
     """
 
     W: FloatArray
@@ -46,6 +48,12 @@ class ObservationBlock:
     valid: BoolArray | None = None
     continues: bool = True
     instruments: FloatArray | None = None
+    equation: int = 0
+
+    @property
+    def equations(self) -> slice:
+        """Its equations among those of the fit."""
+        return slice(self.equation, self.equation + len(self.W))
 
 
 @dataclass(frozen=True)
@@ -161,12 +169,18 @@ def corrected_covariance_of_blocks(
     """
     samples = max(fit.rows)
     lags = default_max_lag(samples) if max_lag is None else max_lag
-    gamma = _residual_covariance(read, fit, lags)
+    by_log = _residual_covariances(read, fit, lags)
+    gamma = np.stack(list(by_log.values()))
     length = correlation_length(gamma, samples)
     taper = flat_top(lags, lags // 2 if length is None else min(length, lags // 2))
     bandwidth = int(np.count_nonzero(taper)) // 2 + 1
-    kernel = (gamma * taper)[:, :, lags - bandwidth + 1 : lags + bandwidth]
-    scores = _score_covariance(read, fit, _positive(kernel * np.outer(fit.weights, fit.weights)[:, :, None]))
+    kernel = (gamma * taper)[..., lags - bandwidth + 1 : lags + bandwidth]
+    weighted = {
+        first: _positive(own * np.multiply.outer(weights, weights)[:, :, None])
+        for first, own in zip(by_log, kernel, strict=True)
+        for weights in (fit.weights[first : first + len(own)],)
+    }
+    scores = _score_covariance(read, fit, weighted)
     worth = effective_samples(kernel, fit.rows)
     noise = float(np.sum((fit.weights * fit.residual_norm) ** 2))
     absorbed = float(np.trace(scores)) / noise if noise > 0.0 else 0.0
@@ -194,7 +208,7 @@ def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: Le
     for block in read():
         if block.instruments is None:
             return np.eye(fit.rank.rank)
-        for j, weight in enumerate(fit.weights):
+        for j, weight in enumerate(fit.weights[block.equations]):
             rows = slice(None) if block.valid is None else block.valid[j]
             Z, W = (
                 weight * columns[j][rows] @ fit.rank.inverse_root for columns in (block.instruments, block.W)
@@ -203,25 +217,27 @@ def _gain_of_instruments(read: Callable[[], Iterable[ObservationBlock]], fit: Le
     return np.asarray(np.linalg.pinv(product))
 
 
-def _residual_covariance(
+def _residual_covariances(
     read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares, max_lag: int
-) -> FloatArray:
-    sums = ResidualCovariance.empty(len(fit.rows), max_lag)
+) -> dict[int, FloatArray]:
+    """gamma_ij(k) of each log, by the number of its first equation."""
+    sums: dict[int, ResidualCovariance] = {}
     rows = np.zeros(len(fit.rows), dtype=int)
     for block in read():
         W, y, valid = checked_observation(block.W, block.y, block.valid)
-        if (W.shape[0], W.shape[2]) != (len(fit.rows), len(fit.solution)):
+        if block.equations.stop > len(fit.rows) or W.shape[2] != len(fit.solution):
             raise SettingError(
                 f"W has shape {W.shape}, the fit {len(fit.rows)} equations, {len(fit.solution)} parameters; "
                 "give the observation that was fitted"
             )
-        rows += y.shape[1] if valid is None else np.count_nonzero(valid, axis=1)
-        sums = sums.update(residuals(W, y, fit), valid, block.continues)
+        rows[block.equations] += y.shape[1] if valid is None else np.count_nonzero(valid, axis=1)
+        before = sums.get(block.equation, ResidualCovariance.empty(len(W), max_lag))
+        sums[block.equation] = before.update(residuals(W, y, fit), valid, block.continues)
     if tuple(rows.tolist()) != fit.rows:
         raise SettingError(
-            f"{rows.tolist()} valid rows, the fit has {list(fit.rows)}; give the rows that were fitted"
+            f"{rows.tolist()} valid rows of the equations, the fit has {list(fit.rows)}; give the rows that were fitted"
         )
-    return sums.covariance()
+    return {first: found.covariance() for first, found in sums.items()}
 
 
 def _positive(kernel: FloatArray) -> FloatArray:
@@ -249,40 +265,41 @@ def _spectrum(kernel: FloatArray, size: int) -> np.ndarray[tuple[int, ...], np.d
 
 
 def _score_covariance(
-    read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares, kernel: FloatArray
+    read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares, kernels: Mapping[int, FloatArray]
 ) -> FloatArray:
-    """The sum in brackets for orthonormal columns, W S T; shape (rank, rank).
+    """The sum in brackets for orthonormal columns, W S T, over all logs; shape (rank, rank).
 
     A window is a stretch of samples and the `reach` samples before it. Pairs within the latter alone have
     been counted by the window before and are taken off again.
     """
-    reach = kernel.shape[2] // 2
     total = np.zeros((fit.rank.rank, fit.rank.rank))
-    tail = np.zeros((len(fit.rows), fit.rank.rank, 0))
-    for U, continues in _orthonormal_windows(read(), fit, max(_WINDOW, 8 * reach)):
-        before = tail if continues else tail[..., :0]
-        window = np.concatenate([before, U], axis=2)
-        total += _pair_sum(window, kernel) - _pair_sum(before, kernel)
-        tail = window[..., max(window.shape[2] - reach, 0) :]
+    tails: dict[int, FloatArray] = {}
+    for block in read():
+        kernel = kernels[block.equation]
+        reach = kernel.shape[2] // 2
+        tail = np.zeros((len(block.W), fit.rank.rank, 0))
+        if block.continues:
+            tail = tails.get(block.equation, tail)
+        for U in _orthonormal_windows(block, fit, max(_WINDOW, 8 * reach)):
+            window = np.concatenate([tail, U], axis=2)
+            total += _pair_sum(window, kernel) - _pair_sum(tail, kernel)
+            tail = window[..., max(window.shape[2] - reach, 0) :]
+        tails[block.equation] = tail
     values, vectors = np.linalg.eigh(0.5 * (total + total.T))
     return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
 
 
-def _orthonormal_windows(
-    blocks: Iterable[ObservationBlock], fit: LeastSquares, step: int
-) -> Iterator[tuple[FloatArray, bool]]:
-    """Rows of W S T, shape (n_equations, rank, n_samples), 0 where masked; and if they continue the last."""
-    transform = [weight * fit.rank.inverse_root.T for weight in fit.weights]
-    for block in blocks:
-        rows = block.W if block.instruments is None else block.instruments
-        W, _, valid = checked_observation(rows, block.y, block.valid)
-        for start in range(0, W.shape[1], step):
-            part = slice(start, start + step)
-            columns = np.swapaxes(W[:, part], 1, 2)
-            if valid is not None:
-                columns = np.where(valid[:, None, part], columns, 0.0)
-            windows = np.stack([T @ w for T, w in zip(transform, columns, strict=True)])
-            yield windows, block.continues or start > 0
+def _orthonormal_windows(block: ObservationBlock, fit: LeastSquares, step: int) -> Iterator[FloatArray]:
+    """Rows of W S T in windows, shape (n_equations, rank, n_samples), 0 where masked."""
+    transform = [weight * fit.rank.inverse_root.T for weight in fit.weights[block.equations]]
+    rows = block.W if block.instruments is None else block.instruments
+    W, _, valid = checked_observation(rows, block.y, block.valid)
+    for start in range(0, W.shape[1], step):
+        part = slice(start, start + step)
+        columns = np.swapaxes(W[:, part], 1, 2)
+        if valid is not None:
+            columns = np.where(valid[:, None, part], columns, 0.0)
+        yield np.stack([T @ w for T, w in zip(transform, columns, strict=True)])
 
 
 def _pair_sum(U: FloatArray, kernel: FloatArray) -> FloatArray:

@@ -149,8 +149,8 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
 
     Parameters
     ----------
-    covariance : array, shape (n_equations, n_equations, 2 max_lag + 1)
-        gamma_ij(k), as `ResidualCovariance.covariance` returns it.
+    covariance : array, shape (..., n_equations, n_equations, 2 max_lag + 1)
+        gamma_ij(k), as `ResidualCovariance.covariance` returns it; one for each of several independent logs.
     samples : int
         N, number of samples.
 
@@ -169,10 +169,10 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
     """
     correlation = _correlation(covariance)
     max_lag = covariance.shape[-1] // 2
-    largest = np.max(np.abs(correlation), axis=(0, 1))
+    largest = np.max(np.abs(correlation), axis=tuple(range(correlation.ndim - 1)))
     strength = np.maximum(largest[max_lag:], largest[max_lag::-1])
     threshold = 2.0 * sqrt(log10(max(samples, 2)) / max(samples, 1))
-    squares = max(1.0, float(np.max(np.sum(np.diagonal(correlation) ** 2, axis=0))))
+    squares = max(1.0, float(np.max(_sums_of_squares(correlation))))
     length = _quiet_from(strength, threshold)
     if length is None and threshold * sqrt(squares) < 0.5:
         length = _quiet_from(strength, threshold * sqrt(squares))
@@ -199,8 +199,7 @@ def effective_samples(covariance: FloatArray, rows: tuple[int, ...]) -> float:
     >>> effective_samples(np.array([[[0.5, 1.0, 0.5]]]), (300,))
     200.0
     """
-    correlation = _correlation(covariance)
-    squares = np.sum(np.diagonal(correlation) ** 2, axis=0)
+    squares = _sums_of_squares(_correlation(covariance)).ravel()
     return float(np.sum(np.asarray(rows) / np.maximum(squares, 1.0)))
 
 
@@ -218,7 +217,12 @@ def flat_top(max_lag: int, length: int) -> FloatArray:
 
 def _correlation(covariance: FloatArray) -> FloatArray:
     middle = covariance.shape[-1] // 2
-    deviation = np.sqrt(np.maximum(np.diagonal(covariance[:, :, middle]), 0.0))
-    scale = np.outer(deviation, deviation)[:, :, None]
+    deviation = np.sqrt(np.maximum(np.diagonal(covariance[..., middle], axis1=-2, axis2=-1), 0.0))
+    scale = (deviation[..., :, None] * deviation[..., None, :])[..., None]
     correlation: FloatArray = np.divide(covariance, scale, out=np.zeros_like(covariance), where=scale > 0.0)
     return correlation
+
+
+def _sums_of_squares(correlation: FloatArray) -> FloatArray:
+    """Sum over the lags of r_jj(k)^2, shape (..., n_equations)."""
+    return np.asarray(np.sum(np.diagonal(correlation, axis1=-3, axis2=-2) ** 2, axis=-2))

@@ -1,10 +1,12 @@
 """One more look at the rows: what rounding in the factorisation has cost in digits."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
+from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import LeastSquares
 from symid.estimation.triangular import checked_observation
 
@@ -51,17 +53,41 @@ def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | N
     >>> bool(np.max(abs(refine(W, y, fit).parameters - 1)) < 1e-12)
     True
     """
-    W, y, mask = checked_observation(W, y, valid)
+    return refine_blocks([ObservationBlock(W, y, valid)], fit)
+
+
+def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> LeastSquares:
+    """Do what `refine` does, for an observation that is read block by block.
+
+    Parameters
+    ----------
+    blocks : iterable of ObservationBlock
+        All rows of the fit, in any order.
+    fit : LeastSquares
+        The estimate from these rows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symid.estimation.least_squares import estimate
+    >>> from symid.estimation.triangular import triangular_factors
+    >>> W, y = np.ones((1, 3, 1)), np.array([[1.0, 2.0, 3.0]])
+    >>> rows = [ObservationBlock(W[:, :2], y[:, :2]), ObservationBlock(W[:, 2:], y[:, 2:])]
+    >>> refine_blocks(rows, estimate(triangular_factors(W, y))).parameters.round(12).tolist()
+    [2.0]
+    """
     exact = fit.solution.astype(np.longdouble)
     slope = np.zeros(len(exact), dtype=np.longdouble)
-    for j, weight in enumerate(fit.weights):
-        for start in range(0, W.shape[1], _CHUNK_ROWS):
-            part = slice(start, start + _CHUNK_ROWS)
-            block, output = W[j, part], y[j, part]
-            if mask is not None:
-                block, output = block[mask[j, part]], output[mask[j, part]]
-            columns = block.astype(np.longdouble)
-            slope += weight**2 * ((output - columns @ exact) @ columns)
+    for block in blocks:
+        W, y, mask = checked_observation(block.W, block.y, block.valid)
+        for j, weight in enumerate(fit.weights[block.equations]):
+            for start in range(0, W.shape[1], _CHUNK_ROWS):
+                part = slice(start, start + _CHUNK_ROWS)
+                rows, output = W[j, part], y[j, part]
+                if mask is not None:
+                    rows, output = rows[mask[j, part]], output[mask[j, part]]
+                columns = rows.astype(np.longdouble)
+                slope += weight**2 * ((output - columns @ exact) @ columns)
     root = fit.rank.inverse_root
     solution = (exact + root @ (root.T @ slope)).astype(np.float64)
     parameters = np.where(np.isnan(fit.parameters), np.nan, solution)

@@ -3,7 +3,7 @@
 from symid.identification.bias import Bias, bias_of
 from symid.identification.excerpts import Excerpt, excerpts
 from symid.identification.identify import distrusted, found_from, identify
-from symid.identification.logs import measured_signals, read_axis_log
+from symid.identification.logs import measured_signals, open_axis_log, read_axis_log
 from symid.identification.mapping import LogMapping, guessed_mapping, read_mapping, stated_period
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -32,6 +32,7 @@ __all__ = [
     "identify",
     "measured_signals",
     "observe",
+    "open_axis_log",
     "physical_estimates",
     "predict",
     "read_axis_log",

@@ -67,9 +67,7 @@ class Bias:
         return tuple(int(i) for i in np.flatnonzero(np.abs(self.total) > _COUNTS * deviations))
 
 
-def bias_of(
-    model: GeneratedModel, parts: Sequence[Excerpt], whole: Sequence[Observation], fit: LeastSquares
-) -> Bias:
+def bias_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Bias:
     """Estimate the bias of parameters from the logs that they were identified from.
 
     Parameters
@@ -78,14 +76,12 @@ def bias_of(
         The model identified.
     parts : sequence of Excerpt
         Logs, or parts of them, on which the estimate is examined.
-    whole : sequence of Observation
-        The observations that were fitted.
     fit : LeastSquares
         The parameters, all determined.
     """
     p, root = fit.solution.size, fit.rank.inverse_root
     noise, slope = np.zeros((p, p + 1)), np.zeros(p)
-    for part, share in zip(parts, share_of_rows(parts, whole), strict=True):
+    for part, share in zip(parts, share_of_rows(parts, fit.rows), strict=True):
         equations = len(model.output_names)
         weights = fit.weights[part.of * equations : (part.of + 1) * equations] ** 2 * share
         rows, levels = part.observation.valid.sum(axis=1), noise_levels(model, part.log)

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log
+from symid.data import AnyLog, Log
 from symid.estimation import ObservationBlock
 from symid.identification.observation import Observation, observe
-
-Rows = TypeVar("Rows", FloatArray, BoolArray)
 
 _MOST_SAMPLES = 65_536
 """Samples, of all logs together, on which an estimate is examined: more would cost time and tell little more."""
@@ -42,7 +39,7 @@ class Excerpt:
 
 
 def excerpts(
-    model: GeneratedModel, logs: Sequence[Log], observations: Sequence[Observation]
+    model: GeneratedModel, logs: Sequence[AnyLog], observations: Sequence[Observation]
 ) -> tuple[Excerpt, ...]:
     """Evenly spread parts of each long log, and short logs as they are.
 
@@ -50,21 +47,28 @@ def excerpts(
     ----------
     model : GeneratedModel
         The model observed.
-    logs, observations : sequence of Log and of Observation
-        The logs, and what was made of them.
+    logs, observations : sequence of logs and of Observation
+        The logs, and what was made of them; of a long log, its first block.
     """
     most = max(_MOST_SAMPLES // len(logs), _MOST_SAMPLES // 16)
     return tuple(
         part
         for k, (log, whole) in enumerate(zip(logs, observations, strict=True))
         for part in (
-            (Excerpt(log, whole, k),) if log.n_samples <= most else _parts(model, log, whole, k, most)
+            (_all_of(model, log, whole, k),) if log.n_samples <= most else _parts(model, log, whole, k, most)
         )
     )
 
 
+def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int) -> Excerpt:
+    if isinstance(log, Log):
+        return Excerpt(log, whole, number)
+    read = log.window(0, log.n_samples)
+    return Excerpt(read, observe(model, read, whole.preparation), number)
+
+
 def _parts(
-    model: GeneratedModel, log: Log, whole: Observation, number: int, most: int
+    model: GeneratedModel, log: AnyLog, whole: Observation, number: int, most: int
 ) -> tuple[Excerpt, ...]:
     chosen = replace(whole.preparation, trim=None)  # each part has ends of its own
     size = most // _PARTS
@@ -73,13 +77,14 @@ def _parts(
     return tuple(Excerpt(window, observe(model, window, chosen), number) for window in windows)
 
 
-def share_of_rows(parts: Sequence[Excerpt], observations: Sequence[Observation]) -> tuple[float, ...]:
-    """For each part, the rows of its log for each of those of all parts of that log.
+def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:
+    """For each part, the rows of its log, of which `rows` has the number, for each of those of all parts of that log.
 
     Sums over the rows of the parts, times this, are estimates of the sums over all rows.
     """
-    seen = [sum(int(p.observation.valid.sum()) for p in parts if p.of == k) for k in range(len(observations))]
-    whole = [int(o.valid.sum()) for o in observations]
+    n_logs = parts[-1].of + 1
+    seen = [sum(int(p.observation.valid.sum()) for p in parts if p.of == k) for k in range(n_logs)]
+    whole = np.reshape(rows, (n_logs, -1)).sum(axis=1).tolist()
     return tuple(whole[p.of] / seen[p.of] if seen[p.of] else math.nan for p in parts)
 
 
@@ -95,21 +100,18 @@ def blocks_of(
     instruments : sequence of array, optional
         For each observation, an array of the shape of its W.
     """
-    total = len(observations) * observations[0].W.shape[0]
-    blocks = []
-    for k, seen in enumerate(observations):
-        first = k * seen.W.shape[0]
-        W, y = _among(seen.W, first, total), _among(seen.y, first, total)
-        Z = None if instruments is None else _among(instruments[k], first, total)
-        valid = _among(seen.valid, first, total)
-        blocks.append(ObservationBlock(W, y, valid, continues=False, instruments=Z))
-    return blocks
+    every: Sequence[FloatArray | None] = instruments or [None] * len(observations)
+    return [
+        block_of(seen, k, instruments=Z) for k, (seen, Z) in enumerate(zip(observations, every, strict=True))
+    ]
 
 
-def _among(own: Rows, first: int, total: int) -> Rows:
-    """Rows of the equations of one log among those of all, the others 0."""
-    if len(own) == total:
-        return own
-    rows = np.zeros((total, *own.shape[1:]), dtype=own.dtype)
-    rows[first : first + len(own)] = own
-    return rows
+def block_of(
+    seen: Observation,
+    number: int,
+    *,
+    continues: bool = False,
+    instruments: FloatArray | None = None,
+) -> ObservationBlock:
+    """Rows of log `number`, whose equations are its own, as a block that continues the last one or begins the log."""
+    return ObservationBlock(seen.W, seen.y, seen.valid, continues, instruments, number * seen.W.shape[0])

@@ -9,25 +9,28 @@ noise in W and differences that are no derivatives (`bias_of`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
-from symid.data import Log
+from symid.data import AnyLog, Log, LongLog
 from symid.errors import SettingError
 from symid.estimation import (
     LeastSquares,
     Method,
+    ObservationBlock,
     corrected_covariance_of_blocks,
     estimate,
-    refine,
-    triangular_factors,
+    refine_blocks,
 )
 from symid.identification.bias import bias_of, bias_of_instruments
+from symid.identification.blocks import Run, blocks_of_runs
 from symid.identification.excerpts import blocks_of, excerpts
-from symid.identification.observation import Observation, observe
+from symid.identification.misfit import misfit_of
+from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.result import Identification, trusted_covariance
 from symid.identification.settings import Preparation
@@ -45,7 +48,7 @@ _MANY_ROWS = 1_000_000
 
 def identify(
     model: GeneratedModel | DerivedModel,
-    logs: Log | Sequence[Log],
+    logs: AnyLog | Sequence[AnyLog],
     *,
     method: Method = "wls",
     preparation: Preparation | None = None,
@@ -59,8 +62,8 @@ def identify(
     ----------
     model : GeneratedModel or DerivedModel
         Regressor and maps, from `symid.load_generated` or `symid.derive`.
-    logs : Log or sequence of Log
-        Runs of one axis; every equation of every log gets a weight of its own.
+    logs : Log, LongLog or sequence of these
+        Runs of one axis; every equation of every log gets a weight of its own. A long log is identified in blocks.
     method : {"wls", "ols"}
         Weighted [24]-[30] or ordinary [20]-[23] least squares.
     preparation : Preparation, optional
@@ -95,25 +98,27 @@ def identify(
     (5.0, 1.0, 2.0)
     """
     model = as_generated(model)
-    runs = (logs,) if isinstance(logs, Log) else tuple(logs)
-    if not runs:
+    every = (logs,) if isinstance(logs, Log | LongLog) else tuple(logs)
+    if not every:
         raise SettingError("there is no log: give at least one")
-    if len(runs) > 1 and model.per_log:
+    if len(every) > 1 and model.per_log:
         raise SettingError(
             f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
         )
-    observations = tuple(observe(model, log, preparation or Preparation()) for log in runs)
-    fit = _estimated(observations, method, ddof)
-    found = found_from(model, runs, observations, fit, nominal=nominal)
-    return distrusted(found, runs) if examine and fit.status == "ok" else found
+    runs = tuple(Run.of(model, log, preparation or Preparation()) for log in every)
+    fit = _estimated(runs, method, ddof)
+    observations = tuple(run.observation for run in runs)
+    found = found_from(model, every, observations, fit, blocks=lambda: blocks_of_runs(runs), nominal=nominal)
+    return distrusted(found, every) if examine and fit.status == "ok" else found
 
 
 def found_from(
     model: GeneratedModel,
-    logs: Sequence[Log],
+    logs: Sequence[AnyLog],
     observations: tuple[Observation, ...],
     fit: LeastSquares,
     *,
+    blocks: Callable[[], Iterable[ObservationBlock]] | None = None,
     instruments: tuple[FloatArray, ...] | None = None,
     nominal: Mapping[str, float] | None = None,
 ) -> Identification:
@@ -123,19 +128,21 @@ def found_from(
     ----------
     model, nominal
         As in `identify`.
-    logs, observations : sequence of Log and tuple of Observation
-        What was estimated from.
+    logs, observations : sequence of logs and tuple of Observation
+        What was estimated from; of a long log, its first block.
     fit : LeastSquares
         The estimate.
+    blocks : callable, optional
+        Returns all rows each time it is called, where the observations do not hold them.
     instruments : tuple of array, optional
         For each observation an array of the shape of its W, for an estimate by instrumental variables.
     """
-    blocks = blocks_of(observations, instruments)
-    correlated = corrected_covariance_of_blocks(lambda: blocks, fit)
+    rows = blocks or partial(iter, blocks_of(observations, instruments))
+    correlated = corrected_covariance_of_blocks(rows, fit)
     physical: tuple[PhysicalEstimate, ...] = ()
     if fit.status == "ok":
         physical = physical_estimates(model, fit.parameters, trusted_covariance(fit, correlated), nominal)
-    status, message = verdict(model, fit, physical)
+    status, message = verdict(model, fit, physical, correlated)
     return Identification(
         model=model,
         logs=tuple(log.source for log in logs),
@@ -151,23 +158,22 @@ def found_from(
 
 
 def distrusted(
-    found: Identification, logs: Sequence[Log], instruments: tuple[FloatArray, ...] | None = None
+    found: Identification, logs: Sequence[AnyLog], instruments: tuple[FloatArray, ...] | None = None
 ) -> Identification:
     """The identification with what was found about timing and bias; parameters as in `found_from`."""
     parts = excerpts(found.model, logs, found.observations)
     timing = timing_of(found.model, parts, found.fit)
     if instruments is None:
-        bias = bias_of(found.model, parts, found.observations, found.fit)
+        bias = bias_of(found.model, parts, found.fit)
     else:
-        bias = bias_of_instruments(found.model, logs, found.observations, found.fit, instruments)
-    return distrust(replace(found, timing=timing, bias=bias))
+        whole = [log.window(0, log.n_samples) for log in logs]
+        bias = bias_of_instruments(found.model, whole, found.observations, found.fit, instruments)
+    return distrust(replace(found, timing=timing, bias=bias), misfit_of(found.model, parts, found.fit))
 
 
-def _estimated(observations: tuple[Observation, ...], method: Method, ddof: int | None) -> LeastSquares:
-    factors = [f for o in observations for f in triangular_factors(o.W, o.y, o.valid)]
-    fit = estimate(factors, method, ddof)
+def _estimated(runs: Sequence[Run], method: Method, ddof: int | None) -> LeastSquares:
+    fit = estimate([factor for run in runs for factor in run.factors()], method, ddof)
     worth_refining = sum(fit.rows) < _MANY_ROWS or fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS
-    if len(observations) == 1 and fit.status == "ok" and worth_refining:
-        (only,) = observations
-        fit = refine(only.W, only.y, fit, only.valid)
+    if len(runs) == 1 and fit.status == "ok" and worth_refining:
+        fit = refine_blocks(blocks_of_runs(runs), fit)
     return fit

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 
 from symid.axis import Axis
-from symid.data import Layout, Log, read_log
+from symid.data import MEMORY, AnyLog, Layout, Log, open_log, read_log
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -94,8 +94,55 @@ def read_axis_log(
     )
 
 
+def open_axis_log(
+    axis: Axis,
+    path: str | os.PathLike[str],
+    *,
+    measured: Sequence[str] | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    gains: Mapping[str, float] | None = None,
+    layout: Layout | None = None,
+    sampling_period: float | None = None,
+    memory: int = MEMORY,
+) -> AnyLog:
+    """Do what `read_axis_log` does for a log that fits in memory; of a longer one, read only windows.
+
+    Parameters
+    ----------
+    axis, path, measured, columns, units, gains, layout, sampling_period
+        As in `read_axis_log`.
+    memory : int
+        Bytes that the log and the rows made of it may take.
+
+    Raises
+    ------
+    LogError
+        If the log cannot be used.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis, shipped_folder
+    >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
+    >>> open_axis_log(load_axis("emps"), file, columns={"q": "qm"}).n_samples
+    24841
+    """
+    expected, alternatives = axis_columns(axis, measured)
+    return open_log(
+        path,
+        expected=expected,
+        alternatives=alternatives,
+        columns=columns,
+        units=units,
+        gains=gains,
+        layout=layout,
+        sampling_period=sampling_period,
+        memory=memory,
+    )
+
+
 def measured_signals(
-    axis: Axis, logs: Sequence[Log], measured: Sequence[str] | None = None
+    axis: Axis, logs: Sequence[AnyLog], measured: Sequence[str] | None = None
 ) -> tuple[str, ...]:
     """Sensors to use: those asked for, else those that all logs hold.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -63,7 +63,14 @@ class Observation:
     preparation: Preparation
 
 
-def observe(model: GeneratedModel, log: Log, preparation: Preparation, scheme: Scheme = PAPER) -> Observation:
+def observe(
+    model: GeneratedModel,
+    log: Log,
+    preparation: Preparation,
+    scheme: Scheme = PAPER,
+    *,
+    highest: FloatArray | None = None,
+) -> Observation:
     """Filter and differentiate a log, evaluate the regressor, decimate, and choose the rows.
 
     Parameters
@@ -76,6 +83,9 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation, scheme: S
         What is left open is chosen from the log.
     scheme : Scheme
         Another one than the paper's, to compare with it.
+    highest : array of shape (n_sliding,), optional
+        Highest speed of each sliding velocity, where that of the log itself is not the one that tells what standstill
+        is.
 
     Raises
     ------
@@ -85,17 +95,70 @@ def observe(model: GeneratedModel, log: Log, preparation: Preparation, scheme: S
         If a setting is not possible for this log.
     """
     chosen = completed(preparation, log, model)
-    before, after = chosen.trim or (0, 0)
-    if before + after >= log.n_samples:
-        raise SettingError(
-            f"trimming {before} and {after} of {log.n_samples} samples leaves nothing: trim less"
-        )
+    before, after = ends_of(chosen, log.n_samples)
     sampling = _sampling(model, log, chosen, scheme)
+    if sampling.n_samples <= sampling.padding:
+        raise SettingError(
+            f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
+            f"{sampling.padding} are required, trim less or give a longer log"
+        )
     W, y, velocities = _sampled(sampling, sampling.needs_velocities)
-    usable = _usable_rows(sampling, velocities)
+    usable = _usable_rows(sampling, velocities, highest)
     kept = kept_indices(sampling.n_samples, sampling.factor)
     places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
     return Observation(W.transpose(0, 2, 1), y, usable, log.start + log.sampling_period * places, chosen)
+
+
+def ends_of(chosen: Preparation, n_samples: int) -> tuple[int, int]:
+    """Samples trimmed at the beginning and at the end; SettingError if that leaves none."""
+    before, after = chosen.trim or (0, 0)
+    if before + after >= n_samples:
+        raise SettingError(f"trimming {before} and {after} of {n_samples} samples leaves nothing: trim less")
+    return before, after
+
+
+def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
+    """Highest speed of each sliding velocity between the trimmed ends of a log, shape (n_sliding,).
+
+    Parameters
+    ----------
+    model, log
+        As in `observe`.
+    chosen : Preparation
+        Complete.
+    """
+    sampling = _sampling(model, log, chosen, PAPER)
+    signals = sampling.window(0, sampling.n_samples)
+    velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
+    return np.asarray(np.max(np.abs(velocities), axis=1))
+
+
+def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[int, int]:
+    """Samples on either side that filtered signals with their derivatives need, and those that rows need of them.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Says how often signals are differentiated, and which laws are filtered.
+    chosen : Preparation
+        Complete.
+    period : float
+        Sampling period, s.
+    """
+    assert chosen.cutoff_hz is not None
+    signals = LowPass(chosen.cutoff_hz, chosen.order).zero_phase(1 / period).reach
+    signals += max(model.highest_derivatives.values()) * PAPER.reach
+    if chosen.late:
+        signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
+    rows = _Sampling(model, chosen, PAPER, period, {}, 0, 0).reach
+    return signals, rows + (_standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
+
+
+def _standstill_margin(chosen: Preparation, period: float) -> int:
+    """Samples on either side of a slow one that are left out: half a period of the cutoff, or one decimated sample."""
+    assert chosen.cutoff_hz is not None
+    factor = chosen.decimation or 1
+    return max(math.ceil(0.5 / (period * chosen.cutoff_hz)), factor if factor > 1 else 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +179,13 @@ class ForceRows:
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation) -> ForceRows:
         """That of a log, with the complete preparation of its observation."""
+        before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
-        alone = {name: log[name] if name == model.force else still for name in model.highest_derivatives}
-        run = Log(log.source, log.start, log.sampling_period, alone)
-        sampling = _sampling(_linear(model), run, chosen, PAPER)
-        return cls(sampling, QuinticSpline(sampling.signals[model.force]))
+        force = _filtered(model, log, chosen, PAPER.widening, (model.force,))
+        signals = {**dict.fromkeys(model.highest_derivatives, still), **force}
+        rest = log.n_samples - before - after
+        sampling = _Sampling(_linear(model), chosen, PAPER, log.sampling_period, signals, before, rest)
+        return cls(sampling, QuinticSpline(signals[model.force]))
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y, by a force that is moved `late` seconds to an earlier time."""
@@ -153,7 +218,7 @@ def _linear(model: GeneratedModel) -> GeneratedModel:
 
 def _sampling(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> _Sampling:
     before, after = chosen.trim or (0, 0)
-    signals = _filtered(model, log, chosen, scheme.widening)
+    signals = _filtered(model, log, chosen, scheme.widening, model.highest_derivatives)
     return _Sampling(
         model, chosen, scheme, log.sampling_period, signals, before, log.n_samples - before - after
     )
@@ -222,6 +287,11 @@ class _Sampling:
         """Samples on either side that the filters need."""
         return sum(f.reach for f in (self.low_pass, self.row_filter) if f is not None)
 
+    @property
+    def padding(self) -> int:
+        """Samples that there must be more of for the filters."""
+        return max((f.padding for f in (self.low_pass, self.row_filter) if f is not None), default=0)
+
     def window(self, first: int, last: int) -> dict[str, FloatArray]:
         """Flat names with the derivatives that the model needs, from sample `first` to before sample `last`.
 
@@ -283,35 +353,40 @@ def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray,
         out[row] = row_filter.apply(rows[row])[chosen]
 
 
-def _filtered(model: GeneratedModel, log: Log, chosen: Preparation, widening: float) -> dict[str, FloatArray]:
-    """Low-passed signals; the force only if the preparation says so."""
+def _filtered(
+    model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
+) -> dict[str, FloatArray]:
+    """Low-passed signals at the times at which they were; the force is filtered only if the preparation says so."""
     assert chosen.cutoff_hz is not None
-    signals = {name: log[name] for name in model.highest_derivatives}
+    signals = {name: log[name] for name in names}
     cutoff = max(chosen.cutoff_hz, min(widening * chosen.cutoff_hz, _WIDEST * log.sampling_frequency))
     lowpass = LowPass(cutoff, chosen.order)
     for name, values in signals.items():
         if chosen.filter_force or name != model.force:
             signals[name] = lowpass.apply(values, log.sampling_frequency, workers=_WORKERS)
     for name, seconds in chosen.late.items():
-        signals[name] = QuinticSpline(signals[name]).earlier(seconds / log.sampling_period)
+        if name in signals:
+            signals[name] = QuinticSpline(signals[name]).earlier(seconds / log.sampling_period)
     return signals
 
 
-def _usable_rows(sampling: _Sampling, velocities: FloatArray) -> BoolArray:
+def _usable_rows(sampling: _Sampling, velocities: FloatArray, highest: FloatArray | None) -> BoolArray:
     """Rows of each equation that are not near the standstill of a law that jumps there.
 
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
     them are left out: there filtered velocity and filtered friction have different signs.
     """
     chosen, factor = sampling.chosen, sampling.factor
-    assert chosen.cutoff_hz is not None
     usable = np.ones((len(sampling.model.sliding), -(-sampling.n_samples // factor)), dtype=bool)
-    margin = max(math.ceil(0.5 / (sampling.period * chosen.cutoff_hz)), factor if factor > 1 else 0)
+    margin = _standstill_margin(chosen, sampling.period)
     offset = kept_indices(sampling.n_samples, factor).start
     for row, velocity in enumerate(velocities):
         threshold = chosen.standstill
         if threshold is None:
-            threshold = _STANDSTILL_SHARE * max(float(velocity.max()), -float(velocity.min()))
+            own = (
+                max(float(velocity.max()), -float(velocity.min())) if highest is None else float(highest[row])
+            )
+            threshold = _STANDSTILL_SHARE * own
         concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
         mark = partial(
             _leave_out, velocity, threshold, margin, (offset, factor), [usable[j] for j in concerned]

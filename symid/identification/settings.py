@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, derivatives, faithful_share
+from symid.data import AnyLog, LowPass, derivatives, faithful_share
 from symid.errors import SettingError
+
+ComplexArray = npt.NDArray[np.complex128]
 
 _COHERENT = 0.8
 _MARGIN = 1.5
@@ -65,45 +68,99 @@ class Preparation:
         if self.trim is not None and min(self.trim) < 0:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
 
+    def with_held(self, signals: Iterable[str], sampling_period: float) -> Preparation:
+        """Settings under which forces that are held from sample to sample act half a sample later.
 
-def coherent_band(log: Log, model: GeneratedModel) -> float:
+        Examples
+        --------
+        >>> Preparation(late={"F": 1e-3}).with_held(["F"], 1e-3).late
+        {'F': 0.0005}
+        """
+        late = dict(self.late)
+        for signal in signals:
+            late[signal] = late.get(signal, 0.0) - sampling_period / 2
+        return replace(self, late=late)
+
+
+@dataclass(frozen=True, eq=False)
+class Spectra:
+    """Windowed Fourier transforms of segments of a log (Welch), shape (n_segments, n_frequencies).
+
+    Parameters
+    ----------
+    frequency : array of shape (n_frequencies,)
+        In Hz.
+    force, motion : array
+        Of the force, and of the second derivative of the signal that is differentiated most.
+    power : array of shape (n_frequencies,)
+        Of that signal itself, to a factor.
+    """
+
+    frequency: FloatArray
+    force: ComplexArray
+    motion: ComplexArray
+    power: FloatArray
+
+    @classmethod
+    def of(cls, log: AnyLog, model: GeneratedModel) -> Spectra:
+        """Those of a log; of one above a million samples, of evenly spread excerpts."""
+        recorded = _excerpts(log, model.most_differentiated)
+        length = min(_segment(log), recorded.shape[1])
+        bent = derivatives(recorded, log.sampling_period, 2)[1]
+        force, motion, itself = (
+            _transforms(x, length) for x in (_excerpts(log, model.force), bent, recorded)
+        )
+        power = _power(itself)
+        if length % 2 == 0:
+            power[-1] *= 0.5  # every other line stands for its negative too
+        return cls(np.arange(power.size) / (length * log.sampling_period), force, motion, power)
+
+
+def coherent_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = None) -> float:
     """Highest frequency at which force and motion are coherent, in Hz: above it a log holds only noise.
 
     The magnitude-squared coherence is averaged over segments (Welch); a frequency counts where it exceeds 0.8, and
     the spectrum is smoothed over five lines so that lines of noise do not count.
     """
-    force, name = model.force, model.most_differentiated
-    drive = _excerpts(log[force])
-    motion: FloatArray = derivatives(_excerpts(log[name]), log.sampling_period, 2)[1]
-    rate, length = log.sampling_frequency, _segment(log)
-    frequency, together = scipy.signal.csd(drive, motion, fs=rate, nperseg=length)
-    powers = [np.mean(scipy.signal.welch(x, fs=rate, nperseg=length)[1], axis=0) for x in (drive, motion)]
+    seen = spectra or Spectra.of(log, model)
+    together = np.mean(seen.force.conj() * seen.motion, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        coherent = np.abs(np.mean(together, axis=0)) ** 2 / powers[0] / powers[1]
+        coherent = np.abs(together) ** 2 / _power(seen.force) / _power(seen.motion)
     smooth = np.convolve(np.nan_to_num(coherent, posinf=0.0), np.full(5, 0.2), mode="same")
     above = np.flatnonzero(smooth > _COHERENT)
-    return float(frequency[above[-1]]) if above.size else log.sampling_frequency / 20
+    return float(seen.frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 
 
-def quiet_band(log: Log, model: GeneratedModel) -> float:
+def quiet_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = None) -> float:
     """Highest cutoff at which noise is no more than `_NOISE_SHARE` of the power of the highest derivative, in Hz.
 
     Noise in the columns of W draws the parameters towards zero by about this share (errors in variables). Its level is
     that of the log itself above 0.7 of the Nyquist frequency, taken as white.
     """
-    name = model.most_differentiated
-    frequency, powers = scipy.signal.welch(
-        _excerpts(log[name]), fs=log.sampling_frequency, nperseg=_segment(log)
-    )
-    power = np.mean(powers, axis=0)
+    seen = spectra or Spectra.of(log, model)
+    frequency, power = seen.frequency, seen.power
     noise = float(np.median(power[frequency > 0.35 * log.sampling_frequency]))
-    gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[name])
+    gain = (2 * np.pi * frequency) ** (2 * model.highest_derivatives[model.most_differentiated])
     share = np.cumsum(noise * gain)[1:] / np.maximum(np.cumsum(power * gain)[1:], np.finfo(float).tiny)
     quiet = np.flatnonzero(share < _NOISE_SHARE)
     return float(frequency[1:][quiet[-1]]) if quiet.size else float(frequency[1:][np.argmin(share)])
 
 
-def faithful_band(log: Log, model: GeneratedModel) -> float:
+def _transforms(x: FloatArray, length: int) -> ComplexArray:
+    """Transforms of segments that overlap by half, less their means, under a Hann window."""
+    step = length - length // 2
+    segments = np.lib.stride_tricks.sliding_window_view(x, length, axis=-1)[..., ::step, :]
+    window = scipy.signal.windows.hann(length, sym=False)
+    level = segments - segments.mean(axis=-1, keepdims=True)
+    level *= window
+    return np.asarray(scipy.fft.rfft(level, axis=-1, overwrite_x=True).reshape(-1, length // 2 + 1))
+
+
+def _power(transforms: ComplexArray) -> FloatArray:
+    return np.asarray(np.mean(transforms.real**2 + transforms.imag**2, axis=0))
+
+
+def faithful_band(log: AnyLog, model: GeneratedModel) -> float:
     """Frequency at which repeated central differences lose 3 % of the highest derivative [36], in Hz.
 
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
@@ -113,20 +170,20 @@ def faithful_band(log: Log, model: GeneratedModel) -> float:
     return share * log.sampling_frequency
 
 
-def _excerpts(values: FloatArray) -> FloatArray:
+def _excerpts(log: AnyLog, name: str) -> FloatArray:
     """Evenly spread parts of a long signal, one a row: enough for a spectrum; a shorter signal as it is."""
     length = _LONGEST // _EXCERPTS
-    if values.size <= _LONGEST:
-        return values[None]
-    starts = np.linspace(0, values.size - length, _EXCERPTS).astype(int)
-    return np.stack([values[start : start + length] for start in starts])
+    if log.n_samples <= _LONGEST:
+        return log.window(0, log.n_samples)[name][None]
+    starts = np.linspace(0, log.n_samples - length, _EXCERPTS).astype(int).tolist()
+    return np.stack([log.window(start, start + length)[name] for start in starts])
 
 
-def _segment(log: Log) -> int:
+def _segment(log: AnyLog) -> int:
     return max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
 
 
-def completed(given: Preparation, log: Log, model: GeneratedModel) -> Preparation:
+def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
     The cutoff is the lowest of 1.5 times the coherent band, the quiet band, and the faithful band; the decimation keeps
@@ -136,7 +193,12 @@ def completed(given: Preparation, log: Log, model: GeneratedModel) -> Preparatio
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
     if cutoff is None:
-        bands = (_MARGIN * coherent_band(log, model), quiet_band(log, model), faithful_band(log, model))
+        spectra = Spectra.of(log, model)
+        bands = (
+            _MARGIN * coherent_band(log, model, spectra),
+            quiet_band(log, model, spectra),
+            faithful_band(log, model),
+        )
         cutoff = float(f"{min(bands):.3g}")
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
     edge = min(math.ceil(3 * rate / cutoff) + max(model.highest_derivatives.values()), log.n_samples // 10)

@@ -21,19 +21,21 @@ _FAITHFUL = 0.997
 """Gain of the differences at the cutoff above which they are not the cause of a bias."""
 
 
-def distrust(found: Identification) -> Identification:
-    """The identification with status, message and notes about its timing and its bias.
+def distrust(found: Identification, misfit: str = "") -> Identification:
+    """The identification with status, message and notes about its timing, its bias, and what contradicts it.
 
     A status that it has already stays, and learns of the timing as a possible cause.
     """
     timing = found.timing if found.timing is not None and found.timing.is_significant else None
     status, message, notes = found.status, found.message, list(found.notes)
-    if timing is not None and status == "ok" and _is_fault(timing):
+    if timing is not None and status in ("ok", "poor_fit") and _is_fault(timing):
         status, message = "timing", timing.statement
     elif timing is not None and status != "ok":
         message = f"{message}; {timing.statement}"
     elif timing is not None:
         notes.append(timing.statement)
+    if misfit and status == "ok":
+        status, message = "poor_fit", misfit
     if names := found.dominated_by_bias:
         statement, is_large = _bias_statement(found, names)
         if status == "ok" and is_large:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from symid.codegen import GeneratedModel
-from symid.estimation import LeastSquares
+from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.physical import PhysicalEstimate
 
 Status = Literal[
@@ -17,6 +17,7 @@ Status = Literal[
     "poorly_excited",
     "no_physical_parameters",
     "not_physical",
+    "poor_fit",
     "timing",
     "biased",
     "weak_instruments",
@@ -26,14 +27,28 @@ _HIGHEST_CONDITION = 1e5
 """Of the scaled observation matrix; beyond it, noise of 0.001 % in a column changes the parameters by 100 %."""
 
 
+_FEW_ROWS = 10
+"""Rows for each parameter below which a residual that is hardly independent tells no deviation."""
+_FEWEST_ROWS = 4
+"""The same for a residual whose correlation does not die out within the lags that so few rows show."""
+_WORST_FIT = 0.5
+"""Residual beyond which, as part of the output, an equation says nothing: a quarter of the power is unexplained."""
+
+
 def verdict(
-    model: GeneratedModel, fit: LeastSquares, physical: tuple[PhysicalEstimate, ...]
+    model: GeneratedModel,
+    fit: LeastSquares,
+    physical: tuple[PhysicalEstimate, ...],
+    correlated: CorrelatedCovariance | None = None,
 ) -> tuple[Status, str]:
     """Status of an identification, and a sentence that says what it means here and what to do."""
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
         return "too_few_rows", f"{rows}: give a longer log or --standstill 0"
+    if correlated is not None and sum(fit.rows) < _rows_needed(correlated) * len(names):
+        rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
+        return "too_few_rows", f"{rows}: give a longer log"
     if fit.status == "rank_deficient":
         missing = ", ".join(names[i] for i in fit.undetermined)
         return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
@@ -52,7 +67,28 @@ def verdict(
     if negative := physical[0].negative(model):
         cause = "the model, the filter, the timing or the log does not fit"
         return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
+    if unexplained := _unexplained(model, fit):
+        cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
+        return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
+
+
+def _rows_needed(correlated: CorrelatedCovariance) -> int:
+    """Rows for each parameter from which a residual of such a correlation tells deviations."""
+    return {"ok": 1, "correlation_persists": _FEWEST_ROWS, "too_few_samples": _FEW_ROWS}[correlated.status]
+
+
+def _unexplained(model: GeneratedModel, fit: LeastSquares) -> str:
+    """Outputs of which a large part is left, and how much; equations of several logs come one log after the other."""
+    names = model.output_names
+    norms = np.reshape((fit.residual_norm, fit.y_norm), (2, -1, len(names)))
+    residual, y = np.sqrt(np.sum(norms**2, axis=1))
+    shares = np.divide(residual, y, out=np.zeros_like(y), where=y > 0)
+    return ", ".join(
+        f"{100 * share:.3g} % of {name}"
+        for name, share in zip(names, shares, strict=True)
+        if share > _WORST_FIT
+    )
 
 
 def _missing_motion(model: GeneratedModel, fit: LeastSquares) -> str:

@@ -74,7 +74,7 @@ def _page(found: Diagnosis) -> str:
 
     record = diagnosis_record(found)
     return (
-        _templates()
+        page_templates()
         .get_template("diagnosis.html")
         .render(
             d=record,
@@ -93,7 +93,7 @@ def _scale(record: dict[str, Any]) -> Scale:
     return scale_of([stage["multiple_of_floor"] for stage in record["waterfall"]])
 
 
-def _templates() -> jinja2.Environment:
+def page_templates() -> jinja2.Environment:
     """Templates that escape all text and know how reports write numbers."""
     templates = jinja2.Environment(
         loader=jinja2.PackageLoader("symid.report"),
@@ -113,6 +113,7 @@ def _templates() -> jinja2.Environment:
         numbers.band,
         numbers.change,
         numbers.words,
+        numbers.capitalize_first,
     ):
         templates.filters[write.__name__] = write
     templates.globals.update(colours=colours)

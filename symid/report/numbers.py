@@ -148,3 +148,14 @@ def words(name: str) -> str:
     'load dependent friction'
     """
     return name.replace("_", " ")
+
+
+def capitalize_first(text: str) -> str:
+    """A sentence with a capital letter at its begin; names within it stay as they are.
+
+    Examples
+    --------
+    >>> capitalize_first("within noise of Fs")
+    'Within noise of Fs'
+    """
+    return text[:1].upper() + text[1:]

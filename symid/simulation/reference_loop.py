@@ -14,7 +14,7 @@ from symid.axis import Axis, Position
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.closed_loop import simulate
-from symid.simulation.controller import Controller, tuned_cascade
+from symid.simulation.controller import Cascade, Controller, tuned_cascade
 from symid.simulation.plant import plant_of
 from symid.simulation.trajectory import Trajectory
 
@@ -60,6 +60,27 @@ class ClosedLoop:
             sensors=tuple(replace(s, noise=0.0, resolution=0.0, delay=0.0) for s in self.axis.sensors),
         )
         object.__setattr__(self, "axis", perfect)
+
+    @classmethod
+    def with_gains(cls, axis: Axis, gains: Mapping[str, float], rate_hz: float | None = None) -> ClosedLoop:
+        """The loop under a cascade of given gains, by the fields of `Cascade`; those left out are 0.
+
+        Without any, the controller is left open.
+
+        Raises
+        ------
+        SettingError
+            If there are gains, but none of the velocity loop.
+        """
+        loop = cls(axis, rate_hz=rate_hz)
+        if not gains:
+            return loop
+        if "velocity_gain" not in gains:
+            raise SettingError(
+                "--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller"
+            )
+        cascade = Cascade(loop.position, **{"position_gain": 0.0, "integral_gain": 0.0, **gains})
+        return replace(loop, controller=cascade)
 
     @property
     def position(self) -> str:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from symid.data import Log, read_log
 from symid.errors import LogError
-from symid.units import Unit
+from symid.units import Unit, to_si
 
 DATA = Path(__file__).parents[2] / "data"
 EXPECTED = {"q2": Unit.of("m"), "ddq1": Unit.of("m/s^2"), "Fm": Unit.of("N")}
@@ -350,3 +350,14 @@ def test_parquet_columns_that_are_no_numbers(tmp_path):
     log = read_log(path, expected=EXPECTED, units={"q2": "um"})
     assert log["q2"] == pytest.approx(Q2, abs=1e-6)
     assert log["Fm"].dtype == np.float64
+
+
+@pytest.mark.parametrize("unit", ["µ?", "mm!", "m;", "?"])
+def test_signs_that_no_unit_has_are_not_passed_over(unit):
+    with pytest.raises(LogError, match="is not known"):
+        to_si(unit)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("µm", 1e-6), ("m/s²", 1.0), ("N·m", 1.0), ("m s**-2", 1.0)])
+def test_units_as_they_are_written_are_known(unit, factor):
+    assert to_si(unit) == pytest.approx(factor)

@@ -169,3 +169,19 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     assert np.all(hits["classical"] < 0.6 * 150)
     assert np.all(hits["corrected"] >= 0.87 * 150)
     assert np.mean(hits["corrected"]) <= 0.99 * 150
+
+
+def test_equations_of_each_log_are_those_of_all_with_the_others_left_empty():
+    logs = [coloured(seed, rows=300 + 40 * seed) for seed in (3, 4, 5)]
+    fit = estimate([factor for log in logs for factor in triangular_factors(*log)])
+    own = [ObservationBlock(*log, continues=False, equation=2 * k) for k, log in enumerate(logs)]
+    padded = []
+    for k, arrays in enumerate(logs):
+        whole = [np.zeros((6, *array.shape[1:]), dtype=array.dtype) for array in arrays]
+        for array, among in zip(arrays, whole, strict=True):
+            among[2 * k : 2 * k + 2] = array
+        padded.append(ObservationBlock(*whole, continues=False))
+    found, expected = (corrected_covariance_of_blocks(lambda rows=rows: rows, fit) for rows in (own, padded))
+    np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-9)
+    assert found.effective_samples == pytest.approx(expected.effective_samples, rel=1e-9)
+    assert (found.status, found.bandwidth) == (expected.status, expected.bandwidth)

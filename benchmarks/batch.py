@@ -1,0 +1,136 @@
+"""`symid batch` of many logs: two cores against one, against a plain script, against the bare filter passes.
+
+Logs of an EMPS-like axis, 40 000 samples each, differ in their noise alone. "one core" and "two cores" are
+`identify_batch` with that many processes, each started before its time is taken; "unexamined" leaves out the
+examination of timing and bias, which the script does not make either. "script" reads each log and does the same
+job as one would write it down with numpy and scipy, with cutoff and decimation given instead of chosen, on one core.
+"passes" are scipy's sosfiltfilt alone, as many as the script runs. "cluster" is a Dask LocalCluster of two workers,
+if Dask is installed. All runs alternate; ratios are medians over the rounds.
+
+Usage: python benchmarks/batch.py [--logs 1000] [--rounds 3]
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from threadpoolctl import threadpool_limits
+
+import symid
+
+sys.path.insert(0, str(Path(__file__).parent))
+from identify_speed import run_passes, run_script, simulate_emps
+
+SAMPLES = 40_000
+AIM_TWO_CORES, AIM_SCRIPT, AIM_PASSES = 1.8, 3.0, 2.0
+WARM_UP = 4
+
+
+def write_logs(folder: Path, logs: int, samples: int = SAMPLES) -> list[Path]:
+    """Logs of one motion, each with noise of its own, as Parquet."""
+    paths = []
+    for seed in range(logs):
+        q, force = simulate_emps(samples, np.random.default_rng(seed))
+        path = folder / f"{seed:06d}.parquet"
+        pl.DataFrame({"t": np.arange(samples) / 1000.0, "q": q, "F": force}).write_parquet(path)
+        paths.append(path)
+    return paths
+
+
+def batch(
+    paths: list[Path], jobs: int | None = None, scheduler: str | None = None, examine: bool = True
+) -> None:
+    """Identify each log alone."""
+    settings = symid.BatchSettings(examine=examine)
+    done = symid.identify_batch("emps", paths, jobs=jobs, scheduler=scheduler, settings=settings)
+    assert done.statuses == {"ok": len(paths)}, done.statuses
+
+
+def plain(paths: list[Path], job: Callable[..., object]) -> None:
+    """Read each log and do a job of `identify_speed` with it."""
+    settings = chosen(paths[0])
+    for path in paths:
+        frame = pl.read_parquet(path)
+        job({name: frame[name].to_numpy() for name in ("q", "F")}, settings)
+
+
+def chosen(path: Path) -> dict[str, float | int]:
+    """Cutoff and decimation that symid chooses for a log."""
+    row = symid.identify_batch("emps", path, settings=symid.BatchSettings(examine=False)).rows[0]
+    return {"cutoff": row["cutoff_hz"], "factor": row["decimation"]}
+
+
+def runs(stack: ExitStack) -> dict[str, Callable[[list[Path]], None]]:
+    """What is compared, by name."""
+    found: dict[str, Callable[[list[Path]], None]] = {
+        "one core": lambda paths: batch(paths, jobs=1),
+        "two cores": lambda paths: batch(paths, jobs=2),
+        "unexamined, one core": lambda paths: batch(paths, jobs=1, examine=False),
+        "script": lambda paths: plain(paths, lambda log, s: run_script("emps", log, s)),
+        "passes": lambda paths: plain(paths, lambda log, s: run_passes("emps", log, s, 1)),
+    }
+    if find_spec("distributed"):
+        from distributed import LocalCluster
+
+        cluster = stack.enter_context(
+            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50)
+        )
+        found["cluster of two"] = lambda paths: batch(paths, scheduler=cluster.scheduler_address)
+    return found
+
+
+def measured(paths: list[Path], rounds: int) -> dict[str, np.ndarray]:
+    """Seconds of each run in each round."""
+    seconds: dict[str, list[float]] = {}
+    with ExitStack() as stack:
+        stack.enter_context(threadpool_limits(1))
+        compared = runs(stack)
+        for run in compared.values():
+            run(paths[:WARM_UP])
+        for _ in range(rounds):
+            for name, run in compared.items():
+                begin = time.perf_counter()
+                run(paths)
+                seconds.setdefault(name, []).append(time.perf_counter() - begin)
+    return {name: np.array(values) for name, values in seconds.items()}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--logs", type=int, default=1000)
+    parser.add_argument("--rounds", type=int, default=3)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        paths = write_logs(Path(name), options.logs)
+        seconds = measured(paths, options.rounds)
+    print(f"{options.logs} logs of {SAMPLES} samples, median of {options.rounds} alternating rounds")
+    for run, times in seconds.items():
+        middle = float(np.median(times))
+        rate = options.logs * SAMPLES / middle
+        print(f"  {run:22}{middle:9.2f} s{1e3 * middle / options.logs:9.1f} ms a log{rate:12.3g} samples/s")
+    for text, over, under, aim, more in (
+        ("two cores are faster than one", "one core", "two cores", AIM_TWO_CORES, True),
+        ("cluster of two is faster than one core", "one core", "cluster of two", AIM_TWO_CORES, True),
+        ("one core is faster than the script", "script", "one core", AIM_SCRIPT, True),
+        ("unexamined is faster than the script", "script", "unexamined, one core", AIM_SCRIPT, True),
+        ("one core takes longer than the passes", "one core", "passes", AIM_PASSES, False),
+        ("unexamined takes longer than the passes", "unexamined, one core", "passes", AIM_PASSES, False),
+    ):
+        if over in seconds and under in seconds:
+            ratio = float(np.median(seconds[over] / seconds[under]))
+            met = ratio >= aim if more else ratio <= aim
+            print(f"{text}: {ratio:.2f} times (aim {aim:g}: {'met' if met else 'MISSED'})")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,201 @@
+"""What `symid identify` says of a damaged log, and whether that may be."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import signal
+import tempfile
+import traceback
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+from hypothesis import strategies as st
+
+from benchmarks.damage.kinds import OF_BYTES, OF_COLUMNS, OF_FRAME, OF_TEXT
+from benchmarks.damage.log import AXIS, FORMS, TRUTH, as_bytes, good_log, write
+from symid.cli import main
+
+KINDS = ("none", *OF_COLUMNS, *OF_BYTES, *OF_TEXT, *OF_FRAME, "wrong_suffix")
+
+UNTOLD = ("wrong_unit",)
+"""Damage that no log tells of: a channel that is scaled as a whole leaves a log of another axis."""
+
+PATIENCE = 20
+"""Seconds after which a command hangs."""
+
+TOLERANCE = 0.05
+DEVIATIONS = 6.0
+"""A parameter is right within 5 % of the truth, or within 6 corrected standard deviations."""
+
+FAILURES = ("traceback", "hang", "warning", "several lines", "wrong")
+
+
+@dataclass(frozen=True, order=True)
+class Damage:
+    """A damaged log, as it can be made again.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    form : str
+        csv, parquet or mat, where the kind does not say it.
+    blocks : bool
+        Whether the log is read in blocks.
+    extent : float
+        From 0 to 1.
+    seed : int
+        Of everything else.
+    """
+
+    kind: str
+    form: str
+    blocks: bool
+    extent: float
+    seed: int
+
+    @classmethod
+    def parse(cls, text: str) -> Damage:
+        """The damage that `str` wrote."""
+        kind, form, blocks, extent, seed = text.split(":")
+        return cls(kind, form, blocks == "blocks", float(extent), int(seed))
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.form}:{'blocks' if self.blocks else 'whole'}:{self.extent!r}:{self.seed}"
+
+    def file(self, folder: Path) -> Path:
+        """The damaged file."""
+        columns, rng = good_log(self.seed), np.random.default_rng(self.seed)
+        if self.kind in OF_TEXT:
+            return write(folder, OF_TEXT[self.kind](columns, rng, self.extent), "csv")
+        if self.kind in OF_FRAME:
+            out = io.BytesIO()
+            OF_FRAME[self.kind](columns, rng, self.extent).write_parquet(out)
+            return write(folder, out.getvalue(), "parquet")
+        if self.kind in OF_COLUMNS:
+            columns = OF_COLUMNS[self.kind](columns, rng, self.extent)
+        content, suffix = as_bytes(columns, self.form), self.form
+        if self.kind in OF_BYTES:
+            content = OF_BYTES[self.kind](content, rng, self.extent)
+        if self.kind == "wrong_suffix":
+            suffix = str(rng.choice([*(form for form in FORMS if form != self.form), "txt", "CSV.gz", ""]))
+        return write(folder, content, suffix)
+
+
+damages = st.builds(
+    Damage,
+    kind=st.sampled_from(KINDS),
+    form=st.sampled_from(FORMS),
+    blocks=st.booleans(),
+    extent=st.floats(0.0, 1.0),
+    seed=st.integers(0, 2**32 - 1),
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a damaged log.
+
+    Parameters
+    ----------
+    verdict : str
+        "refused" (one line, exit code 2), a status, "ok" with right parameters, "untold" (wrong parameters that nothing
+        in the log speaks against), or one of `FAILURES`.
+    detail : str
+        What was said, or the parameters.
+    """
+
+    verdict: str
+    detail: str
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether this must not be."""
+        return self.verdict in FAILURES
+
+
+class _Hangs(BaseException):
+    pass
+
+
+@contextlib.contextmanager
+def _limited(seconds: int) -> Iterator[None]:
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise _Hangs
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def outcome_of(damage: Damage) -> Outcome:
+    """Write the log, identify it in this process, and judge what is said."""
+    out, err = io.StringIO(), io.StringIO()
+    with tempfile.TemporaryDirectory() as folder:
+        file = damage.file(Path(folder))
+        arguments = [
+            "identify",
+            AXIS,
+            str(file),
+            "--json",
+            "-",
+            *(["--memory", "1kB"] if damage.blocks else []),
+        ]
+        code: object = None
+        with warnings.catch_warnings(record=True) as warned, _limited(PATIENCE):
+            warnings.simplefilter("always")
+            try:
+                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                    main(arguments)
+            except SystemExit as stop:
+                code = stop.code
+            except _Hangs:
+                return Outcome("hang", f"more than {PATIENCE} s")
+            except KeyboardInterrupt:
+                raise
+            except BaseException:  # noqa: BLE001  # whatever comes through is what is looked for
+                return Outcome("traceback", traceback.format_exc())
+    if warned:
+        return Outcome("warning", f"{warned[0].message} in {warned[0].filename}:{warned[0].lineno}")
+    return _judged(damage, code, out.getvalue(), err.getvalue())
+
+
+def _judged(damage: Damage, code: object, out: str, err: str) -> Outcome:
+    if code == 2:
+        lines = err.splitlines()
+        fine = len(lines) == 1 and lines[0].startswith("symid: ") and not out
+        return Outcome("refused" if fine else "several lines", err)
+    if code != 0:
+        return Outcome("traceback", f"exit code {code}: {err}")
+    record = json.loads(out)
+    if record["status"] != "ok":
+        return Outcome(record["status"], record["message"])
+    off = {
+        name: record["physical"][name]
+        for name, true in TRUTH.items()
+        if not _right(record["physical"][name], true)
+    }
+    said = ", ".join(f"{name} {p['value']} ({p['std_corrected']})" for name, p in off.items())
+    if not off:
+        return Outcome("ok", "")
+    residual = ", ".join(f"{r['relative']:.3g}" for r in record["residual"].values())
+    return Outcome(
+        "untold" if damage.kind in UNTOLD else "wrong", f"{said}; residual {residual}; {record['notes']}"
+    )
+
+
+def _right(parameter: dict[str, float | None], true: float) -> bool:
+    value, deviation = parameter["value"], parameter["std_corrected"]
+    if deviation is None:
+        deviation = parameter["std"]
+    return value is not None and abs(value - true) <= max(TOLERANCE * true, DEVIATIONS * (deviation or 0.0))

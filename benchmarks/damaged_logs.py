@@ -1,0 +1,91 @@
+"""Damaged logs by the thousand: `symid identify` must refuse them in one line, give them a status, or be right.
+
+Hypothesis draws the kind of damage (benchmarks/damage/kinds.py), the kind of file, how far the damage goes, and whether
+the log is read in blocks. Every log is identified in this process by the command's own function. A failure is a
+traceback, a warning, a message of several lines, more than 20 s, or a status "ok" beside a parameter that is off by
+more than 5 % and by more than 6 corrected standard deviations. Printed are the counts by kind and verdict, and every
+failure with the argument that repeats it. The exit code is 1 if there is one.
+
+Usage: python -m benchmarks.damaged_logs [--examples 5000] [--seed 0]
+       python -m benchmarks.damaged_logs --repeat KIND:FORM:whole|blocks:EXTENT:SEED
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+import time
+from collections import Counter
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from benchmarks.damage.outcome import Damage, Outcome, damages, outcome_of
+
+
+def examined(examples: int, number: int) -> dict[Damage, Outcome]:
+    """Outcomes of so many damaged logs, or of those until Ctrl-C; failures are told at once."""
+    found: dict[Damage, Outcome] = {}
+
+    @seed(number)
+    @settings(
+        max_examples=examples,
+        deadline=None,
+        database=None,
+        derandomize=False,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(damages)
+    def look(damage: Damage) -> None:
+        if damage not in found:
+            found[damage] = outcome_of(damage)
+            if found[damage].is_failure:
+                print(f"{found[damage].verdict}: --repeat {damage}", file=sys.stderr, flush=True)
+
+    with contextlib.suppress(KeyboardInterrupt):
+        look()
+    return found
+
+
+def table(found: dict[Damage, Outcome]) -> str:
+    """Counts by kind and verdict."""
+    verdicts = list(Counter(outcome.verdict for outcome in found.values()))
+    lines = [" ".join(["kind".ljust(18), *(verdict.rjust(max(len(verdict), 4)) for verdict in verdicts)])]
+    for kind in [*sorted({damage.kind for damage in found}), None]:
+        counts = Counter(o.verdict for d, o in found.items() if kind in (d.kind, None))
+        cells = (str(counts[v] or "-").rjust(max(len(v), 4)) for v in verdicts)
+        lines.append(" ".join([(kind or "all").ljust(18), *cells]))
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Print the table and the failures."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--examples", type=int, default=5000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--repeat", metavar="DAMAGE", help="one log, with all that was said")
+    given_ = parser.parse_args()
+    if given_.repeat:
+        outcome = outcome_of(Damage.parse(given_.repeat))
+        print(outcome.verdict, outcome.detail, sep="\n")
+        return int(outcome.is_failure)
+    begin = time.perf_counter()
+    found = examined(given_.examples, given_.seed)
+    print(table(found))
+    failures = {damage: outcome for damage, outcome in found.items() if outcome.is_failure}
+    for damage, outcome in sorted(failures.items()):
+        last = (
+            outcome.detail.strip().splitlines()[-1]
+            if outcome.verdict == "traceback"
+            else outcome.detail.strip()
+        )
+        print(f"{outcome.verdict}: --repeat {damage}\n    {last}")
+    print(f"{len(found)} logs, {len(failures)} failures, {time.perf_counter() - begin:.0f} s")
+    return int(bool(failures))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

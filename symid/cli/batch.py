@@ -1,0 +1,133 @@
+"""`symid batch`: many logs, one row each."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import click
+
+from symid.axis import load_axis
+from symid.cli.fleet import page_of, write_page
+from symid.cli.identify import (
+    foreign_columns,
+    late_of,
+    log_options,
+    loop_options,
+    preparation_of,
+    preparation_options,
+    said_guesses,
+)
+from symid.cli.options import (
+    bytes_of,
+    cascade_gains,
+    json_option,
+    measured_option,
+    parameter_file,
+    shared,
+    signal_list,
+    write_json,
+)
+from symid.cli.progress import tracked, working
+from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
+from symid.fleet.settings import METHODS
+from symid.report.batch import print_batch
+
+batch_options = shared(
+    click.option(
+        "-o",
+        "--output",
+        required=True,
+        multiple=True,
+        metavar="RESULTS",
+        help="Table to write, .parquet or .csv; give it twice for both.",
+    ),
+    click.option(
+        "--also",
+        multiple=True,
+        metavar="AXIS",
+        help="Another axis; a log is of the first whose signals it has.",
+    ),
+    click.option("--jobs", type=int, metavar="N", help="Processes [as many as there are cores]."),
+    click.option(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler of a cluster, such as tcp://10.0.0.1:8786."
+    ),
+    click.option(
+        "--memory",
+        default="1GB",
+        show_default=True,
+        metavar="SIZE",
+        help="What a log may take in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+    ),
+    click.option(
+        "--joint",
+        is_flag=True,
+        help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
+    ),
+    click.option("--report", metavar="OUT.html", help="Write the page of symid fleet too."),
+    click.option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
+)
+
+
+@click.command("batch", epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm")
+@click.argument("axis")
+@click.argument("logs", nargs=-1, required=True, metavar="LOG ...")
+@batch_options
+@click.option(
+    "--method", type=click.Choice(METHODS), default="wls", show_default=True, help="As in symid identify."
+)
+@measured_option
+@log_options
+@preparation_options
+@loop_options
+@click.option("--ddof", type=int, help="As in symid identify.")
+@click.option(
+    "--nominal", metavar="P.json", help="Nominal parameters: a start, and the simulation to diagnose."
+)
+@json_option
+def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: Any) -> None:
+    """Identify AXIS from each LOG alone, in parallel: one row a log.
+
+    LOG is a file, a folder or a pattern. A log that cannot be used is a row that says why. Stopped at any time,
+    the same command continues: finished logs are done again only if the log, the axis or the settings changed.
+    """
+    said_guesses(options)
+    page = page_of(options["report"])
+    try:
+        batch = identify_batch(
+            (axis, *options["also"]),
+            logs,
+            output=options["output"],
+            settings=_settings(axis, options),
+            jobs=options["jobs"],
+            scheduler=options["scheduler"],
+            track=lambda rows, total: tracked(rows, "logs", total),
+        )
+    except Interrupted as stop:
+        print(f"symid: {stop}", file=sys.stderr)
+        sys.exit(130)
+    if page:
+        with working("reviewing"):
+            write_page(review_fleet(batch.table, units=batch.units), page)
+    record = summary_of(batch)
+    if json_file:
+        write_json(record, json_file)
+    if json_file != "-":
+        print_batch(record)
+
+
+def _settings(axis: str, options: dict[str, Any]) -> BatchSettings:
+    return BatchSettings(
+        method=options["method"],
+        measured=signal_list(options["measured"]),
+        preparation=preparation_of(options, late_of(options)),
+        held=options["held"],
+        ddof=options["ddof"],
+        nominal=parameter_file(options["nominal"], load_axis(axis)) if options["nominal"] else None,
+        controller=cascade_gains(options["gains"]),
+        rate_hz=options["rate"],
+        diagnose=options["diagnose"],
+        joint=options["joint"],
+        memory=bytes_of(options["memory"], "--memory"),
+        **foreign_columns(options),
+    )

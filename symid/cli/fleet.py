@@ -1,0 +1,114 @@
+"""`symid fleet`: what the results of a batch say of a fleet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from symid.axis import load_axis
+from symid.cli.options import json_option, signal_list, write_json
+from symid.cli.progress import working
+from symid.codegen import GeneratedModel, load_generated
+from symid.fleet import (
+    FleetReview,
+    JointIdentification,
+    join_results,
+    read_results,
+    review_fleet,
+    units_in,
+)
+from symid.report.fleet import fleet_record, print_fleet
+
+
+@click.command("fleet", epilog="Example: symid fleet results.parquet --report fleet.html")
+@click.argument("results", metavar="RESULTS.parquet")
+@click.option(
+    "--by",
+    type=click.Choice(["axis", "folder"]),
+    default="axis",
+    show_default=True,
+    help="What one machine is: all logs of an axis, or those in one folder.",
+)
+@click.option(
+    "--order",
+    type=click.Choice(["recorded", "name"]),
+    default="recorded",
+    show_default=True,
+    help="Order of the charts: the times of the files, or the names of the logs where copying has lost the times.",
+)
+@click.option(
+    "--status",
+    "statuses",
+    default="ok",
+    show_default=True,
+    metavar="NAMES",
+    help="Logs whose parameters enter, by status, such as ok,biased.",
+)
+@click.option(
+    "--without",
+    metavar="NAMES",
+    help="Parameters that differ from log to log by their nature, such as an unknown zero.",
+)
+@click.option(
+    "--joint",
+    is_flag=True,
+    help="Join the logs of each axis into one estimate, from the factors that symid batch --joint has kept.",
+)
+@click.option(
+    "--axis",
+    "declared",
+    multiple=True,
+    metavar="AXIS",
+    help="File of an axis in the results, for --joint, where its name does not find it.",
+)
+@click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
+@json_option
+def command(results: str, **options: Any) -> None:
+    """Review RESULTS of a batch: spread between runs, changes over time, outliers, effects."""
+    table, statuses = read_results(results), signal_list(options["statuses"]) or ()
+    page = page_of(options["report"])
+    by_folder = options["by"] == "folder"
+    with working("reviewing"):
+        found = review_fleet(
+            table,
+            units=units_in(results),
+            statuses=statuses,
+            without=signal_list(options["without"]) or (),
+            by_folder=by_folder,
+            by_name=options["order"] == "name",
+        )
+        joined = None
+        if options["joint"]:
+            models = partial(_model, {load_axis(source).name: source for source in options["declared"]})
+            joined = join_results(table, models, statuses=statuses, by_folder=by_folder)
+    if page:
+        write_page(found, page, joined)
+    record = fleet_record(found, joined)
+    if options["json_file"]:
+        write_json(record, options["json_file"])
+    if options["json_file"] != "-":
+        print_fleet(record)
+
+
+def page_of(file: str | None) -> Path | None:
+    """Path of a page, checked before any work is done."""
+    from symid.report.html import html_path
+
+    return html_path(file) if file else None
+
+
+def write_page(
+    found: FleetReview, page: Path, joined: Mapping[str, JointIdentification] | None = None
+) -> None:
+    """Write the page of a review."""
+    from symid.report.fleet_page import write_fleet_html  # jinja2 is loaded only where a page is written
+
+    write_fleet_html(found, page, joined)
+
+
+def _model(files: Mapping[str, str], axis: str, sensors: tuple[str, ...]) -> GeneratedModel:
+    return load_generated(files.get(axis, axis), sensors or None)

@@ -1,0 +1,162 @@
+"""Which column of a file holds which signal, and the factor that makes it SI."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symid.errors import LogError
+from symid.units import Unit, to_si
+
+REFERENCE: Final = "reference"
+"""Column of the commanded position, kept where there is one."""
+
+TIME: Final = "t"
+_HEADER: Final = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a signal comes from: position of its column and the factor that makes it SI."""
+
+    signal: str
+    position: int
+    factor: float
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """What the user says about the columns of a file, and what the axis declares.
+
+    Parameters
+    ----------
+    headers : tuple of str
+        Of the file.
+    expected, alternatives, columns, units, gains
+        As in `read_log`.
+    """
+
+    headers: tuple[str, ...]
+    expected: Mapping[str, Unit]
+    alternatives: Mapping[str, tuple[str, float]]
+    columns: Mapping[str, str]
+    units: Mapping[str, str]
+    gains: Mapping[str, float]
+
+
+def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
+    """Column and factor of each signal that the file has; raises all faults of the assignment together."""
+    faults = list(_unknown_keys(given))
+    sources: list[Source] = []
+    for signal in dict.fromkeys((TIME, *given.expected, REFERENCE)):
+        try:
+            source = _source(given, signal, must=signal == TIME or signal in named)
+        except LogError as error:
+            faults.append(str(error))
+            continue
+        if source is not None:
+            sources.append(source)
+    if not faults and not any(source.signal in given.expected for source in sources):
+        faults.append(
+            f"has none of the signals {', '.join(given.expected)}: {_there(given.headers)}, "
+            f"name one with --column {next(iter(given.expected), 'q')}=NAME"
+        )
+    if faults:
+        raise LogError("; ".join(faults))
+    return tuple(sources)
+
+
+def names_of(headers: Collection[str]) -> frozenset[str]:
+    """Names by which columns may be meant: headers with and without their units.
+
+    Examples
+    --------
+    >>> sorted(names_of(["q [mm]"]))
+    ['q', 'q [mm]']
+    """
+    return frozenset(headers) | {_split(header)[0] for header in headers}
+
+
+def _unknown_keys(given: Assignment) -> list[str]:
+    known = {TIME, REFERENCE, *given.expected, *(name for name, _ in given.alternatives.values())}
+    keys = dict.fromkeys([*given.columns, *given.units, *given.gains])
+    return [
+        f"signal {key!r} is not known{_similar(key, known)}: the axis has {', '.join(given.expected)}"
+        for key in keys
+        if key not in known
+    ]
+
+
+def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
+    column = given.columns.get(signal, signal)
+    position = _position(given.headers, column)
+    unit = Unit.of("s") if signal == TIME else given.expected.get(signal)
+    if position is not None:
+        return Source(signal, position, _factor(given, signal, position, unit))
+    if must:
+        what = "time" if signal == TIME else f"signal {signal!r}"
+        hint = "map it with" if signal == TIME else "correct"
+        raise LogError(
+            f"there is no column {column!r} for the {what}{_similar(column, given.headers)}: "
+            f"{_there(given.headers)}, {hint} --column {signal}=NAME"
+        )
+    if signal not in given.alternatives:
+        return None
+    other, gain = given.alternatives[signal]
+    position = _position(given.headers, given.columns.get(other, other))
+    if position is None:
+        return None
+    if signal in given.units or signal in given.gains:
+        raise LogError(
+            f"unit or gain of {signal!r} is given, but it is made from column {given.headers[position]!r}: "
+            f"add --column {signal}={_split(given.headers[position])[0]} or drop them"
+        )
+    return Source(signal, position, gain * _factor(given, other, position, None))
+
+
+def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) -> float:
+    header = given.headers[position]
+    text = given.units.get(signal, _split(header)[1])
+    gain = float(given.gains.get(signal, 1.0))
+    if not np.isfinite(gain) or gain == 0.0:
+        raise LogError(f"gain {gain:g} of {signal!r} is not possible: give a finite number other than zero")
+    if text is None:
+        return gain
+    try:
+        return gain * to_si(text, unit)
+    except LogError as error:
+        raise LogError(f"column {header!r}: {error}") from error
+
+
+def _split(header: str) -> tuple[str, str | None]:
+    """Name and unit of a header."""
+    match = _HEADER.fullmatch(header)
+    return (match["name"], match["unit"].strip()) if match else (header, None)
+
+
+def _position(headers: Sequence[str], column: str) -> int | None:
+    """Position of the column with this header or, failing that, with this name before its unit."""
+    wanted = column.strip()
+    for names in (headers, [_split(header)[0] for header in headers]):
+        found = [position for position, name in enumerate(names) if name == wanted]
+        if len(found) > 1:
+            same = ", ".join(repr(headers[position]) for position in found)
+            raise LogError(f"column {column!r} is there {len(found)} times ({same}): rename all but one")
+        if found:
+            return found[0]
+    return None
+
+
+def _there(headers: Sequence[str]) -> str:
+    shown = ", ".join(headers[:20]) + (", ..." if len(headers) > 20 else "")
+    return f"the file has {shown}" if headers else "the file has no columns of numbers"
+
+
+def _similar(name: str, names: Collection[str]) -> str:
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    return f" (did you mean {close[0]!r}?)" if close else ""

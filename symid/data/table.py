@@ -1,0 +1,82 @@
+"""What a file is read as: named columns, as a whole or in slices of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import polars as pl
+
+from symid.arrays import FloatArray
+from symid.errors import LogError
+
+POLARS_FAILURES: Final = (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, ValueError)
+"""What polars raises for a file that it cannot read."""
+
+
+@dataclass(frozen=True)
+class Slices:
+    """Rows of some columns of a file, of which slices are read.
+
+    Parameters
+    ----------
+    n_rows : int
+        Rows of the file.
+    read : callable
+        Takes the first row and the one behind the last; gives what `read` of a table gives, of these rows.
+    """
+
+    n_rows: int
+    read: Callable[[int, int], list[FloatArray | str]]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Named columns of a file.
+
+    Parameters
+    ----------
+    headers : tuple of str
+        Header of each column as written in the file.
+    read : callable
+        Takes positions of columns, gives for each its values, with NaN where the file has none, or a sentence
+        that says why they cannot be used.
+    slices : callable, optional
+        Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole.
+    """
+
+    headers: tuple[str, ...]
+    read: Callable[[Sequence[int]], list[FloatArray | str]]
+    slices: Callable[[Sequence[int]], Slices] | None = None
+
+
+@contextmanager
+def said_of(file: Path) -> Iterator[None]:
+    """Put the name of a file before what is wrong with it."""
+    try:
+        yield
+    except LogError as error:
+        message = str(error)
+        raise (
+            error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
+        ) from error.__cause__
+
+
+def first_line(error: BaseException) -> str:
+    """First line of what an error says."""
+    lines = str(error).strip().splitlines()
+    return lines[0].rstrip(".") if lines else type(error).__name__
+
+
+def damaged(path: Path, kind: str, error: BaseException) -> LogError:
+    """Error for a file that is not what its suffix says."""
+    return LogError(f"{path}: is damaged or no {kind} file ({first_line(error)}): write it again")
+
+
+def values_of(numbers: pl.Series) -> FloatArray:
+    """Values of a column, NaN where it has none."""
+    return np.asarray(numbers.fill_null(float("nan")).to_numpy(), dtype=np.float64)

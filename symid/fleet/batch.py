@@ -1,0 +1,227 @@
+"""`identify_batch`: from many logs to a table with a row for each, as a table of contents."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+
+from symid.axis import Axis
+from symid.errors import SymidError
+from symid.fleet.journal import Journal, journal_file, read_journal
+from symid.fleet.plan import PathLike, fleet_axes, log_files
+from symid.fleet.results import Units
+from symid.fleet.row import Row
+from symid.fleet.schedulers import scheduler_of
+from symid.fleet.settings import BatchSettings
+from symid.fleet.table import (
+    parameter_columns,
+    read_rows,
+    result_files,
+    table_of,
+    units_of,
+    write_table,
+)
+from symid.fleet.work import Outcome, Task, killed, work
+
+Track = Callable[[Iterable[Any], int], Iterable[Any]]
+_BEFORE = ".before"
+
+
+class Interrupted(KeyboardInterrupt):
+    """A batch was interrupted.
+
+    Attributes
+    ----------
+    rows : int
+        Rows that are finished.
+    journal : Path or None
+        File that holds them.
+    """
+
+    def __init__(self, rows: int, journal: Path | None) -> None:
+        self.rows, self.journal = rows, journal
+        super().__init__(f"interrupted: {_kept(rows, journal)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Results of a batch.
+
+    Parameters
+    ----------
+    rows : tuple of mapping
+        One for each log, in the order of the logs.
+    units : mapping
+        From axis to sensors to parameter to unit.
+    diagnosed : bool
+        Whether the logs were diagnosed.
+    joint : bool
+        Whether the rows hold the triangular factors of their logs, see `BatchSettings`.
+    reused : int
+        Rows that an earlier run had made.
+    files : tuple of Path
+        Files written.
+    replaced : Path or None
+        Where the former table is kept if it held logs that this one does not.
+    """
+
+    rows: tuple[Row, ...]
+    units: Units
+    diagnosed: bool
+    joint: bool
+    reused: int
+    files: tuple[Path, ...]
+    replaced: Path | None
+
+    @cached_property
+    def table(self) -> pl.DataFrame:
+        """The rows as a table, as the files hold it."""
+        return table_of(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
+
+    @property
+    def statuses(self) -> dict[str, int]:
+        """How many logs have each status, the most frequent first."""
+        return dict(Counter(str(row["status"]) for row in self.rows).most_common())
+
+
+def identify_batch(
+    axes: str | Axis | Sequence[str | Axis],
+    logs: PathLike | Iterable[PathLike],
+    *,
+    output: PathLike | Iterable[PathLike] | None = None,
+    settings: BatchSettings | None = None,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    folder: Path | None = None,
+    track: Track = lambda rows, total: rows,
+) -> Batch:
+    """Identify each of many logs alone; a log that cannot be identified becomes a row that says why.
+
+    With `output` the batch can be stopped at any time, even by a power failure: called again, it does what is left.
+    A row is used again if the bytes of its log, the declaration of its axis, the settings and the version of symid
+    are the same.
+
+    Parameters
+    ----------
+    axes : str, Axis or sequence of them
+        As in `symid.load_generated`. Of several, a log is one of the first whose force and sensors it holds.
+    logs : path-like or iterable of path-like
+        Files, folders (all logs in them) and glob patterns.
+    output : path-like or iterable of path-like, optional
+        A .parquet or .csv file, or one of each.
+    settings : BatchSettings, optional
+        What all logs share.
+    jobs : int, optional
+        Processes; as many as there are cores by default. 1 works in this process.
+    scheduler : str, optional
+        Address of a Dask scheduler, whose workers see the logs under the same paths.
+    folder : Path, optional
+        Folder of the generated modules, if it is not the one that belongs to the axis files.
+    track : callable
+        Takes the rows as they come and how many there will be, passes them on, and may show how far they are.
+
+    Returns
+    -------
+    Batch
+
+    Raises
+    ------
+    SettingError, GeneratedModuleError, SymidError
+        If a setting is not possible, an axis has no module, or the results cannot be written.
+    Interrupted
+        By Ctrl-C; finished rows are kept.
+
+    Examples
+    --------
+    >>> from symid.axis import shipped_folder
+    >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
+    >>> batch = identify_batch("emps", file, settings=BatchSettings(columns={"q": "qm"}))
+    >>> batch.table.select("axis", "samples").row(0), round(batch.rows[0]["M"])
+    (('emps', 24841), 95)
+    """
+    chosen = fleet_axes(axes, settings or BatchSettings(), folder)
+    files = result_files(output)  # the Parquet file first
+    names = log_files(logs, exclude=files)
+    run = scheduler_of(jobs, scheduler, len(names))
+    journal = journal_file(files[0]) if files else None
+    earlier, former = _earlier(files, journal)
+    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(name, ()))) for name in names]
+    rows: dict[str, Row] = {}
+    made = 0
+    try:
+        with ExitStack() as opened:
+            book = opened.enter_context(Journal(journal)) if journal else None
+            finished = opened.enter_context(closing(run.run(partial(work, chosen), tasks)))
+            for task, outcome in track(finished, len(tasks)):
+                row, is_new = _row_of(task, outcome, earlier)
+                if book and is_new:
+                    book.append(row)
+                rows[task.log] = row
+                made += is_new
+    except KeyboardInterrupt as stop:
+        raise Interrupted(len(rows), journal) from stop
+    except SymidError as error:
+        raise SymidError(f"{error}; {_kept(len(rows), journal)}") from error
+    ordered = tuple(rows[name] for name in names)
+    units = units_of(ordered, chosen)
+    replaced = _former_kept(files, former - set(names))
+    diagnosed = any(axis.settings.diagnose for axis in chosen)
+    joint = any(axis.settings.joint for axis in chosen)
+    batch = Batch(ordered, units, diagnosed, joint, len(names) - made, files, replaced)
+    _write(batch, journal)
+    return batch
+
+
+def _row_of(
+    task: Task, outcome: Outcome | None, earlier: Mapping[str, Mapping[str, Row]]
+) -> tuple[Row, bool]:
+    """Row of a log, and whether this run has made it."""
+    found = outcome or killed(task)
+    if found.row is not None:
+        return found.row, True
+    return earlier[task.log][str(found.unchanged)], False
+
+
+def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dict[str, Row]], set[str]]:
+    """Rows that earlier runs made, by log and key, and the logs of the table as it is."""
+    if journal is None:
+        return {}, set()
+    table = read_rows(files[0])
+    found: dict[str, dict[str, Row]] = defaultdict(dict)
+    for row in (*table, *read_journal(journal)):
+        if row.get("key"):
+            found[str(row["log"])][str(row["key"])] = row
+    return dict(found), {str(row["log"]) for row in table}
+
+
+def _kept(rows: int, journal: Path | None) -> str:
+    if journal is None:
+        return f"{rows} rows were finished and are lost: give an output file"
+    return f"{rows} finished rows are kept in {journal}: run the same command again to do the rest"
+
+
+def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
+    """A copy of the table as it was, if it holds logs that the new one does not."""
+    if not dropped:
+        return None
+    return Path(shutil.copy2(files[0], files[0].with_name(files[0].name + _BEFORE)))
+
+
+def _write(batch: Batch, journal: Path | None) -> None:
+    """Write all files, then remove the journal."""
+    try:
+        for file in batch.files:
+            write_table(batch.table, batch.units, file)
+    except SymidError as error:
+        raise SymidError(f"{error}; {_kept(len(batch.rows), journal)}") from error
+    if journal:
+        journal.unlink(missing_ok=True)

@@ -1,0 +1,331 @@
+"""Control chart of a parameter over time: which runs stand off, and when the parameter stepped or began to drift.
+
+An individuals chart (Shewhart; Montgomery, ch. 6) whose limits follow each run: the run's own standard deviation s_i
+and the deviation between runs tau,
+
+    centre +- 3 sqrt(s_i^2 + tau^2).
+
+The centre is the level, or the line, of the segment that the run belongs to (`symid.fleet.segments`). The variance
+between runs is at first taken from successive differences, as a moving range is, by their median, so that steps and
+drifts do not enter; then from the residuals within the segments, by Paule and Mandel's equation. Single runs, or two
+in a row, that stand off the median of five neighbours are outliers and take no part in the search for changes; three
+in a row may be a step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from symid.arrays import BoolArray, FloatArray
+from symid.errors import SettingError
+from symid.fleet.segments import Change, Segment, cut, fitted_segment, places_of_step
+
+Values = TypeVar("Values", FloatArray, BoolArray, npt.NDArray[np.intp])
+
+LEAST_RUNS = 8
+"""Runs from which changes are looked for."""
+_LIMIT = 3.0
+_STANDS_OFF = 4.5
+_TOLD = 3.0
+"""Standard deviations that the jump between two segments must have to be called a step."""
+_MEDIAN_OF_SQUARE = float(scipy.stats.chi2.median(1))
+_ROUNDS = 5
+_NEIGHBOURS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class ControlChart:
+    """A parameter over time. Arrays are read-only, one entry a run, in order of time.
+
+    Parameters
+    ----------
+    time : tuple of datetime or of float
+        When each run was recorded; its number where that is not known.
+    order : array of int
+        Place of each run in what was given.
+    values, deviations : array of shape (n,)
+        Value and promised standard deviation of each run.
+    centre, limit : array of shape (n,)
+        Line of the segment, and three standard deviations about it.
+    outside : bool array of shape (n,)
+        Runs beyond their limits.
+    isolated : bool array of shape (n,)
+        Runs that stand off their neighbours on both sides, alone or two in a row: nothing else is taken from them.
+    between : float
+        Standard deviation between runs within the segments.
+    segments : tuple of Segment
+        Their times are days since the first run, or numbers of runs.
+    changes : tuple of Change
+        In order of time.
+    """
+
+    time: tuple[datetime, ...] | tuple[float, ...]
+    order: npt.NDArray[np.intp]
+    values: FloatArray
+    deviations: FloatArray
+    centre: FloatArray
+    limit: FloatArray
+    outside: BoolArray
+    isolated: BoolArray
+    between: float
+    segments: tuple[Segment, ...]
+    changes: tuple[Change, ...]
+
+
+def control_chart(
+    values: npt.ArrayLike, deviations: npt.ArrayLike, times: Sequence[datetime] | None = None
+) -> ControlChart:
+    """Control chart of one parameter of one axis.
+
+    Parameters
+    ----------
+    values, deviations : array of shape (n_runs,)
+        Value and standard deviation from each run; runs without both are left out.
+    times : sequence of datetime, optional
+        When they were recorded, all with a time zone or all without; by default they come in order.
+
+    Returns
+    -------
+    ControlChart
+        Below eight runs, no changes are looked for.
+
+    Raises
+    ------
+    SettingError
+        If the numbers of values, deviations and times differ.
+
+    Examples
+    --------
+    A bolt was tightened before the 30th run:
+
+    >>> import numpy as np
+    >>> stiffness = np.where(np.arange(50) < 30, 4.0, 4.4) + 0.05 * np.random.default_rng(2).standard_normal(50)
+    >>> (change,) = control_chart(stiffness, np.full(50, 0.05)).changes
+    >>> change.kind, change.when, round(change.size, 1)
+    ('step', 30.0, 0.4)
+    """
+    x, s = np.asarray(values, dtype=np.float64), np.asarray(deviations, dtype=np.float64)
+    if x.ndim != 1 or x.shape != s.shape or (times is not None and len(times) != x.size):
+        raise SettingError(
+            f"values of shape {x.shape}, deviations {s.shape}, {'no' if times is None else len(times)} times: "
+            "one of each for each run"
+        )
+    known = [int(i) for i in np.flatnonzero(np.isfinite(x) & np.isfinite(s) & (s > 0))]
+    chosen = known if times is None else sorted(known, key=lambda i: times[i])
+    when: list[datetime] | list[float] = (
+        [times[i] for i in chosen] if times is not None else [float(i) for i in chosen]
+    )
+    order = np.array(chosen, dtype=np.intp)
+    return _charted(_Series(when, x[order], s[order]), order)
+
+
+@dataclass(frozen=True)
+class _Series:
+    """Runs in order of time."""
+
+    when: list[datetime] | list[float]
+    values: FloatArray
+    deviations: FloatArray
+
+    @property
+    def time(self) -> FloatArray:
+        """Days since the first run, or numbers of runs."""
+        if not self.when:
+            return np.zeros(0)
+        return np.array([_days(moment, self.when[0]) for moment in self.when])
+
+
+def _days(moment: datetime | float, first: datetime | float) -> float:
+    if isinstance(moment, datetime) and isinstance(first, datetime):
+        return (moment - first).total_seconds() / 86400
+    return float(moment)  # type: ignore[arg-type]
+
+
+def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
+    scale = (
+        float(np.median(series.deviations)) if order.size else 1.0
+    )  # squares of small values keep their digits
+    x, variance, time = series.values / scale, (series.deviations / scale) ** 2, series.time
+    outlying = np.zeros(x.size, dtype=bool)
+    segments: tuple[Segment, ...] = ()
+    between = 0.0
+    if x.size >= LEAST_RUNS:
+        between = _successive_variance(x, variance)
+        for _ in range(_ROUNDS):
+            outlying = _stand_off(x, variance + between)
+            weights = np.where(outlying, 0.0, 1 / (variance + between))
+            found = cut(time, x, weights, slope_penalty(x.size))
+            settled = [(s.first, s.end, s.drifts) for s in found] == [
+                (s.first, s.end, s.drifts) for s in segments
+            ]
+            segments, between = found, _variance_within(x, variance, time, found, ~outlying)
+            if settled:
+                break
+    elif x.size:
+        segments = (fitted_segment(time, x, 1 / variance, 0, x.size, sloping=False),)
+        between = _variance_within(x, variance, time, segments, ~outlying)
+    weights = np.where(outlying, 0.0, 1 / (variance + between))
+    segments = tuple(fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments)
+    centre = np.concatenate([s.level + s.slope * (time[s.first : s.end] - s.middle) for s in segments] or [x])
+    limit = _LIMIT * np.sqrt(variance + between)
+    changes = _changes(series, scale, time, x, weights, segments)
+    return ControlChart(
+        time=tuple(series.when),  # type: ignore[arg-type]
+        order=_read_only(order),
+        values=_read_only(series.values),
+        deviations=_read_only(series.deviations),
+        centre=_read_only(centre * scale),
+        limit=_read_only(limit * scale),
+        outside=_read_only(np.abs(x - centre) > limit),
+        isolated=_read_only(outlying),
+        between=math.sqrt(between) * scale,
+        segments=tuple(_scaled(s, scale) for s in segments),
+        changes=changes,
+    )
+
+
+def slope_penalty(runs: int) -> float:
+    """What a slope costs in the criterion: a chi-square of one in a hundred, and more for long series.
+
+    Examples
+    --------
+    >>> round(slope_penalty(100), 1)
+    11.2
+    """
+    return float(scipy.stats.chi2.isf(1e-2, 1)) + math.log(runs)
+
+
+def _successive_variance(x: FloatArray, variance: FloatArray) -> float:
+    """Variance between runs from the median of successive differences: squares of them over what they may be."""
+    squares, promised = np.diff(x) ** 2, variance[1:] + variance[:-1]
+
+    def excess(tau2: float) -> float:
+        return float(np.median(squares / (promised + 2 * tau2))) - _MEDIAN_OF_SQUARE
+
+    if excess(0.0) <= 0:
+        return 0.0
+    high = float(squares.max()) / _MEDIAN_OF_SQUARE
+    return float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-9 * high))
+
+
+def _stand_off(x: FloatArray, variance: FloatArray) -> BoolArray:
+    """Runs that stand off the median of five neighbours, themselves among them; at the ends, of the nearest five."""
+    starts = np.clip(np.arange(x.size) - _NEIGHBOURS // 2, 0, x.size - _NEIGHBOURS)
+    middles = np.median(x[starts[:, None] + np.arange(_NEIGHBOURS)], axis=1)
+    return np.asarray(np.abs(x - middles) > _STANDS_OFF * np.sqrt(variance))
+
+
+def _variance_within(
+    x: FloatArray, variance: FloatArray, time: FloatArray, segments: Sequence[Segment], used: BoolArray
+) -> float:
+    """Variance between runs about the lines of the segments: the root of Q = degrees of freedom."""
+    freedom = int(used.sum()) - sum(1 + s.drifts for s in segments)
+    if freedom < 1:
+        return 0.0
+
+    def excess(tau2: float) -> float:
+        weights = np.where(used, 1 / (variance + tau2), 0.0)
+        fits = [fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments]
+        residual = np.concatenate(
+            [x[s.first : s.end] - s.level - s.slope * (time[s.first : s.end] - s.middle) for s in fits]
+        )
+        return float(weights @ residual**2) - freedom
+
+    at_zero = excess(0.0)
+    if at_zero <= 0:
+        return 0.0
+    high = (at_zero + freedom) / freedom * float(variance.max())
+    return float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-9 * high))
+
+
+def _changes(
+    series: _Series,
+    scale: float,
+    time: FloatArray,
+    x: FloatArray,
+    weights: FloatArray,
+    segments: Sequence[Segment],
+) -> tuple[Change, ...]:
+    """Steps between the segments and drifts within them."""
+    freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
+    factor = float(scipy.stats.t.isf(0.025, freedom))
+    found = []
+    for i, after in enumerate(segments):
+        if i:
+            found += _steps(series, time, x, weights, segments[i - 1], after)
+        if after.drifts:
+            found.append(_drift(series, time, after))
+    return tuple(_in_units(change, scale, factor) for change in found)
+
+
+def _steps(
+    series: _Series, time: FloatArray, x: FloatArray, weights: FloatArray, before: Segment, after: Segment
+) -> list[Change]:
+    """The step between two segments; none where a drift begins or ends without one."""
+    (old, old_variance), (new, new_variance) = before.at(time[after.first]), after.at(time[after.first])
+    std = math.sqrt(old_variance + new_variance)
+    if abs(new - old) < _TOLD * std:
+        return []
+    first, last = places_of_step(time, x, weights, before, after)
+    when = series.when
+    return [
+        Change(
+            "step",
+            after.first,
+            when[after.first],
+            when[first - 1],
+            when[last],
+            new - old,
+            std,
+            (0, 0),
+            old,
+            new,
+        )
+    ]
+
+
+def _drift(series: _Series, time: FloatArray, segment: Segment) -> Change:
+    first, last = segment.first, segment.end - 1
+    length = float(time[last] - time[first])
+    begin, end = segment.at(time[first])[0], segment.at(time[last])[0]
+    std = math.sqrt(segment.slope_variance) * length
+    when = series.when
+    return Change(
+        "drift", first, when[first], when[first], when[last], segment.slope * length, std, (0, 0), begin, end
+    )
+
+
+def _in_units(change: Change, scale: float, factor: float) -> Change:
+    """The change in the unit of the parameter, with the interval of its size."""
+    size, std = float(change.size) * scale, float(change.std) * scale
+    return Change(
+        change.kind,
+        change.log,
+        change.when,
+        change.earliest,
+        change.latest,
+        size,
+        std,
+        (size - factor * std, size + factor * std),
+        float(change.before) * scale,
+        float(change.after) * scale,
+    )
+
+
+def _scaled(s: Segment, scale: float) -> Segment:
+    variances = (s.level_variance * scale**2, s.slope_variance * scale**2)
+    return Segment(s.first, s.end, s.middle, s.level * scale, s.slope * scale, *variances)
+
+
+def _read_only(array: Values) -> Values:
+    array = array.copy()
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,289 @@
+"""Several logs of one axis as one estimate, from their triangular factors alone.
+
+The information of a log about the parameters is in the triangular factor R of its [W | y], a few hundred numbers.
+With the weight 1/sigma of its own residual, the factors of all logs stacked give the joint weighted estimate, the
+same as if all rows had been read at once [24]-[30]. Its covariance allows for the correlated residual of each log:
+with A_k the weighted information W'S^2 W of log k, A their sum, and C_k the corrected covariance of log k alone,
+
+    C = A^-1 (sum_k A_k C_k A_k) A^-1,
+
+as logs are independent of each other. Cost and memory are linear in the number of logs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from threadpoolctl import threadpool_limits
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.errors import SettingError
+from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
+from symid.identification import Identification, PhysicalEstimate, physical_estimates
+from symid.identification.verdict import Status, verdict
+
+
+@dataclass(frozen=True, eq=False)
+class LogFactors:
+    """What a joint identification needs to know of one log.
+
+    Parameters
+    ----------
+    log : str
+        Source of the log.
+    factors : tuple of TriangularFactor
+        One for each equation.
+    covariance : array of shape (n_parameters, n_parameters)
+        Covariance of the minimal parameters from this log alone, corrected for the correlation of its residual; nan
+        where this log alone does not determine them.
+    dependence : float
+        Rows for each independent sample of the residual; 1 for a white one. Takes the place of `covariance` where
+        that is not known.
+    """
+
+    log: str
+    factors: tuple[TriangularFactor, ...]
+    covariance: FloatArray
+    dependence: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.factors:
+            raise SettingError(f"{self.log}: no triangular factor; one for each equation is required")
+        covariance = np.array(self.covariance, dtype=np.float64)
+        if covariance.shape != (self.factors[0].parameters,) * 2:
+            raise SettingError(
+                f"{self.log}: covariance of shape {covariance.shape} for {self.factors[0].parameters} parameters; "
+                "it must be square with a row for each"
+            )
+        covariance.flags.writeable = False
+        object.__setattr__(self, "covariance", covariance)
+
+
+def log_factors(found: Identification) -> LogFactors:
+    """Triangular factors of an identified log: keep these, and the log need not be read again to join it.
+
+    Parameters
+    ----------
+    found : Identification
+        Of one log alone.
+
+    Raises
+    ------
+    SettingError
+        If it was identified from several logs.
+
+    Examples
+    --------
+    >>> from symid import identify, load_axis, load_generated, read_axis_log
+    >>> from symid.axis import shipped_folder
+    >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
+    >>> log = read_axis_log(load_axis("emps"), file, columns={"q": "qm"})
+    >>> [factor.R.shape for factor in log_factors(identify(load_generated("emps"), log)).factors]
+    [(5, 5)]
+    """
+    if len(found.logs) != 1:
+        raise SettingError(f"identified from {len(found.logs)} logs: identify each log alone to join them")
+    (seen,) = found.observations
+    count = found.correlated.effective_samples
+    rows = max(found.fit.rows)
+    return LogFactors(
+        found.logs[0],
+        triangular_factors(seen.W, seen.y, seen.valid),
+        found.covariance,
+        max(1.0, rows / count) if np.isfinite(count) and count > 0 else 1.0,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class JointIdentification:
+    """Parameters that several logs of one axis share.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    logs : tuple of str
+        Sources of the logs.
+    fit : LeastSquares
+        Weighted estimate and its classical covariance; equations of all logs, log after log.
+    covariance : array of shape (n_minimal, n_minimal)
+        Of the minimal parameters, corrected for the correlation of each log's residual.
+    physical : tuple of PhysicalEstimate
+        One for each branch of the inverse map; empty where there are none.
+    status, message : str
+        As those of an `Identification`.
+    disagreement : float
+        Chi-square of the logs' own estimates about the joint one; nan with fewer than two that stand alone.
+    degrees_of_freedom : int
+        Of the disagreement.
+    """
+
+    model: GeneratedModel
+    logs: tuple[str, ...]
+    fit: LeastSquares
+    covariance: FloatArray
+    physical: tuple[PhysicalEstimate, ...]
+    status: Status
+    message: str
+    disagreement: float
+    degrees_of_freedom: int
+
+    @property
+    def minimal_parameters(self) -> dict[str, float]:
+        """Minimal parameters by name, SI."""
+        return dict(zip(self.model.minimal_units, map(float, self.fit.parameters), strict=True))
+
+    @property
+    def physical_parameters(self) -> dict[str, float]:
+        """Physical parameters of the first branch by name, SI; empty if there are none."""
+        if not self.physical:
+            return {}
+        return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Of the minimal parameters, shape (n_minimal,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def noise(self) -> dict[str, FloatArray]:
+        """sigma_rho of each equation of each log, by log: the inverse of its weight."""
+        levels = self.fit.sigma_rho_equation.reshape(len(self.logs), -1)
+        return dict(zip(self.logs, levels, strict=True))
+
+    @property
+    def disagreement_probability(self) -> float:
+        """Probability of logs that disagree so much if the parameters are the same in all; nan if not known."""
+        if not self.degrees_of_freedom:
+            return float("nan")
+        return float(scipy.stats.chi2.sf(self.disagreement, self.degrees_of_freedom))
+
+
+def identify_jointly(
+    model: GeneratedModel, logs: Sequence[LogFactors], *, nominal: Mapping[str, float] | None = None
+) -> JointIdentification:
+    """Identify the parameters that logs of one axis share, each log weighted by its own noise.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        That from which the factors came.
+    logs : sequence of LogFactors
+        From `log_factors`.
+    nominal : mapping of str to float, optional
+        Nominal physical parameters, a start where the inverse map has no closed form.
+
+    Returns
+    -------
+    JointIdentification
+        Logs that cannot stand alone (one that never reverses, say) add what they know.
+
+    Raises
+    ------
+    SettingError
+        If there is no log, the factors are not those of the model, or it has a parameter of each log.
+
+    Examples
+    --------
+    A quiet and a loud log of one axis: the quiet one decides.
+
+    >>> import numpy as np
+    >>> from symid import Log, identify, load_generated
+    >>> t, draw = np.arange(8000) / 1000, np.random.default_rng(1)
+    >>> model, v, a = load_generated("rigid_1m"), 9 * np.cos(9 * t), -81 * np.sin(9 * t)
+    >>> def run(noise):
+    ...     force = 5 * a + v + 2 * np.sign(v) + noise * draw.standard_normal(t.size)
+    ...     return Log.from_arrays({"q": np.sin(9 * t), "F": force}, sampling_period=1e-3)
+    >>> joined = identify_jointly(model, [log_factors(identify(model, run(noise))) for noise in (0.1, 10.0)])
+    >>> round(joined.physical_parameters["M"], 2), joined.status
+    (5.0, 'ok')
+    """
+    _check(model, logs)
+    with threadpool_limits(1):  # thousands of small matrices: threads would wait for each other
+        return _joined(model, logs, nominal)
+
+
+def _joined(
+    model: GeneratedModel, logs: Sequence[LogFactors], nominal: Mapping[str, float] | None
+) -> JointIdentification:
+    equations = len(logs[0].factors)
+    fit = estimate([factor for log in logs for factor in log.factors])
+    information = _information(logs, fit.weights.reshape(len(logs), equations))
+    covariance = _covariance(logs, information, fit)
+    physical: tuple[PhysicalEstimate, ...] = ()
+    if fit.status == "ok":
+        physical = physical_estimates(model, fit.parameters, covariance, nominal)
+    status, message = verdict(model, fit, physical)
+    disagreement, freedom = _disagreement(logs, information, fit)
+    names = tuple(log.log for log in logs)
+    return JointIdentification(
+        model, names, fit, covariance, physical, status, message, disagreement, freedom
+    )
+
+
+def _check(model: GeneratedModel, logs: Sequence[LogFactors]) -> None:
+    if not logs:
+        raise SettingError("there is no log to join: give at least one")
+    if len(logs) > 1 and model.per_log:
+        raise SettingError(
+            f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
+        )
+    wanted = (len(model.output_names), len(model.minimal_units))
+    for log in logs:
+        has = (len(log.factors), log.factors[0].parameters)
+        if has != wanted:
+            raise SettingError(
+                f"{log.log}: {has[0]} factors of {has[1]} parameters; axis {model.axis!r} from "
+                f"{', '.join(model.measured)} has {wanted[0]} equations of {wanted[1]} parameters"
+            )
+
+
+def _information(logs: Sequence[LogFactors], weights: FloatArray) -> list[FloatArray]:
+    """Weighted information A_k of each log."""
+    return [
+        np.asarray(
+            sum(
+                weight**2 * factor.R[:-1, :-1].T @ factor.R[:-1, :-1]
+                for weight, factor in zip(own, log.factors, strict=True)
+            )
+        )
+        for log, own in zip(logs, weights, strict=True)
+    ]
+
+
+def _covariance(logs: Sequence[LogFactors], information: list[FloatArray], fit: LeastSquares) -> FloatArray:
+    """Covariance of the joint estimate; nan where the classical one is."""
+    inverse = fit.rank.inverse_root @ fit.rank.inverse_root.T
+    scores = np.zeros_like(inverse)
+    for log, A in zip(logs, information, strict=True):
+        scores += A @ log.covariance @ A if np.all(np.isfinite(log.covariance)) else log.dependence * A
+    covariance = inverse @ scores @ inverse
+    covariance[np.isnan(fit.covariance)] = np.nan
+    covariance.flags.writeable = False
+    return covariance
+
+
+def _disagreement(
+    logs: Sequence[LogFactors], information: list[FloatArray], fit: LeastSquares
+) -> tuple[float, int]:
+    """Chi-square of the logs' own estimates about their mean of least variance, and its degrees of freedom."""
+    alone = [
+        (own.parameters, log.covariance)
+        for log, own in ((log, estimate(log.factors)) for log in logs)
+        if own.status == "ok" and np.all(np.isfinite(log.covariance))
+    ]
+    if len(alone) < 2 or fit.status != "ok":
+        return float("nan"), 0
+    scale = np.sqrt(np.mean([np.diag(covariance) for _, covariance in alone], axis=0))
+    scale = np.where(scale > 0, scale, 1.0)
+    precisions = [np.linalg.pinv(C / np.outer(scale, scale), hermitian=True) for _, C in alone]
+    values = [X / scale for X, _ in alone]
+    mean = np.linalg.solve(
+        sum(precisions), np.sum([P @ X for P, X in zip(precisions, values, strict=True)], axis=0)
+    )
+    total = sum(float((X - mean) @ P @ (X - mean)) for P, X in zip(precisions, values, strict=True))
+    return total, (len(alone) - 1) * len(mean)

@@ -1,0 +1,110 @@
+"""The journal of a batch: finished rows, kept while the batch runs, whatever ends it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import time
+from pathlib import Path
+from types import TracebackType
+
+from symid.errors import SymidError
+from symid.fleet.row import Row
+
+_ROWS = 64
+_SECONDS = 1.0
+"""Rows are forced to the disk after so many of them or so much time; what kills a process loses none in any case."""
+
+
+def journal_file(results: Path) -> Path:
+    """Journal beside a file of results."""
+    return results.with_name(results.name + ".journal")
+
+
+def read_journal(file: Path) -> list[Row]:
+    """Rows of a journal; a line that was torn when its process ended is left out.
+
+    Examples
+    --------
+    >>> read_journal(Path("not_there.journal"))
+    []
+    """
+    rows: list[Row] = []
+    if not file.exists():
+        return rows
+    for line in file.read_bytes().split(b"\n"):
+        try:
+            row = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(row, dict) and isinstance(row.get("log"), str):
+            rows.append(row)
+    return rows
+
+
+class Journal:
+    """Appends rows to a file, a line each.
+
+    Parameters
+    ----------
+    file : Path
+        Is continued if it exists.
+
+    Raises
+    ------
+    SymidError
+        If it cannot be written, as on a full disk; the rows before stay whole.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self._pending, self._since = 0, time.monotonic()
+        try:
+            self._handle = os.open(file, os.O_CREAT | os.O_RDWR | os.O_APPEND, 0o666)
+        except OSError as error:
+            raise self._failure(error) from error
+        if not self._ends_whole():
+            self._write(b"\n")  # ends a torn line
+
+    def append(self, row: Row) -> None:
+        """Keep a row."""
+        self._write(json.dumps(row, ensure_ascii=False, allow_nan=False).encode() + b"\n")
+        self._pending += 1
+        if self._pending >= _ROWS or time.monotonic() - self._since > _SECONDS:
+            self._flush()
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with contextlib.suppress(OSError):
+            os.fsync(self._handle)
+        os.close(self._handle)
+
+    def _ends_whole(self) -> bool:
+        size = os.fstat(self._handle).st_size
+        return size == 0 or os.pread(self._handle, 1, size - 1) == b"\n"
+
+    def _write(self, line: bytes) -> None:
+        """Write a line as a whole or not at all."""
+        before, rest = os.fstat(self._handle).st_size, memoryview(line)
+        try:
+            while rest:
+                rest = rest[os.write(self._handle, rest) :]
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._handle, before)
+            raise self._failure(error) from error
+
+    def _flush(self) -> None:
+        try:
+            os.fsync(self._handle)
+        except OSError as error:
+            raise self._failure(error) from error
+        self._pending, self._since = 0, time.monotonic()
+
+    def _failure(self, error: OSError) -> SymidError:
+        return SymidError(f"{self.file}: cannot be written ({error.strerror})")

@@ -1,0 +1,92 @@
+"""Triangular factors of a log as text, so that they stand in its row, and logs are joined from a table of results."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import polars as pl
+
+from symid.codegen import GeneratedModel
+from symid.errors import SettingError
+from symid.estimation import TriangularFactor
+from symid.fleet.joint import JointIdentification, LogFactors, identify_jointly
+from symid.fleet.results import UNKNOWN, Group, groups
+
+FACTORS = "factors"
+"""Column that holds them."""
+
+
+def packed(found: LogFactors) -> str:
+    """Factors as text: all numbers, little-endian, in base 64.
+
+    Examples
+    --------
+    >>> factor = TriangularFactor.empty(1).update(np.array([[3.0], [4.0]]), np.array([3.0, 4.0]))
+    >>> text = packed(LogFactors("a", (factor,), np.eye(1)))
+    >>> len(text), unpacked("a", text).factors[0].rows
+    (96, 2)
+    """
+    head = [found.dependence, float(len(found.factors)), float(found.factors[0].parameters)]
+    rows = [float(factor.rows) for factor in found.factors]
+    matrices = [*(factor.R for factor in found.factors), found.covariance]
+    every = np.concatenate([np.array(head + rows), *(matrix.ravel() for matrix in matrices)])
+    return base64.b64encode(every.astype("<f8").tobytes()).decode()
+
+
+def unpacked(log: str, text: str) -> LogFactors:
+    """Factors of a log from the text that `packed` made.
+
+    Raises
+    ------
+    SettingError
+        If it is no such text.
+    """
+    try:
+        numbers = np.frombuffer(base64.b64decode(text, validate=True), "<f8")
+        n, p = int(numbers[1]), int(numbers[2])
+        sizes = (3, n, *[(p + 1) ** 2] * n, p * p)
+        head, rows, *factors, covariance = np.split(numbers, np.cumsum(sizes)[:-1])
+        Rs = [R.reshape(p + 1, p + 1) for R in factors]
+        kept = tuple(TriangularFactor(R, int(count)) for R, count in zip(Rs, rows, strict=True))
+        return LogFactors(log, kept, covariance.reshape(p, p), float(head[0]))
+    except (ValueError, IndexError) as error:
+        raise SettingError(f"{log}: its factors are damaged: run symid batch --joint again") from error
+
+
+def join_results(
+    table: pl.DataFrame,
+    model_of: Callable[[str, tuple[str, ...]], GeneratedModel],
+    *,
+    statuses: Sequence[str] = ("ok",),
+    by_folder: bool = False,
+) -> dict[str, JointIdentification]:
+    """Joint identification of each axis in a table of results; no log is read.
+
+    Parameters
+    ----------
+    table : polars.DataFrame
+        Of `symid batch --joint`.
+    model_of : callable
+        Takes an axis and its sensors, gives the model that they were identified with.
+    statuses, by_folder
+        As in `review_fleet`; axes have the names that they have there.
+
+    Raises
+    ------
+    SettingError
+        If the table holds no factors, or those of an axis cannot be joined.
+    """
+    if FACTORS not in table.columns:
+        raise SettingError("the results hold no factors to join: run symid batch with --joint")
+    return {
+        part.name: identify_jointly(model_of(part.axis, part.sensors), kept)
+        for part in groups(table, by_folder)
+        if part.axis != UNKNOWN and (kept := _kept(part, statuses))
+    }
+
+
+def _kept(part: Group, statuses: Sequence[str]) -> list[LogFactors]:
+    rows = part.rows.filter(pl.col("status").is_in(list(statuses)), pl.col(FACTORS).is_not_null())
+    return [unpacked(str(log), text) for log, text in rows.select("log", FACTORS).iter_rows()]

@@ -1,0 +1,174 @@
+"""What a batch is made of: its log files, and its axes in a form that other processes and machines can use."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from glob import glob, has_magic
+from pathlib import Path
+
+import symid
+from symid.axis import Axis, load_axis
+from symid.codegen import GeneratedModel
+from symid.codegen.store import StoredModule, stored_module
+from symid.data.tables import SUFFIXES
+from symid.errors import GeneratedModuleError, SettingError
+from symid.fleet.settings import BatchSettings
+from symid.identification.logs import axis_columns
+
+PathLike = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class FleetAxis:
+    """An axis with its generated modules as text and its share of the settings: all that a worker needs.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declaration.
+    modules : tuple of ((str, ...), StoredModule)
+        Generated module of each set of sensors that has one.
+    settings : BatchSettings
+        What of them concerns this axis.
+    """
+
+    axis: Axis
+    modules: tuple[tuple[tuple[str, ...], StoredModule], ...]
+    settings: BatchSettings
+
+    @property
+    def fingerprint(self) -> str:
+        """Hash of declaration, settings and version of symid: what a row depends on besides the log."""
+        whole = (symid.__version__, self.axis.signature, repr(self.axis), self.settings.canonical)
+        return hashlib.sha256("\n".join(whole).encode()).hexdigest()
+
+    def model(self, measured: Sequence[str]) -> GeneratedModel:
+        """Generated model of a set of sensors.
+
+        Raises
+        ------
+        GeneratedModuleError
+            If it was not generated, or is older than the declaration.
+        """
+        wanted = tuple(sensor.signal for sensor in self.axis.measured(tuple(measured)))
+        for signals, module in self.modules:
+            if signals == wanted:
+                return _compiled(module)
+        command = f"symid generate {self.axis.name} --measured {','.join(wanted)}"
+        raise GeneratedModuleError(f"there is no generated module for {', '.join(wanted)}; run: {command}")
+
+    def is_held_in(self, columns: frozenset[str]) -> bool:
+        """Whether a file of these columns has the force and a sensor of the axis."""
+        expected, alternatives = axis_columns(self.axis, self.settings.measured)
+        mapped = self.settings.columns
+
+        def has(signal: str) -> bool:
+            return mapped.get(signal, signal) in columns
+
+        force = self.axis.drive.signal
+        made = force in alternatives and has(alternatives[force][0])
+        return (has(force) or made) and any(has(signal) for signal in expected if signal != force)
+
+
+@lru_cache(maxsize=256)
+def _compiled(module: StoredModule) -> GeneratedModel:
+    return module.compiled()
+
+
+def fleet_axes(
+    axes: str | Axis | Sequence[str | Axis], settings: BatchSettings, folder: Path | None = None
+) -> tuple[FleetAxis, ...]:
+    """Axes of a batch, given by name, path or declaration.
+
+    Parameters
+    ----------
+    axes : str, Axis or sequence of them
+        As in `symid.load_generated`.
+    settings : BatchSettings
+        Of the batch.
+    folder : Path, optional
+        Folder of the generated modules, if it is not the one that belongs to the axis files.
+
+    Raises
+    ------
+    SettingError
+        If there is no axis, a name occurs twice, or a setting names a signal that no axis has.
+    GeneratedModuleError
+        If an axis has no generated module, or an old one.
+    """
+    given = (axes,) if isinstance(axes, (str, Axis)) else tuple(axes)
+    declared = tuple(axis if isinstance(axis, Axis) else load_axis(axis) for axis in given)
+    names = [axis.name for axis in declared]
+    if not names or len(set(names)) < len(names):
+        raise SettingError(
+            "give each axis once: " + (f"{', '.join(names)} are given" if names else "none is given")
+        )
+    settings.check(declared)
+    found = []
+    for source, axis in zip(given, declared, strict=True):
+        own = settings.of_axis(axis)
+        sets = (own.measured,) if own.measured else axis.sensor_sets
+        found.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), own))
+    return tuple(found)
+
+
+def _modules(
+    source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]], folder: Path | None
+) -> Iterator[tuple[tuple[str, ...], StoredModule]]:
+    """Modules that there are; the first one must be there and fit the declaration."""
+    for place, measured in enumerate(sets):
+        try:
+            module = stored_module(source, measured, folder)
+            module.compiled()
+        except GeneratedModuleError:
+            if place == 0:
+                raise
+            continue
+        yield tuple(sensor.signal for sensor in axis.measured(measured)), module
+
+
+def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:
+    """Files of logs, each once: a folder stands for all logs in it, a pattern for what matches it.
+
+    Parameters
+    ----------
+    logs : path-like or iterable of path-like
+        Files, folders or glob patterns. A file that is not there stays, for a row that says so.
+    exclude : iterable of path-like
+        Files that are no logs, such as earlier results in the same folder.
+
+    Raises
+    ------
+    SettingError
+        If a folder or a pattern holds no log.
+    """
+    given = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
+    skipped = {os.path.abspath(path) for path in exclude}
+    files: dict[str, str] = {}
+    for item in (str(os.fspath(path)) for path in given):
+        found = [path for path in _expanded(item) if os.path.abspath(path) not in skipped]
+        if not found:
+            raise SettingError(
+                f"{item}: there is no log: give {', '.join(SUFFIXES)} files, or a folder of them"
+            )
+        for path in found:
+            files.setdefault(os.path.abspath(path), path)
+    if not files:
+        raise SettingError("there is no log: give at least one file, folder or pattern")
+    return tuple(files.values())
+
+
+def _expanded(item: str) -> list[str]:
+    if os.path.isdir(item):
+        return sorted(map(str, filter(_seems_a_log, Path(item).rglob("*"))))
+    if has_magic(item) and not os.path.exists(item):
+        return sorted(path for path in glob(item, recursive=True) if not os.path.isdir(path))
+    return [item]
+
+
+def _seems_a_log(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES and not path.is_dir()

@@ -1,0 +1,218 @@
+"""The table of results of a batch: one row a log, whose columns say which parameters it holds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
+
+UNKNOWN = "unknown axis"
+"""Axis of logs that failed before it was known."""
+UNITS = "symid.units"
+"""Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
+Units = Mapping[str, Mapping[str, Mapping[str, str]]]
+_NEEDED = ("log", "axis", "status")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Rows that belong to one axis.
+
+    Parameters
+    ----------
+    name : str
+        Name of the axis; with its sensors or its folder where there are several.
+    axis : str
+        The declared axis.
+    sensors : tuple of str
+        Those it was identified from; empty where they are not known.
+    rows : polars.DataFrame
+        Its rows.
+    """
+
+    name: str
+    axis: str
+    sensors: tuple[str, ...]
+    rows: pl.DataFrame
+
+
+def read_results(file: str | Path) -> pl.DataFrame:
+    """Results of a batch from a Parquet or CSV file.
+
+    Raises
+    ------
+    SettingError
+        If the file is of another kind, cannot be read, or lacks a column that all results have.
+    """
+    path = Path(file)
+    kind = path.suffix.lower()
+    if kind not in (".parquet", ".csv"):
+        raise SettingError(
+            f"results {path.name!r} are of no known kind: give a .parquet or .csv of symid batch"
+        )
+    if not path.is_file():
+        raise SettingError(f"results {path}: there is no such file; symid batch writes one")
+    try:
+        table = pl.read_parquet(path) if kind == ".parquet" else _read_csv(path)
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+        raise SettingError(f"results {path} cannot be read: {' '.join(str(error).split())}") from error
+    return checked_results(table)
+
+
+def _read_csv(path: Path) -> pl.DataFrame:
+    texts = (name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS}.items() if kind is str)
+    return pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+
+
+def units_in(file: str | Path) -> Units:
+    """Units of a Parquet file of results; none of another file.
+
+    Parameters
+    ----------
+    file : path-like
+        One that `read_results` reads.
+    """
+    if Path(file).suffix.lower() != ".parquet":
+        return {}
+    try:
+        return dict(json.loads(pl.read_parquet_metadata(file).get(UNITS, "{}")))
+    except (ValueError, TypeError):
+        return {}
+
+
+def checked_results(table: pl.DataFrame) -> pl.DataFrame:
+    """The table, if it has the columns that all results have.
+
+    Raises
+    ------
+    SettingError
+        If it lacks one.
+
+    Examples
+    --------
+    >>> checked_results(pl.DataFrame({"log": ["a.csv"], "axis": ["emps"], "status": ["ok"]})).height
+    1
+    """
+    if missing := [name for name in _NEEDED if name not in table.columns]:
+        raise SettingError(
+            f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row a log"
+        )
+    return table
+
+
+def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
+    """Parameters in a table: columns that have a column of standard deviations beside them.
+
+    Examples
+    --------
+    >>> parameter_names(pl.DataFrame({"log": ["a"], "M": [1.0], "M_std": [0.1], "seconds": [2.0]}))
+    ('M',)
+    """
+    columns = set(table.columns)
+    return tuple(name for name in table.columns if f"{name}_std" in columns)
+
+
+def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
+    """Rows by axis, apart for each set of sensors, and for each folder of logs if asked for.
+
+    Parameters
+    ----------
+    table : polars.DataFrame
+        Results.
+    by_folder : bool
+        Whether the folder of a log tells which machine it is from.
+
+    Examples
+    --------
+    >>> table = pl.DataFrame({"log": ["x/1.csv", "y/1.csv"], "axis": ["emps"] * 2, "status": ["ok"] * 2})
+    >>> [group.name for group in groups(table, by_folder=True)]
+    ['emps in x', 'emps in y']
+    """
+    keyed = _filled(table.with_columns(_FOLDER=_folders(table, by_folder), _SENSORS=_sensors(table)))
+    several = (
+        keyed.group_by("_AXIS").agg(pl.col("_SENSORS").unique()).filter(pl.col("_SENSORS").list.len() > 1)
+    )
+    found = []
+    parts = keyed.partition_by("_AXIS", "_SENSORS", "_FOLDER", maintain_order=True, as_dict=True)
+    for (axis, sensors, folder), rows in parts.items():
+        name = str(axis)
+        if axis in several["_AXIS"]:
+            name += f" from {sensors or 'unknown sensors'}"
+        if folder:
+            name += f" in {folder}"
+        found.append(Group(name, str(axis), _listed(sensors), rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
+    return tuple(sorted(found, key=lambda group: group.name))
+
+
+def _listed(sensors: object) -> tuple[str, ...]:
+    return tuple(name.strip() for name in str(sensors).split(",") if name.strip())
+
+
+def _filled(table: pl.DataFrame) -> pl.DataFrame:
+    """The table with axis and sensors of logs that failed before they were known, where there is only one choice."""
+    axis, sensors = pl.col("axis").cast(pl.String), pl.col("_SENSORS")
+    only = pl.when(axis.n_unique() - axis.is_null().any() == 1).then(axis.drop_nulls().first())
+    table = table.with_columns(_AXIS=axis.fill_null(only.over("_FOLDER")).fill_null(UNKNOWN))
+    only = pl.when(sensors.n_unique() - sensors.is_null().any() == 1).then(sensors.drop_nulls().first())
+    return table.with_columns(_SENSORS=sensors.fill_null(only.over("_AXIS")).fill_null(""))
+
+
+def _sensors(table: pl.DataFrame) -> pl.Expr:
+    if "measured" not in table.columns:
+        return pl.lit(None, pl.String)
+    column = pl.col("measured")
+    if isinstance(table.schema["measured"], pl.List):
+        column = column.list.join(", ")
+    return column.cast(pl.String).replace("", None)
+
+
+def _folders(table: pl.DataFrame, wanted: bool) -> pl.Series:
+    logs = table["log"].cast(pl.String).fill_null("")
+    return pl.Series([str(Path(log).parent) if wanted else "" for log in logs], dtype=pl.String)
+
+
+def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
+    """A column as numbers; nan where there is none.
+
+    Examples
+    --------
+    >>> numbers(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
+    [1.0, nan]
+    """
+    values: FloatArray = rows[column].cast(pl.Float64, strict=False).to_numpy().astype(np.float64)
+    return values
+
+
+def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
+    """When each log was recorded, in UTC; None if that is not known of every row.
+
+    Examples
+    --------
+    >>> moments(pl.DataFrame({"recorded": ["2026-03-01T06:00:00Z"]}))[0].isoformat()
+    '2026-03-01T06:00:00+00:00'
+    """
+    if "recorded" not in rows.columns:
+        return None
+    found = [_moment(value) for value in rows["recorded"]]
+    known = [moment for moment in found if moment is not None]
+    return known if len(known) == len(found) else None
+
+
+def _moment(value: object) -> datetime | None:
+    if isinstance(value, str):
+        try:
+            value = datetime.fromisoformat(value)
+        except ValueError:
+            return None
+    if not isinstance(value, datetime):
+        return None
+    return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)

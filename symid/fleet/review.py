@@ -1,0 +1,339 @@
+"""What a table of results says of a fleet: axis by axis, parameter by parameter, and over all axes."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+import scipy
+
+from symid.arrays import FloatArray
+from symid.fleet.control_chart import ControlChart, control_chart
+from symid.fleet.effects import EffectCount, count_effects
+from symid.fleet.results import (
+    UNKNOWN,
+    Group,
+    Units,
+    checked_results,
+    groups,
+    moments,
+    numbers,
+    parameter_names,
+)
+from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
+
+_TO_SIGMA = 1.4826
+"""Standard deviation of normal values for each unit of their median absolute deviation."""
+_LEAST_OUTLYING = 3.5
+"""Robust z from which a value is an outlier (Iglewicz and Hoaglin 1993), at least."""
+_FALSE_OUTLIERS = 0.05
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A log of which a parameter is far from those of the other logs.
+
+    Parameters
+    ----------
+    log : str
+        Source of the log.
+    value : float
+        Its parameter.
+    z : float
+        Distance from the median, in robust standard deviations.
+    """
+
+    log: str
+    value: float
+    z: float
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterReview:
+    """One parameter of one axis over its logs.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter.
+    logs : tuple of str
+        Logs that enter, in the order of the table.
+    median : float
+        Of their values.
+    spread : Spread
+        Between runs, against what the intervals promise, without single logs that stand off.
+    within : float
+        Standard deviation between runs that is left within the segments of the chart.
+    chart : ControlChart
+        Over time.
+    outliers : tuple of Outlier
+        The farthest first.
+    unit : str
+        Of the parameter; empty where it is not known.
+    """
+
+    name: str
+    logs: tuple[str, ...]
+    median: float
+    spread: Spread
+    within: float
+    chart: ControlChart
+    outliers: tuple[Outlier, ...]
+    unit: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class AxisReview:
+    """One axis over its logs.
+
+    Parameters
+    ----------
+    name : str
+        Axis; with its sensors or its folder where there are several.
+    axis : str
+        The declared axis.
+    logs, trusted : int
+        Number of logs, and of those whose parameters enter.
+    statuses : mapping of str to int
+        Logs by status.
+    parameters : tuple of ParameterReview
+        Those that some log has.
+    verdict : SpreadVerdict
+        Whether the axis differs from run to run.
+    dated : bool
+        Whether the charts are over time, not over the number of the log.
+    """
+
+    name: str
+    axis: str
+    logs: int
+    trusted: int
+    statuses: Mapping[str, int]
+    parameters: tuple[ParameterReview, ...]
+    verdict: SpreadVerdict
+    dated: bool
+
+
+@dataclass(frozen=True, eq=False)
+class FleetReview:
+    """A fleet over all its logs.
+
+    Parameters
+    ----------
+    table : polars.DataFrame
+        The results.
+    axes : tuple of AxisReview
+        By name.
+    statuses, verdicts : mapping of str to int
+        Logs by status; logs by verdict of their diagnosis, empty without one.
+    effects : tuple of EffectCount
+        The most frequent first.
+    sentence : str
+        All in short.
+    """
+
+    table: pl.DataFrame
+    axes: tuple[AxisReview, ...]
+    statuses: Mapping[str, int]
+    verdicts: Mapping[str, int]
+    effects: tuple[EffectCount, ...]
+    sentence: str
+
+
+def review_fleet(
+    table: pl.DataFrame,
+    *,
+    units: Units | None = None,
+    statuses: Sequence[str] = ("ok",),
+    without: Sequence[str] = (),
+    by_folder: bool = False,
+    by_name: bool = False,
+) -> FleetReview:
+    """Review the results of a batch.
+
+    Parameters
+    ----------
+    table : polars.DataFrame
+        One row a log with `log`, `axis`, `status`; `NAME` and `NAME_std` for each parameter; `recorded` (ISO) for
+        charts over time; `effect` and `at` where a diagnosis was made.
+    units : mapping, optional
+        From axis to sensors to parameter to unit, as a batch has them and `units_in` finds them in its file.
+    statuses : sequence of str
+        Logs whose parameters enter.
+    without : sequence of str
+        Parameters that differ from log to log by their nature, such as the unknown zero of a sensor.
+    by_folder : bool
+        Whether the folder of a log tells which machine it is from.
+    by_name : bool
+        Whether the names of the logs say in which order they were recorded, and `recorded` does not: it is the time of
+        the file, which copying may have changed.
+
+    Raises
+    ------
+    SettingError
+        If the table lacks a column that all results have.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(5).standard_normal(30)
+    >>> logs = [f"{i:02}.parquet" for i in range(30)]
+    >>> mass = {"M": 20 + 0.1 * noise, "M_std": np.full(30, 0.1)}
+    >>> review_fleet(pl.DataFrame({"log": logs, "axis": "rigid_1m", "status": "ok", **mass})).sentence
+    '30 logs of 1 axis, all ok. No axis differs from run to run beyond its intervals.'
+    """
+    table = checked_results(table)
+    if by_name:
+        table = table.sort("log").drop("recorded", strict=False)
+    names = [name for name in parameter_names(table) if name not in without]
+    parts = groups(table, by_folder)
+    axes = tuple(_axis_review(part, names, statuses, _units_of(part, units or {})) for part in parts)
+    counts = _counts(table, "status")
+    effects = _effects(parts)
+    verdicts = _counts(table, "verdict")
+    return FleetReview(table, axes, counts, verdicts, effects, _sentence(table, axes, counts, effects))
+
+
+def _units_of(group: Group, units: Units) -> Mapping[str, str]:
+    """Units of the parameters of an axis with its sensors."""
+    return units.get(group.axis, {}).get(",".join(group.sensors), {})
+
+
+def _axis_review(
+    group: Group, names: Sequence[str], statuses: Sequence[str], units: Mapping[str, str]
+) -> AxisReview:
+    rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
+    apart = _distinct(rows, names)
+    found = tuple(one for one in (_parameter_review(rows, name, units) for name in apart) if one is not None)
+    return AxisReview(
+        name=group.name,
+        axis=group.axis,
+        logs=group.rows.height,
+        trusted=rows.height,
+        statuses=_counts(group.rows, "status"),
+        parameters=found,
+        verdict=judge_spread({one.name: one.spread for one in found}),
+        dated=rows.height > 0 and moments(rows) is not None,
+    )
+
+
+def _distinct(rows: pl.DataFrame, names: Sequence[str]) -> list[str]:
+    """Parameters without those that are another one under a second name: a minimal parameter that is a physical one."""
+    last = {numbers(rows, name).tobytes(): name for name in names}
+    return [name for name in names if last[numbers(rows, name).tobytes()] == name]
+
+
+def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -> ParameterReview | None:
+    """A parameter over the logs; None if none of them has it."""
+    values, deviations = numbers(rows, name), numbers(rows, f"{name}_std")
+    known = np.isfinite(values)
+    if not known.any():
+        return None
+    rows = rows.filter(pl.Series(known))
+    values, deviations = values[known], deviations[known]
+    chart = control_chart(values, deviations, moments(rows))
+    counted = np.ones(values.size, dtype=bool)
+    counted[chart.order[chart.isolated]] = False
+    logs = tuple(map(str, rows["log"]))
+    return ParameterReview(
+        name=name,
+        logs=logs,
+        median=float(np.median(values)),
+        spread=spread_between(values[counted], deviations[counted]),
+        within=chart.between,
+        chart=chart,
+        outliers=_outliers(logs, values, deviations),
+        unit=units.get(name, ""),
+    )
+
+
+def _outliers(logs: Sequence[str], values: FloatArray, deviations: FloatArray) -> tuple[Outlier, ...]:
+    """Values far from the median, by what the others scatter and what their own interval promises."""
+    if values.size < 5:
+        return ()
+    away = values - np.median(values)
+    scale = np.fmax(_TO_SIGMA * np.median(np.abs(away)), deviations)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        z = away / scale
+    limit = max(_LEAST_OUTLYING, float(scipy.stats.norm.isf(_FALSE_OUTLIERS / 2 / values.size)))
+    far = [i for i in np.argsort(-np.abs(z)) if abs(z[i]) > limit]
+    return tuple(Outlier(logs[i], float(values[i]), float(z[i])) for i in far)
+
+
+def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
+    """Rows by what a column holds, the most frequent first; empty without the column."""
+    if column not in rows.columns:
+        return {}
+    return dict(Counter(str(value) for value in rows[column] if value is not None).most_common())
+
+
+def _effects(parts: Sequence[Group]) -> tuple[EffectCount, ...]:
+    told = [part for part in parts if {"effect", "at"} <= set(part.rows.columns)]
+    return count_effects(
+        (part.name, effect, at)
+        for part in told
+        for effect, at in part.rows.select("effect", "at").iter_rows()
+    )
+
+
+def _sentence(
+    table: pl.DataFrame,
+    axes: Sequence[AxisReview],
+    statuses: Mapping[str, int],
+    effects: Sequence[EffectCount],
+) -> str:
+    """Counts, axes that differ, changes and the most frequent effect."""
+    if not table.height:
+        return "No log."
+    known = sum(one.axis != UNKNOWN for one in axes)
+    parts = [f"{_plural(table.height, 'log')} of {_plural(known, 'axis', 'axes')}, {_ok(table, statuses)}."]
+    told = [one for one in axes if one.verdict.probabilities]
+    differing = [one for one in told if one.verdict.differs]
+    if differing:
+        worst = max(differing, key=_largest_share)
+        which = ", ".join(worst.verdict.parameters[:3])
+        parts.append(
+            f"{len(differing)} of {_plural(len(told), 'axis', 'axes')} really "
+            f"{'differs' if len(differing) == 1 else 'differ'} from run to run"
+            f"{', most of all' if len(differing) > 1 else ':'} {worst.name} in {which}."
+        )
+    elif told:
+        parts.append("No axis differs from run to run beyond its intervals.")
+    changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
+    if changed:
+        parts.append(f"Parameters of {_plural(len(changed), 'axis', 'axes')} step or drift: {_few(changed)}.")
+    if effects:
+        first = effects[0]
+        place = f" at {first.at}" if first.at else ""
+        parts.append(
+            f"Most frequent effect: {first.effect.replace('_', ' ')}{place}, in {_plural(first.logs, 'log')} of "
+            f"{_plural(len(first.axes), 'axis', 'axes')}."
+        )
+    return " ".join(parts)
+
+
+def _ok(table: pl.DataFrame, statuses: Mapping[str, int]) -> str:
+    good = statuses.get("ok", 0)
+    if good == table.height:
+        return "all ok"
+    others = ", ".join(
+        f"{count} {name.replace('_', ' ')}" for name, count in statuses.items() if name != "ok"
+    )
+    return f"{good} ok ({others})"
+
+
+def _largest_share(axis: AxisReview) -> float:
+    return max(
+        (one.spread.share for one in axis.parameters if math.isfinite(one.spread.between)), default=0.0
+    )
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _plural(count: int, one: str, many: str = "") -> str:
+    return f"{count} {one if count == 1 else many or one + 's'}"

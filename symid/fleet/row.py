@@ -1,0 +1,96 @@
+"""A row of the results: what is known of one log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+from symid.arrays import FloatArray
+from symid.errors import GeneratedModuleError, LogError, SymidError
+
+Value = str | int | float | None
+Row = Mapping[str, Value]
+
+TEXTS = ("log", "content", "key", "axis", "measured", "method", "status", "message")
+FIGURES: Mapping[str, type] = {
+    "samples": int,
+    "cutoff_hz": float,
+    "order": int,
+    "decimation": int,
+    "condition_number": float,
+}
+RESIDUAL: Mapping[str, type] = {"residual_rms": float, "residual_relative": float, "seconds": float}
+TIMES = ("recorded", "finished")
+DIAGNOSIS: Mapping[str, type] = {
+    "verdict": str,
+    "effect": str,
+    "at": str,
+    "probability": float,
+    "closed_fraction": float,
+    "gap_reidentified": float,
+    "gap_explained": float,
+    "gap_floor": float,
+    "sentence": str,
+}
+BEFORE: Mapping[str, type] = {**dict.fromkeys(TEXTS, str), **FIGURES}
+AFTER: Mapping[str, type] = {**RESIDUAL, **dict.fromkeys(TIMES, str)}
+"""Columns before and after those of the parameters."""
+
+
+def finite(value: Any) -> Value:
+    """A number as rows hold it: None where there is none.
+
+    Examples
+    --------
+    >>> finite(float("nan")), finite(2)
+    (None, 2.0)
+    """
+    if value is None:
+        return None
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def with_deviations(values: Mapping[str, float], deviations: FloatArray) -> dict[str, Value]:
+    """Columns of parameters and of their standard deviations.
+
+    Examples
+    --------
+    >>> with_deviations({"M": 5.0}, [0.1])
+    {'M': 5.0, 'M_std': 0.1}
+    """
+    row: dict[str, Value] = {}
+    for (name, value), deviation in zip(values.items(), deviations, strict=True):
+        row[name], row[f"{name}_std"] = finite(value), finite(deviation)
+    return row
+
+
+def time_text(seconds: float) -> str:
+    """A time since the epoch as ISO 8601 in UTC.
+
+    Examples
+    --------
+    >>> time_text(0.25)
+    '1970-01-01T00:00:00.250000+00:00'
+    """
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="microseconds")
+
+
+def trouble(log: str, error: BaseException) -> dict[str, Value]:
+    """Status and message of a log that an error kept from being identified."""
+    match error:
+        case LogError():
+            status, message = "bad_log", str(error)
+        case GeneratedModuleError():
+            status, message = "no_model", str(error)
+        case SymidError():
+            status, message = "bad_setting", str(error)
+        case OSError():
+            status, message = "unreadable", f"{error.strerror or error}: check the file"
+        case MemoryError():
+            status, message = "failed", "the memory does not suffice: use fewer --jobs, or a shorter log"
+        case _:
+            status, message = "failed", f"{type(error).__name__}: {error}"
+    return {"status": status, "message": " ".join(message.removeprefix(f"{log}: ").split())}

@@ -1,0 +1,221 @@
+"""Where the logs of a batch are worked on: in this process, in processes of this machine, on a cluster.
+
+All of them take a function and tasks, and give each task once with what came of it, in any order: None for a task
+that killed the process that worked on it, twice.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from threading import Thread
+from typing import Any, Protocol, TypeVar
+
+import joblib
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from symid.errors import SettingError, SymidError
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+Finished = Generator[tuple[Task, Result | None]]
+
+
+class Scheduler(Protocol):
+    """Does tasks."""
+
+    def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+        """Each task once with its result; None for one that twice killed the process that worked on it."""
+
+
+@dataclass(frozen=True)
+class Processes:
+    """Processes of this machine.
+
+    Parameters
+    ----------
+    jobs : int
+        How many; 1 works in this very process, which then shares the fate of a log that kills it.
+
+    Examples
+    --------
+    >>> list(Processes(1).run(abs, [-1, 2]))
+    [(-1, 1), (2, 2)]
+    """
+
+    jobs: int
+
+    def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+        """See `Scheduler`."""
+        if self.jobs == 1:
+            for task in tasks:
+                yield task, work(task)
+            return
+        left = dict(enumerate(tasks))
+        while left:
+            begun: list[int] = []
+            try:
+                for place, result in self._together(work, left, begun):
+                    yield left.pop(place), result
+            except TerminatedWorkerError:
+                for place in [place for place in begun if place in left]:
+                    task = left.pop(place)
+                    yield task, self._alone(work, task)
+
+    def _together(
+        self, work: Callable[[Task], Result], left: dict[int, Task], begun: list[int]
+    ) -> Iterator[tuple[int, Result]]:
+        def calls() -> Iterator[Any]:
+            for place, task in list(left.items()):
+                begun.append(place)
+                yield joblib.delayed(_placed)(work, place, task)
+
+        results: Iterator[tuple[int, Result]] = _pool(self.jobs)(calls())
+        return results
+
+    def _alone(self, work: Callable[[Task], Result], task: Task) -> Result | None:
+        """Result of a task that may have killed its process, in one that does nothing else."""
+        try:
+            ((_, result),) = _pool(2)([joblib.delayed(_placed)(work, 0, task)])
+        except TerminatedWorkerError:
+            return None
+        return result  # type: ignore[no-any-return]
+
+
+def _pool(jobs: int) -> joblib.Parallel:
+    return joblib.Parallel(
+        jobs,
+        backend="loky",
+        return_as="generator_unordered",
+        inner_max_num_threads=1,
+        initializer=_serve,
+    )
+
+
+def _serve() -> None:
+    """Make a worker leave Ctrl-C to the main process, and end when that is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_after, args=(os.getppid(),), daemon=True).start()
+
+
+def _end_after(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def _placed(work: Callable[[Task], Result], place: int, task: Task) -> tuple[int, Result]:
+    return place, work(task)
+
+
+_PATIENCE = 10.0
+"""Seconds in which the scheduler of a cluster must answer."""
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Workers of a Dask cluster, which must have symid and see the logs under the same paths.
+
+    Parameters
+    ----------
+    address : str
+        Of its scheduler, such as ``tcp://10.0.0.1:8786``.
+    """
+
+    address: str
+
+    def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+        """See `Scheduler`."""
+        distributed = _distributed()
+        try:
+            client = distributed.Client(self.address, timeout=_PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise SettingError(
+                f"no Dask scheduler answers at {self.address}: start one with 'dask scheduler', or check the address"
+            ) from error
+        with client:
+            yield from _submitted(client, work, tasks)
+
+
+_GROUP = 8
+"""Tasks that go to a worker together: one by one, the scheduler is busier than a hundred workers."""
+_AHEAD = 3
+"""Groups that are submitted for each thread of the cluster."""
+
+
+def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
+    distributed = _distributed()
+    threads = max(1, sum(client.nthreads().values()))
+    size = max(1, min(_GROUP, len(tasks) // (_AHEAD * threads)))
+    groups = iter([tasks[start : start + size] for start in range(0, len(tasks), size)])
+    flow, waiting = distributed.as_completed(loop=client.loop), {}
+    suspects: list[Task] = []
+
+    def submit(group: Sequence[Task]) -> None:
+        future = client.submit(_grouped, work, group, pure=False)
+        waiting[future.key] = group
+        flow.add(future)
+
+    for group in islice(groups, _AHEAD * threads):
+        submit(group)
+    for future in flow:
+        group = waiting.pop(future.key)
+        if (results := _results(future)) is None:
+            suspects += group
+        else:
+            yield from zip(group, results, strict=True)
+        if (following := next(groups, None)) is not None:
+            submit(following)
+    for task in suspects:  # one at a time: the death of a worker is laid to all that waited for it
+        results = _results(client.submit(_grouped, work, [task], pure=False))
+        yield task, None if results is None else results[0]
+
+
+def _results(future: Any) -> list[Any] | None:
+    """Results of a group; None if it killed its workers."""
+    distributed = _distributed()
+    try:
+        results: list[Any] = future.result()
+    except distributed.scheduler.KilledWorker:
+        return None
+    except Exception as error:
+        cause = f"{type(error).__name__}: {error}"
+        raise SymidError(f"the cluster cannot do the work ({cause}): check its workers") from error
+    return results
+
+
+def _grouped(work: Callable[[Task], Result], tasks: Sequence[Task]) -> list[Result]:
+    return [work(task) for task in tasks]
+
+
+def _distributed() -> Any:
+    try:
+        import distributed  # the extra symid[cluster]
+    except ImportError as error:
+        raise SettingError("--scheduler needs Dask: install it with pip install 'symid[cluster]'") from error
+    return distributed
+
+
+def scheduler_of(jobs: int | None, address: str | None, n_tasks: int) -> Scheduler:
+    """The cluster at an address, else as many processes as are asked for or as there are cores.
+
+    Raises
+    ------
+    SettingError
+        If the number of processes is not positive, or Dask is not installed.
+    """
+    if jobs is not None and jobs < 1:
+        raise SettingError(f"{jobs} jobs are not possible: give 1 or more")
+    if address is not None:
+        _distributed()
+        return Cluster(address)
+    return Processes(max(1, min(jobs or cores(), n_tasks)))
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return int(joblib.cpu_count()) or os.cpu_count() or 1

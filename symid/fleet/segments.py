@@ -1,0 +1,276 @@
+"""Stretches of time in which a parameter stays or drifts evenly, and the changes between them.
+
+A series is cut into segments, each with a level or with a level and a slope, so that
+
+    sum_i w_i (x_i - fit_i)^2 + sum_j log(n_j / K) + 3 log K (segments - 1) + slope penalty (sloping segments)
+
+is least; w_i is the inverse variance of x_i. This is the modified information criterion of Zhang and Siegmund (2007),
+which counts that the place of a change is searched for. The minimum over all cuts is exact: optimal partitioning
+(Jackson et al. 2005), without approximation, O(K^2) with sums that are updated.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from symid.arrays import FloatArray
+
+LEAST_LEVEL = 3
+"""Points of a segment without slope: fewer that stand off are outliers."""
+LEAST_SLOPE = 6
+"""Points of a segment with a slope."""
+_CREDIBLE = 0.95
+_MOST_PLACES = 1000
+"""Places of cuts that are compared at once; those of a longer series are refined afterwards."""
+_SHORT = 5.0
+"""Runs by which a series counts as short: its scale is estimated, and false alarms would be more frequent."""
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Points `first` up to, not including, `end`, and the line through them.
+
+    Parameters
+    ----------
+    first, end : int
+        Places in the series.
+    middle : float
+        Time of reference of the line: weighted mean of the times.
+    level, slope : float
+        Value at `middle` and its change by unit of time; a slope of 0 means a level.
+    level_variance, slope_variance : float
+        Of these two, which are independent of each other.
+    """
+
+    first: int
+    end: int
+    middle: float
+    level: float
+    slope: float
+    level_variance: float
+    slope_variance: float
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Value of the line at a time, and its variance."""
+        away = time - self.middle
+        return self.level + self.slope * away, self.level_variance + self.slope_variance * away**2
+
+    @property
+    def drifts(self) -> bool:
+        """Whether it has a slope."""
+        return self.slope != 0.0
+
+
+@dataclass(frozen=True)
+class Change:
+    """A step between two runs, or a drift over several.
+
+    Parameters
+    ----------
+    kind : {"step", "drift"}
+        Step: tightening, a lost preload, a part replaced. Drift: wear, running in, warming.
+    log : int
+        Place of the first run after a step, or of the first of a drift.
+    when : datetime or float
+        Time of that run; its number where times are not known.
+    earliest, latest : datetime or float
+        Of a step: it lies after the first and not after the second, with a probability of 95 %. Of a drift: where it
+        begins and ends.
+    size, std : float
+        Change and its standard deviation; of a drift from its begin to its end.
+    interval : tuple of float
+        95 % interval of the size.
+    before, after : float
+        Value before and after.
+    """
+
+    kind: Literal["step", "drift"]
+    log: int
+    when: datetime | float
+    earliest: datetime | float
+    latest: datetime | float
+    size: float
+    std: float
+    interval: tuple[float, float]
+    before: float
+    after: float
+
+    @property
+    def relative(self) -> float:
+        """Size for each unit of the value before; nan if that is 0."""
+        return self.size / abs(self.before) if self.before else math.nan
+
+
+def cut(
+    time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
+) -> tuple[Segment, ...]:
+    """Segments of least penalised cost.
+
+    Parameters
+    ----------
+    time, values, weights : array of shape (n,)
+        In order of time; a weight is the inverse variance of a value, 0 for one that is left out.
+    slope_penalty : float
+        What a slope costs.
+
+    Examples
+    --------
+    >>> time = np.arange(40.0)
+    >>> values = np.where(time < 25, 1.0, 2.0) + 0.1 * np.random.default_rng(0).standard_normal(40)
+    >>> [(s.first, s.end, round(s.level, 1), s.slope) for s in cut(time, values, np.full(40, 100.0), 9.0)]
+    [(0, 25, 1.0, 0.0), (25, 40, 2.0, 0.0)]
+    """
+    count = time.size
+    if count < 2 * LEAST_LEVEL:
+        return (fitted_segment(time, values, weights, 0, count, sloping=False),)
+    ends, sloping = _best_cut(time, values, weights, slope_penalty)
+    for i in range(len(ends) - 2):
+        ends[i + 1] = _refined(time, values, weights, ends[i : i + 3], sloping[i : i + 2])
+    return tuple(
+        fitted_segment(time, values, weights, first, end, sloping=slopes)
+        for first, end, slopes in zip(ends[:-1], ends[1:], sloping, strict=True)
+    )
+
+
+def _best_cut(
+    time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
+) -> tuple[list[int], list[bool]]:
+    """Ends of the best segments, 0 first, and which have a slope; of a long series cuts are at every few places."""
+    count = time.size
+    places = np.append(np.arange(0, count, -(-count // _MOST_PLACES)), count)
+    sums = _Sums.of(time, values, weights, places)
+    step = 3 * math.log(count) * (1 + _SHORT / count)
+    best, came_from = np.full(places.size, np.inf), np.zeros(places.size, dtype=int)
+    with_slope = np.zeros(places.size, dtype=bool)
+    best[0] = -step
+    for k in range(1, places.size):
+        level, line = sums.costs(k)
+        length = places[k] - places[:k]
+        shared = best[:k] + np.log(length / count) + step
+        level = np.where(length < LEAST_LEVEL, np.inf, level + shared)
+        line = np.where(length < LEAST_SLOPE, np.inf, line + shared + slope_penalty)
+        with_slope[k] = line.min() < level.min()
+        chosen = line if with_slope[k] else level
+        came_from[k] = int(np.argmin(chosen))
+        best[k] = chosen[came_from[k]]
+    ends, sloping, k = [count], [], places.size - 1
+    while k > 0:
+        sloping.append(bool(with_slope[k]))
+        k = int(came_from[k])
+        ends.append(int(places[k]))
+    return ends[::-1], sloping[::-1]
+
+
+def _refined(
+    time: FloatArray, values: FloatArray, weights: FloatArray, ends: list[int], sloping: list[bool]
+) -> int:
+    """Best place of the middle one of three ends, of those that the cut has left out around it."""
+    reach = -(-time.size // _MOST_PLACES) - 1
+    first, middle, last = ends
+    places = range(max(middle - reach, first + LEAST_LEVEL), min(middle + reach, last - LEAST_LEVEL) + 1)
+
+    def misfit(place: int) -> float:
+        sides = ((first, place, sloping[0]), (place, last, sloping[1]))
+        return sum(_misfit(time, values, weights, *side) for side in sides)
+
+    return min(places, key=misfit) if reach else middle
+
+
+def fitted_segment(
+    time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, *, sloping: bool
+) -> Segment:
+    """Level, or line, through a stretch of a series.
+
+    Parameters
+    ----------
+    time, values, weights : array of shape (n,)
+        The series.
+    first, end : int
+        The stretch.
+    sloping : bool
+        Whether it has a slope.
+
+    Examples
+    --------
+    >>> fitted_segment(np.arange(3.0), np.array([1.0, 3.0, 5.0]), np.ones(3), 0, 3, sloping=True).slope
+    2.0
+    """
+    t, x, w = time[first:end], values[first:end], weights[first:end]
+    if not w.any():
+        w = np.ones_like(w)
+    middle = float(w @ t / w.sum())
+    level = float(w @ x / w.sum())
+    spread = float(w @ (t - middle) ** 2)
+    if not sloping or spread == 0:
+        return Segment(first, end, middle, level, 0.0, float(1 / w.sum()), 0.0)
+    slope = float(w @ ((t - middle) * x)) / spread
+    return Segment(first, end, middle, level, slope, float(1 / w.sum()), 1 / spread)
+
+
+def places_of_step(
+    time: FloatArray, values: FloatArray, weights: FloatArray, before: Segment, after: Segment
+) -> tuple[int, int]:
+    """First and last place at which a step may lie, with 95 % probability: every place is as likely beforehand.
+
+    Parameters
+    ----------
+    time, values, weights : array of shape (n,)
+        The series.
+    before, after : Segment
+        On either side of the step.
+    """
+    places = np.arange(before.first + 1, after.end)
+    costs = []
+    for place in places:
+        sides = ((before.first, int(place), before.drifts), (int(place), after.end, after.drifts))
+        costs.append(sum(_misfit(time, values, weights, *side) for side in sides))
+    odds = np.exp(-0.5 * (np.array(costs) - min(costs)))
+    order = np.argsort(-odds)
+    needed = int(np.searchsorted(np.cumsum(odds[order]), _CREDIBLE * odds.sum())) + 1
+    kept = places[order[:needed]]
+    return int(kept.min()), int(kept.max())
+
+
+def _misfit(
+    time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, sloping: bool
+) -> float:
+    line = fitted_segment(time, values, weights, first, end, sloping=sloping)
+    fit = line.level + line.slope * (time[first:end] - line.middle)
+    return float(weights[first:end] @ (values[first:end] - fit) ** 2)
+
+
+@dataclass(frozen=True)
+class _Sums:
+    """Cumulative weighted sums of a series, from which the cost of every stretch follows; shape (6, n_places)."""
+
+    rows: FloatArray
+
+    @classmethod
+    def of(
+        cls, time: FloatArray, values: FloatArray, weights: FloatArray, places: npt.NDArray[np.int64]
+    ) -> _Sums:
+        """Those of a series up to some places, centred and scaled so that differences of sums keep their digits."""
+        t = (time - time.mean()) / (np.ptp(time) or 1.0)
+        x = values - np.median(values)
+        terms = np.stack(
+            [weights, weights * t, weights * t * t, weights * x, weights * x * t, weights * x * x]
+        )
+        return cls(np.concatenate([np.zeros((6, 1)), np.cumsum(terms, axis=1)], axis=1)[:, places])
+
+    def costs(self, end: int) -> tuple[FloatArray, FloatArray]:
+        """Least squares of a level and of a line that ends at a place, from every place before it."""
+        w, wt, wtt, wx, wxt, wxx = self.rows[:, end : end + 1] - self.rows[:, :end]
+        w = np.maximum(w, np.finfo(float).tiny)
+        level = np.maximum(wxx - wx * wx / w, 0.0)
+        spread = wtt - wt * wt / w
+        together = wxt - wt * wx / w
+        gained = np.divide(
+            together**2, spread, out=np.zeros_like(spread), where=spread > 1e-12 * wtt + 1e-300
+        )
+        return level, np.maximum(level - gained, 0.0)

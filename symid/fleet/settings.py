@@ -1,0 +1,144 @@
+"""How the logs of a batch are identified."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
+
+from symid.axis import Axis
+from symid.data import MEMORY, Layout
+from symid.errors import SettingError
+from symid.identification import Preparation
+from symid.identification.logs import axis_columns
+
+ROW_METHODS = ("wls", "ols")
+"""Methods to which the triangular factors of the rows are all that there is to know of a log."""
+METHODS = (*ROW_METHODS, "iv", "oe")
+
+
+@dataclass(frozen=True)
+class BatchSettings:
+    """Settings that all logs of a batch share.
+
+    Parameters
+    ----------
+    method : {"wls", "ols", "iv", "oe"}
+        Weighted or ordinary least squares, instrumental variables, or output error.
+    measured : tuple of str, optional
+        Sensors to use; those that each log holds by default.
+    columns, units, gains : mapping of str to str, str, float
+        Column, unit and factor of signals whose columns are foreign, as in `symid.read_axis_log`.
+    layout, sampling_period
+        Of foreign files, as in `symid.read_axis_log`.
+    preparation : Preparation
+        What is left open is chosen from each log.
+    held : tuple of str
+        Forces that are held from sample to sample, besides one that the axis declares as held.
+    ddof : int, optional
+        As in `symid.identify`.
+    nominal : mapping of str to float, optional
+        Nominal physical parameters, SI: a start of the identification, and the simulation that is diagnosed.
+    controller : mapping of str to float
+        Gains of the machine's controller by the fields of `symid.simulation.Cascade`, for "iv" and "oe".
+    rate_hz : float, optional
+        Rate of the controller.
+    diagnose : bool
+        Whether each log is diagnosed too, which takes seconds a log.
+    examine : bool
+        Whether timing and bias are examined, see `symid.identify`.
+    joint : bool
+        Whether rows keep the triangular factors of their logs, some hundred numbers each, so that the logs of an axis
+        can be joined without reading them again; for "wls" and "ols".
+    memory : int
+        Bytes that a log may take in a process; a longer CSV or Parquet file is identified in blocks by "wls" and "ols".
+
+    Raises
+    ------
+    SettingError
+        If the method is not known, or cannot be joined.
+    """
+
+    method: Literal["wls", "ols", "iv", "oe"] = "wls"
+    measured: tuple[str, ...] | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+    layout: Layout | None = None
+    sampling_period: float | None = None
+    preparation: Preparation = field(default_factory=Preparation)
+    held: tuple[str, ...] = ()
+    ddof: int | None = None
+    nominal: Mapping[str, float] | None = None
+    controller: Mapping[str, float] = field(default_factory=dict)
+    rate_hz: float | None = None
+    diagnose: bool = False
+    examine: bool = True
+    joint: bool = False
+    memory: int = MEMORY
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise SettingError(f"method {self.method!r} is not known: choose from {', '.join(METHODS)}")
+        if self.joint and self.method not in ROW_METHODS:
+            raise SettingError(f"method {self.method!r} leaves no factors to join: take one of wls, ols")
+
+    @property
+    def canonical(self) -> str:
+        """Text that is the same for the same settings, in every process."""
+        return repr(_sorted(replace(self, memory=MEMORY)))  # blocks give what memory gives
+
+    def of_axis(self, axis: Axis) -> BatchSettings:
+        """What of the settings concerns an axis: of several axes each has its own signals."""
+        known = _signals(axis)
+        chosen = None
+        if self.measured is not None:
+            sensors = {sensor.signal for sensor in axis.sensors}
+            chosen = tuple(name for name in self.measured if name in sensors) or None
+        late = {name: value for name, value in self.preparation.late.items() if name in axis.signal_units}
+        return replace(
+            self,
+            measured=chosen,
+            columns=_of(self.columns, known),
+            units=_of(self.units, known),
+            gains=_of(self.gains, known),
+            preparation=replace(self.preparation, late=late),
+            held=tuple(name for name in self.held if name in axis.signal_units),
+        )
+
+    def check(self, axes: tuple[Axis, ...]) -> None:
+        """SettingError for a signal that none of the axes has."""
+        known = frozenset().union(*map(_signals, axes))
+        named = (*(self.measured or ()), *self.columns, *self.units, *self.gains)
+        for signal in (*named, *self.preparation.late, *self.held):
+            if signal not in known:
+                names = ", ".join(axis.name for axis in axes)
+                signals = dict.fromkeys(name for axis in axes for name in axis.signal_units)
+                raise SettingError(f"signal {signal!r} is not known: {names} has {', '.join(signals)}")
+        for axis in axes:
+            missing = [
+                n for n in axis.physical_parameters if self.nominal is not None and n not in self.nominal
+            ]
+            if missing:
+                raise SettingError(
+                    f"nominal values lack {', '.join(missing)} of axis {axis.name!r}: give them"
+                )
+
+
+def _signals(axis: Axis) -> frozenset[str]:
+    """All names by which columns of a log may be meant."""
+    expected, alternatives = axis_columns(axis)
+    return frozenset({"t", "reference", *expected, *(column for column, _ in alternatives.values())})
+
+
+def _of(mapping: Mapping[str, Any], known: frozenset[str]) -> dict[str, Any]:
+    return {name: value for name, value in mapping.items() if name in known}
+
+
+def _sorted(value: object) -> object:
+    """Nested tuples of names and values in a fixed order."""
+    if isinstance(value, (BatchSettings, Preparation)):
+        return tuple((f.name, _sorted(getattr(value, f.name))) for f in fields(value))
+    if isinstance(value, Mapping):
+        return tuple(sorted((name, _sorted(item)) for name, item in value.items()))
+    return float(value) if isinstance(value, float) else value

@@ -1,0 +1,277 @@
+"""How much a parameter differs from run to run, against what the intervals of the runs promise.
+
+The value x_i of run i is mu + b_i + e_i: e_i has the standard deviation s_i that its identification promises, b_i the
+variance tau^2 between runs. All that is asked of tau^2 follows from the generalised statistic
+
+    Q(tau^2) = sum_i w_i (x_i - mean)^2,  w_i = 1 / (s_i^2 + tau^2),  mean = sum w_i x_i / sum w_i,
+
+which is chi-square with K - 1 degrees of freedom at the true tau^2. Q(0) is Cochran's test of heterogeneity (1954);
+Q(tau^2) = K - 1 is the estimate of Paule and Mandel (1982), which assumes no distribution of b; the two tau^2 at which
+Q is a quantile of its distribution bound it (Q-profile, Viechtbauer 2007). Veroniki et al. (2016) recommend both.
+Hartung and Knapp (2001) give the deviation of the mean. Several parameters are tested together by Holm's step-down
+(1979), which holds whatever their dependence.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+
+LEAST_RUNS = 3
+"""Runs from which a spread is told."""
+_TAIL = 0.025
+_LEAST_SHARE = 0.1
+"""Part of the promised variance by which the spread must exceed it: no interval is known to better than 5 %."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One parameter over several runs. Everything has the unit of the parameter but what is a probability.
+
+    Parameters
+    ----------
+    runs : int
+        Runs that have a value and a deviation.
+    mean, mean_std : float
+        Mean over the runs, and its deviation by Hartung and Knapp.
+    between : float
+        Standard deviation between runs, tau; 0 where the intervals explain everything.
+    between_interval : tuple of float
+        Its 95 % interval.
+    promised : float
+        Standard deviation that the intervals promise for one run (typical one of Higgins and Thompson, 2002).
+    statistic : float
+        Cochran's Q, chi-square with `runs` - 1 degrees of freedom if nothing differs.
+    probability : float
+        Of a Q as large as this if nothing differs; nan below three runs.
+    """
+
+    runs: int
+    mean: float
+    mean_std: float
+    between: float
+    between_interval: tuple[float, float]
+    promised: float
+    statistic: float
+    probability: float
+
+    @property
+    def relative_between(self) -> float:
+        """Standard deviation between runs for each unit of the mean; nan if that is 0."""
+        return self.between / abs(self.mean) if self.mean else math.nan
+
+    @property
+    def relative_promised(self) -> float:
+        """Promised standard deviation for each unit of the mean; nan if that is 0."""
+        return self.promised / abs(self.mean) if self.mean else math.nan
+
+    @property
+    def exceeds_tolerance(self) -> bool:
+        """Whether the interval of the variance between runs begins above a tenth of what is promised."""
+        return self.between_interval[0] ** 2 > _LEAST_SHARE * self.promised**2
+
+    @property
+    def share(self) -> float:
+        """Part of the variance of one run that is between runs, I^2."""
+        total = self.between**2 + self.promised**2
+        return self.between**2 / total if total > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class SpreadVerdict:
+    """Whether an axis is the same from run to run.
+
+    Parameters
+    ----------
+    differs : bool
+        Whether some parameter differs beyond its intervals.
+    parameters : tuple of str
+        Which ones, that with the largest share first.
+    sentence : str
+        The same in words.
+    probabilities : mapping of str to float
+        Adjusted for the number of parameters (Holm).
+    """
+
+    differs: bool
+    parameters: tuple[str, ...]
+    sentence: str
+    probabilities: Mapping[str, float]
+
+
+def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
+    """Spread of a parameter between runs.
+
+    Parameters
+    ----------
+    values, deviations : array of shape (n_runs,)
+        Value and standard deviation from each run; runs where one of them is not finite, or the deviation is not
+        above 0, are left out.
+
+    Raises
+    ------
+    SettingError
+        If the shapes differ.
+
+    Examples
+    --------
+    Ten runs that promise 0.1 and scatter by far more:
+
+    >>> import numpy as np
+    >>> values = 5 + np.array([0.4, -0.5, 0.1, 0.6, -0.3, -0.2, 0.5, -0.6, 0.2, -0.2])
+    >>> found = spread_between(values, np.full(10, 0.1))
+    >>> round(found.mean, 2), round(found.between, 2), found.probability < 1e-6
+    (5.0, 0.41, True)
+    """
+    x, s = np.asarray(values, dtype=np.float64), np.asarray(deviations, dtype=np.float64)
+    if x.ndim != 1 or x.shape != s.shape:
+        raise SettingError(f"values of shape {x.shape}, deviations {s.shape}: one of each for each run")
+    known = np.isfinite(x) & np.isfinite(s) & (s > 0)
+    x, s = x[known], s[known]
+    if x.size < LEAST_RUNS:
+        return _too_few(x, s)
+    freedom = x.size - 1
+    unit = float(
+        np.exp(np.mean(np.log(s)))
+    )  # squares of very small parameters would leave the range of numbers
+    x, variance = x / unit, (s / unit) ** 2
+    tau2 = variance_at(x, variance, freedom)
+    ends = [variance_at(x, variance, scipy.stats.chi2.isf(tail, freedom)) for tail in (_TAIL, 1 - _TAIL)]
+    low, high = (math.sqrt(end) * unit for end in ends)
+    weights = 1 / (variance + tau2)
+    mean = float(weights @ x / weights.sum())
+    excess = max(float(weights @ (x - mean) ** 2) / freedom, 1.0)
+    Q = generalised_statistic(x, variance, 0.0)
+    return Spread(
+        runs=int(x.size),
+        mean=mean * unit,
+        mean_std=math.sqrt(excess / weights.sum()) * unit,
+        between=math.sqrt(tau2) * unit,
+        between_interval=(low, high),
+        promised=math.sqrt(_typical_variance(variance)) * unit,
+        statistic=Q,
+        probability=float(scipy.stats.chi2.sf(Q, freedom)),
+    )
+
+
+def generalised_statistic(x: FloatArray, variance: FloatArray, between: float) -> float:
+    """Q at a variance between runs.
+
+    Parameters
+    ----------
+    x, variance : array of shape (n_runs,)
+        Values and the variances that their intervals promise.
+    between : float
+        Variance between runs.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> generalised_statistic(np.array([0.0, 2.0]), np.ones(2), 1.0)
+    1.0
+    """
+    weights = 1 / (variance + between)
+    mean = weights @ x / weights.sum()
+    return float(weights @ (x - mean) ** 2)
+
+
+def variance_at(x: FloatArray, variance: FloatArray, target: float) -> float:
+    """Variance between runs at which Q is the target; 0 where Q is below it without any.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> round(variance_at(np.array([0.0, 2.0]), np.ones(2), 1.0), 9)
+    1.0
+    """
+    if generalised_statistic(x, variance, 0.0) <= target:
+        return 0.0
+    high = float(np.sum((x - x.mean()) ** 2)) / target + float(variance.max())  # Q is below the target there
+    return float(
+        scipy.optimize.brentq(
+            lambda tau2: generalised_statistic(x, variance, tau2) - target, 0.0, high, xtol=1e-12 * high
+        )
+    )
+
+
+def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVerdict:
+    """Whether the axis differs from run to run, and in which parameters.
+
+    Parameters
+    ----------
+    spreads : mapping of str to Spread
+        By parameter.
+    level : float
+        Probability that an axis which is always the same is said to differ in any parameter. A spread that exceeds
+        the promised variance by less than a tenth is never called a difference: with thousands of runs it would be
+        significant, but intervals are not known that well.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> noise = np.random.default_rng(3).standard_normal((2, 40))
+    >>> steady = spread_between(20 + 0.1 * noise[0], np.full(40, 0.1))
+    >>> loose = spread_between(50 + 2.0 * noise[1], np.full(40, 0.4))
+    >>> judge_spread({"M": steady, "Fs": loose}).sentence
+    'the axis really differs from run to run, in Fs: 4 % between runs where the intervals promise 0.8 %'
+    >>> judge_spread({"M": steady}).sentence
+    'within noise: 40 runs scatter as their intervals promise'
+    """
+    known = {name: one for name, one in spreads.items() if math.isfinite(one.probability)}
+    if not known:
+        most = max((one.runs for one in spreads.values()), default=0)
+        return SpreadVerdict(
+            False, (), f"not told: {most} runs with intervals; {LEAST_RUNS} are required", {}
+        )
+    adjusted = dict(zip(known, _holm([one.probability for one in known.values()]), strict=True))
+    differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]
+    differing.sort(key=lambda name: -known[name].share)
+    if not differing:
+        runs = max(one.runs for one in known.values())
+        sentence = f"within noise: {runs} runs scatter as their intervals promise"
+        return SpreadVerdict(False, (), sentence, adjusted)
+    sizes = "; ".join(_size(name, known[name]) for name in differing)
+    sentence = f"the axis really differs from run to run, in {sizes}"
+    return SpreadVerdict(True, tuple(differing), sentence, adjusted)
+
+
+def _size(name: str, spread: Spread) -> str:
+    """A spread in percent; in the parameter's unit where the mean is not told from 0."""
+    if abs(spread.mean) > 2 * math.hypot(spread.between, spread.promised):
+        sizes = [f"{100 * one:.2g} %" for one in (spread.relative_between, spread.relative_promised)]
+    else:
+        sizes = [f"{one:.2g}" for one in (spread.between, spread.promised)]
+    return f"{name}: {sizes[0]} between runs where the intervals promise {sizes[1]}"
+
+
+def _too_few(x: FloatArray, s: FloatArray) -> Spread:
+    """Mean of fewer runs than tell a spread."""
+    nan = math.nan
+    if not x.size:
+        return Spread(0, nan, nan, nan, (nan, nan), nan, nan, nan)
+    weights = (s.min() / s) ** 2
+    mean, std = float(weights @ x / weights.sum()), float(s.min() / math.sqrt(weights.sum()))
+    promised = float(np.sqrt(np.mean((s / s.max()) ** 2)) * s.max())
+    return Spread(int(x.size), mean, std, nan, (nan, nan), promised, nan, nan)
+
+
+def _typical_variance(variance: FloatArray) -> float:
+    weights = 1 / variance
+    return float((weights.size - 1) * weights.sum() / (weights.sum() ** 2 - weights @ weights))
+
+
+def _holm(probabilities: Sequence[float]) -> FloatArray:
+    """Probabilities adjusted for their number, none smaller than that before it in order."""
+    order = np.argsort(probabilities)
+    stepped = np.array(probabilities)[order] * np.arange(len(order), 0, -1)
+    adjusted = np.empty(len(order))
+    adjusted[order] = np.minimum(np.maximum.accumulate(stepped), 1.0)
+    return adjusted

@@ -1,0 +1,79 @@
+"""A batch in short: how many logs have each status, each parameter over the logs, which effects were found where."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from symid.fleet.batch import Batch
+from symid.fleet.effects import count_effects
+
+_NORMAL = 1.4826
+"""Standard deviation of a normal distribution by its median absolute deviation."""
+_MOST_TROUBLES = 20
+
+
+def summary_of(batch: Batch) -> dict[str, Any]:
+    """What `symid batch --json` writes.
+
+    The spread of a parameter is a standard deviation too, from the median absolute deviation over the logs of status
+    "ok", which stray logs do not move; ``std`` is the median of what the logs promise.
+
+    Parameters
+    ----------
+    batch : Batch
+        Its rows.
+    """
+    troubles = [row for row in batch.rows if row["status"] != "ok"]
+    record: dict[str, Any] = {
+        "logs": len(batch.rows),
+        "reused": batch.reused,
+        "status": batch.statuses,
+        "seconds_of_work": sum(float(row.get("seconds") or 0.0) for row in batch.rows),
+        "parameters": {axis: _parameters(batch, axis) for axis in batch.units},
+        "not_ok": [
+            {name: row.get(name) for name in ("log", "status", "message")}
+            for row in troubles[:_MOST_TROUBLES]
+        ],
+        "output": [str(file) for file in batch.files],
+        "former_table": str(batch.replaced) if batch.replaced else None,
+    }
+    if batch.diagnosed:
+        record["verdicts"] = dict(
+            Counter(row["verdict"] for row in batch.rows if row.get("verdict")).most_common()
+        )
+        found = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
+        record["effects"] = [asdict(one) for one in count_effects(found)]
+    return record
+
+
+def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
+    """Each parameter over the logs of an axis with the same sensors."""
+    found = []
+    for measured, units in batch.units[axis].items():
+        rows = [
+            r for r in batch.rows if (r.get("axis"), r.get("measured"), r["status"]) == (axis, measured, "ok")
+        ]
+        for name, unit in units.items():
+            values = np.array([r[name] for r in rows if r.get(name) is not None], dtype=float)
+            deviations = np.array(
+                [r[f"{name}_std"] for r in rows if r.get(f"{name}_std") is not None], dtype=float
+            )
+            if not values.size:
+                continue
+            middle = float(np.median(values))
+            found.append(
+                {
+                    "name": name,
+                    "measured": measured,
+                    "logs": values.size,
+                    "median": middle,
+                    "spread": _NORMAL * float(np.median(np.abs(values - middle))),
+                    "std": float(np.median(deviations)) if deviations.size else None,
+                    "unit": unit,
+                }
+            )
+    return found

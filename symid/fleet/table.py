@@ -1,0 +1,141 @@
+"""The table of results: its columns, its units, and the files that hold it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import polars as pl
+
+from symid.errors import SettingError, SymidError
+from symid.fleet.kept_factors import FACTORS
+from symid.fleet.plan import FleetAxis
+from symid.fleet.results import UNITS, Units, read_results
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
+
+SUFFIXES = (".parquet", ".csv")
+_TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}
+
+
+def table_of(
+    rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool, joint: bool = False
+) -> pl.DataFrame:
+    """Rows as a table; a value that a row lacks is null.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        One a log.
+    parameters : iterable of str
+        Names of the columns of parameters and deviations.
+    diagnosed : bool
+        Whether there are columns of a diagnosis.
+    joint : bool
+        Whether there is a column of triangular factors.
+
+    Examples
+    --------
+    >>> table_of([{"log": "a.csv", "M": 5.0}], ["M"], False).select("log", "M", "status").row(0)
+    ('a.csv', 5.0, None)
+    """
+    kinds = {**BEFORE, **dict.fromkeys(parameters, float), **AFTER, **(DIAGNOSIS if diagnosed else {})}
+    kinds |= {FACTORS: str} if joint else {}
+    schema = {name: _TYPES[kind] for name, kind in kinds.items()}
+    return pl.DataFrame([[row.get(name) for name in schema] for row in rows], schema=schema, orient="row")
+
+
+def units_of(rows: Iterable[Row], axes: Iterable[FleetAxis]) -> dict[str, dict[str, dict[str, str]]]:
+    """Units of the parameters of each axis and set of sensors that occurs in the rows.
+
+    Names such as X1 mean another thing for other sensors, so that units belong to an axis and its sensors.
+    """
+    seen = dict.fromkeys((row.get("axis"), row.get("measured")) for row in rows if "condition_number" in row)
+    units: dict[str, dict[str, dict[str, str]]] = {}
+    for axis in axes:
+        for signals, _ in axis.modules:
+            measured = ",".join(signals)
+            if (axis.axis.name, measured) in seen:
+                model = axis.model(signals)
+                named = {**model.minimal_units, **model.physical_units}
+                units.setdefault(axis.axis.name, {})[measured] = {n: str(unit) for n, unit in named.items()}
+    return units
+
+
+def parameter_columns(units: Units) -> tuple[str, ...]:
+    """Columns of all parameters, each followed by that of its standard deviation."""
+    names = dict.fromkeys(name for sets in units.values() for named in sets.values() for name in named)
+    return tuple(column for name in names for column in (name, f"{name}_std"))
+
+
+def result_files(
+    output: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | None,
+) -> tuple[Path, ...]:
+    """Files of the results, one of each kind at most, the Parquet file first.
+
+    Raises
+    ------
+    SettingError
+        If a suffix is not known, or the folder is not there.
+    """
+    if output is None:
+        return ()
+    given = (output,) if isinstance(output, (str, os.PathLike)) else output
+    files = tuple(sorted(map(Path, given), key=lambda file: file.suffix, reverse=True))
+    for file in files:
+        if file.suffix not in SUFFIXES:
+            raise SettingError(
+                f"results {str(file)!r} are of no known kind: end the name with .parquet or .csv"
+            )
+        if not file.parent.is_dir() or file.is_dir():
+            raise SettingError(
+                f"results {str(file)!r} cannot be written: give a file in a folder that exists"
+            )
+    if len({file.suffix for file in files}) < len(files):
+        raise SettingError("results go to one .parquet and one .csv file at most: give each kind once")
+    return files
+
+
+def read_rows(file: Path) -> list[Row]:
+    """Rows of a file that `write_table` wrote; none if there is no file.
+
+    Raises
+    ------
+    SettingError
+        If the file is something else, which must not be overwritten.
+    """
+    if not file.exists():
+        return []
+    nothing = SettingError(f"{file}: is there but holds no results: give another file, or remove it")
+    try:
+        frame = read_results(file)
+    except SettingError as error:
+        raise nothing from error
+    if "key" not in frame.columns:
+        raise nothing
+    return [{k: v for k, v in row.items() if v is not None} for row in frame.iter_rows(named=True)]
+
+
+def write_table(table: pl.DataFrame, units: Units, file: Path) -> None:
+    """Write a table as a whole or not at all.
+
+    Raises
+    ------
+    SymidError
+        If that is not possible, as on a full disk.
+    """
+    unfinished = file.with_name(file.name + ".unfinished")
+    try:
+        if file.suffix == ".parquet":
+            table.write_parquet(unfinished, metadata={UNITS: json.dumps(units)})
+        else:
+            table.write_csv(unfinished)
+        with unfinished.open("rb+") as written:
+            os.fsync(written.fileno())
+        os.replace(unfinished, file)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        cause = getattr(error, "strerror", None) or str(error)
+        raise SymidError(f"{file}: cannot be written ({cause})") from error
+    finally:
+        unfinished.unlink(missing_ok=True)

@@ -1,0 +1,253 @@
+"""What is done with one log, in whatever process: from a path to a row. Nothing that a log holds raises."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from polars.exceptions import PanicException
+from threadpoolctl import ThreadpoolController
+
+from symid.codegen import GeneratedModel
+from symid.data import AnyLog, Log, columns_in
+from symid.errors import LogError
+from symid.fleet.joint import log_factors
+from symid.fleet.kept_factors import FACTORS, packed
+from symid.fleet.plan import FleetAxis
+from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
+from symid.fleet.settings import ROW_METHODS, BatchSettings
+from symid.identification import Identification, identify, measured_signals, open_axis_log
+
+
+@dataclass(frozen=True)
+class Task:
+    """One log of a batch.
+
+    Parameters
+    ----------
+    log : str
+        Path as given.
+    path : str
+        The same, absolute: a worker may run in another folder.
+    known : tuple of str
+        Keys of rows that earlier runs made of this path.
+    """
+
+    log: str
+    path: str
+    known: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a log: a new row, or the key of one that holds still."""
+
+    log: str
+    row: Row | None
+    unchanged: str | None = None
+
+
+def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
+    """Row of one log.
+
+    Parameters
+    ----------
+    axes : tuple of FleetAxis
+        The log is one of the first axis whose signals it holds; of a single axis in any case.
+    task : Task
+        The log.
+    """
+    begin = time.perf_counter()
+    row: dict[str, Value] = {"log": task.log}
+    try:
+        row["recorded"] = time_text(os.stat(task.path).st_mtime)
+        content = content_of(task.path)
+        row["content"] = content
+        axis = _axis_of(axes, task.path)
+        key = hashlib.sha256(f"{content}\n{axis.fingerprint}".encode()).hexdigest()
+        if key in task.known:
+            return Outcome(task.log, None, unchanged=key)
+        row |= {"key": key, "axis": axis.axis.name, "method": axis.settings.method}
+        with _threads().limit(limits=1):
+            row |= _identified(axis, task.path)
+    except (Exception, PanicException) as error:  # noqa: BLE001  a row must tell of whatever a log brings about
+        row |= trouble(task.path, error)
+        if isinstance(error, (MemoryError, OSError)):
+            row["key"] = None  # another night may do better
+    row |= {"seconds": time.perf_counter() - begin, "finished": time_text(time.time())}
+    return Outcome(task.log, row)
+
+
+def killed(task: Task) -> Outcome:
+    """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
+    message = "its worker died twice, as for want of memory: use fewer --jobs, or a shorter log"
+    row: Row = {"log": task.log, "status": "failed", "message": message, "finished": time_text(time.time())}
+    return Outcome(task.log, row)
+
+
+def content_of(path: str) -> str:
+    """SHA-256 of the bytes of a file, read in pieces."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    return ThreadpoolController()  # looks through all loaded libraries: once a process
+
+
+def _axis_of(axes: tuple[FleetAxis, ...], log: str) -> FleetAxis:
+    if len(axes) == 1:
+        return axes[0]
+    columns = columns_in(log, axes[0].settings.layout)
+    for axis in axes:
+        if axis.is_held_in(columns):
+            return axis
+    names = ", ".join(axis.axis.name for axis in axes)
+    raise LogError(f"holds force and a sensor of none of {names}: name columns with --column SIGNAL=NAME")
+
+
+def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
+    """Columns of the identification, and of the diagnosis if there is to be one."""
+    settings, declared = axis.settings, axis.axis
+    in_blocks = settings.method in ROW_METHODS
+    log = open_axis_log(
+        declared,
+        path,
+        measured=settings.measured,
+        columns=settings.columns,
+        units=settings.units,
+        gains=settings.gains,
+        layout=settings.layout,
+        sampling_period=settings.sampling_period,
+        memory=settings.memory if in_blocks else sys.maxsize,
+    )
+    measured = measured_signals(declared, [log], settings.measured)
+    row: dict[str, Value] = {"samples": log.n_samples, "measured": ",".join(measured)}
+    model = axis.model(measured)
+    if settings.method == "oe":
+        row |= _by_output_error(axis, model, _whole(log))
+    else:
+        found = _by_regression(axis, model, log)
+        row |= _columns_of(found)
+        row |= {FACTORS: packed(log_factors(found))} if settings.joint else {}
+    if settings.diagnose:
+        row |= _diagnosed(axis, _whole(log), str(row["message"] or ""))
+    return row
+
+
+def _whole(log: AnyLog) -> Log:
+    return log.window(0, log.n_samples)
+
+
+def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
+    """Least squares or instrumental variables."""
+    settings = axis.settings
+    declared = (axis.axis.drive.signal,) if axis.axis.drive.held else ()
+    preparation = settings.preparation.with_held((*settings.held, *declared), log.sampling_period)
+    if settings.method == "iv":
+        from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
+        from symid.simulation import ClosedLoop
+
+        loop = ClosedLoop.with_gains(axis.axis, settings.controller, settings.rate_hz)
+        return identify_by_instruments(
+            model,
+            _whole(log),
+            loop,
+            preparation=preparation,
+            nominal=settings.nominal,
+            examine=settings.examine,
+        )
+    return identify(
+        model,
+        log,
+        method="ols" if settings.method == "ols" else "wls",
+        preparation=preparation,
+        ddof=settings.ddof,
+        nominal=settings.nominal,
+        examine=settings.examine,
+    )
+
+
+def _columns_of(found: Identification) -> dict[str, Value]:
+    """Deviations are corrected for the correlation of the residual where that can be told."""
+    prepared, residual = found.observations[0].preparation, found.residuals[0]
+    row: dict[str, Value] = {
+        "status": found.status,
+        "message": found.message,
+        "cutoff_hz": prepared.cutoff_hz,
+        "order": prepared.order,
+        "decimation": prepared.decimation,
+        "condition_number": finite(found.fit.condition_number),
+        "residual_rms": finite(residual.rms),
+        "residual_relative": finite(residual.relative),
+    }
+    row |= with_deviations(found.minimal_parameters, found.standard_deviations)
+    if found.physical:
+        deviations = found.physical[0].propagated_deviations(found.covariance)
+        row |= with_deviations(found.physical_parameters, deviations)
+    return row
+
+
+def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[str, Value]:
+    """Columns of maximum likelihood; the residual is that of the one-step predictions of the first sensor."""
+    from symid.output_error import identify_output_error  # sympy takes half a second to load
+    from symid.simulation import ClosedLoop
+
+    settings, declared = axis.settings, axis.axis
+    loop = (
+        ClosedLoop.with_gains(declared, settings.controller, settings.rate_hz)
+        if settings.controller
+        else None
+    )
+    found = identify_output_error(
+        declared,
+        model,
+        log,
+        held=True if declared.drive.signal in settings.held else None,
+        loop=loop,
+        preparation=settings.preparation,
+        nominal=settings.nominal,
+    )
+    row: dict[str, Value] = {"status": found.status, "message": found.message, "decimation": 1}
+    if found.fit is None:
+        return row
+    residual = found.predictions[0].residuals[0]
+    row |= {
+        "condition_number": finite(found.fit.linear.condition_number),
+        "residual_rms": finite(residual.rms),
+        "residual_relative": finite(residual.relative),
+    }
+    minimal, physical = found.minimal_covariance(corrected=True), found.physical_covariance(corrected=True)
+    row |= with_deviations(found.minimal_parameters, np.sqrt(np.diag(minimal)))
+    return row | with_deviations(found.physical_parameters, np.sqrt(np.diag(physical)))
+
+
+def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:
+    """Columns of the diagnosis; what keeps it from being made is added to the message."""
+    from symid.diagnosis import diagnose  # sympy takes half a second to load
+
+    settings: BatchSettings = axis.settings
+    late = settings.preparation.with_held(settings.held, log.sampling_period)
+    try:
+        found = diagnose(axis.axis, log, nominal=settings.nominal, late=late.late)
+    except (Exception, PanicException) as error:  # noqa: BLE001  the identification stands whatever happens here
+        cause = str(trouble(log.source, error)["message"])
+        return {"message": "; ".join(part for part in (message, f"no diagnosis: {cause}") if part)}
+    row: dict[str, Value] = {
+        "verdict": found.verdict,
+        "closed_fraction": finite(found.gap.closed_fraction),
+        "gap_reidentified": finite(found.gap.reidentified.rms),
+        "gap_explained": finite(found.gap.explained.rms),
+        "gap_floor": finite(found.gap.noise_floor.rms),
+        "sentence": found.sentence,
+    }
+    if found.effects:
+        first = found.effects[0]
+        row |= {"effect": first.effect, "at": first.at, "probability": finite(first.probability)}
+    return row

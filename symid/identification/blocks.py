@@ -1,0 +1,171 @@
+"""Logs as rows in blocks: a log in memory is one block, a long one is read and prepared window by window.
+
+Whatever `identify` needs of a whole log is one of three things.
+
+- *Sums over rows*: triangular factors, the refinement and the covariance of a correlated residual. They are added up
+  block by block. A long log's rows are made anew for each of them, since W is larger than the log.
+- *Local operations*: filters, differences, shifts in time, laws, decimation, standstill. A recursive filter forgets:
+  a window that reaches as far to either side as its filters do gives the rows of the whole log, to rounding. Rows of a
+  block are cut out of those of a wider window; at the ends of the log the window ends where the log does.
+- *Statistics of the log*: spectra from which the cutoff is chosen, and the examination of timing and bias. They
+  are taken from evenly spread windows, as they are of a log in memory above a million and above 65 536 samples. The
+  highest speed, which tells what standstill is, is found by a pass over all blocks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import AnyLog, Log, LongLog, kept_indices, spans
+from symid.estimation import ObservationBlock, TriangularFactor
+from symid.identification.excerpts import block_of
+from symid.identification.observation import Observation, ends_of, highest_speeds, observe, reaches
+from symid.identification.settings import Preparation, completed
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """The rows of a log in blocks.
+
+    Parameters
+    ----------
+    observation : Observation
+        All rows of a log in memory; those of the first block of a long log. Its preparation is that of the whole.
+    read : callable
+        Returns the blocks in time order, from the start each time it is called.
+    """
+
+    observation: Observation
+    read: Callable[[], Iterable[Observation]]
+
+    @classmethod
+    def of(cls, model: GeneratedModel, log: AnyLog, preparation: Preparation) -> Run:
+        """That of a log; parameters and errors as those of `observe`."""
+        if isinstance(log, Log):
+            whole = observe(model, log, preparation)
+            return cls(whole, lambda: (whole,))
+        blocks = _settled(model, log, preparation)
+        first = blocks.observation(0)
+        return cls(first, lambda: chain((first,), map(blocks.observation, range(1, len(blocks.rows)))))
+
+    def factors(self) -> tuple[TriangularFactor, ...]:
+        """Triangular factor of each equation."""
+        n_equations, _, n_parameters = self.observation.W.shape
+        found = [TriangularFactor.empty(n_parameters)] * n_equations
+        for seen in self.read():
+            found = [f.update(*rows) for f, *rows in zip(found, seen.W, seen.y, seen.valid, strict=True)]
+        return tuple(found)
+
+
+def blocks_of_runs(runs: Sequence[Run]) -> Iterator[ObservationBlock]:
+    """Blocks of all runs, in which every equation of every log is an equation of its own."""
+    for k, run in enumerate(runs):
+        for i, seen in enumerate(run.read()):
+            yield block_of(seen, k, continues=i > 0)
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """How the rows of a long log lie in it.
+
+    Parameters
+    ----------
+    before, after : int
+        Samples trimmed at the ends.
+    factor : int
+        Samples that become one row.
+    n_samples : int
+        Of the log.
+    signal_reach, row_reach : int
+        Samples on either side that filtered signals, and that rows made of them need.
+    """
+
+    before: int
+    after: int
+    factor: int
+    n_samples: int
+    signal_reach: int
+    row_reach: int
+
+    @property
+    def n_rows(self) -> int:
+        """Rows of the log."""
+        return -(-(self.n_samples - self.before - self.after) // self.factor)
+
+    def window(self, first: int, stop: int) -> tuple[int, int]:
+        """Samples on which filtered signals from sample `first` to before `stop` depend."""
+        return max(first - self.signal_reach, 0), min(stop + self.signal_reach, self.n_samples)
+
+    def widened(self, first: int, stop: int) -> tuple[int, int]:
+        """Rows from `first` to before `stop`, and those of which the filters of rows need the samples."""
+        more = math.ceil(self.row_reach / self.factor)
+        return max(first - more, 0), min(stop + more, self.n_rows)
+
+    def samples(self, first: int, stop: int) -> tuple[int, int]:
+        """Samples that become the rows from `first` to before `stop`: the last of them is kept."""
+        offset = self.before + kept_indices(self.n_samples - self.before - self.after, self.factor).start
+        begin = offset + (first - 1) * self.factor + 1 if first else self.before
+        return begin, offset + (stop - 1) * self.factor + 1
+
+
+@dataclass(frozen=True, eq=False)
+class _Blocks:
+    """A long log with all that is decided once for its blocks."""
+
+    model: GeneratedModel
+    log: LongLog
+    chosen: Preparation
+    layout: _Layout
+    speeds: FloatArray | None
+
+    @cached_property
+    def rows(self) -> list[tuple[int, int]]:
+        """First row of each block and the one behind the last."""
+        return list(spans(self.layout.n_rows, max(1, self.log.block // self.layout.factor)))
+
+    def observation(self, block: int) -> Observation:
+        """Rows of a block, cut out of those of a wider window."""
+        first, stop = self.rows[block]
+        wide_first, wide_stop = self.layout.widened(first, stop)
+        window, cut = _window(self.log, self.chosen, self.layout, *self.layout.samples(wide_first, wide_stop))
+        seen = observe(self.model, window, cut, highest=self.speeds)
+        rows = slice(first - wide_first, stop - wide_first)
+        return Observation(
+            seen.W[:, rows], seen.y[:, rows], seen.valid[:, rows], seen.time[rows], self.chosen
+        )
+
+
+def _settled(model: GeneratedModel, log: LongLog, given: Preparation) -> _Blocks:
+    chosen = completed(given, log, model)
+    before, after = ends_of(chosen, log.n_samples)
+    factor = chosen.decimation or 1
+    layout = _Layout(before, after, factor, log.n_samples, *reaches(model, chosen, log.sampling_period))
+    speeds = None
+    if any(model.sliding) and chosen.standstill is None:
+        speeds = _highest_speeds(model, log, chosen, layout)
+    return _Blocks(model, log, chosen, layout, speeds)
+
+
+def _window(
+    log: LongLog, chosen: Preparation, layout: _Layout, begin: int, end: int
+) -> tuple[Log, Preparation]:
+    """What filtered signals from sample `begin` to before `end` are made of, and a preparation that trims to these."""
+    low, high = layout.window(begin, end)
+    return log.window(low, high), replace(chosen, trim=(begin - low, high - end))
+
+
+def _highest_speeds(model: GeneratedModel, log: LongLog, chosen: Preparation, layout: _Layout) -> FloatArray:
+    before = layout.before
+    highest = [
+        highest_speeds(model, *_window(log, chosen, layout, before + first, before + stop))
+        for first, stop in spans(log.n_samples - before - layout.after, log.block)
+    ]
+    return np.asarray(np.max(highest, axis=0))

@@ -1,0 +1,154 @@
+"""Parts of a log that the parameters found do not explain, though they explain the rest.
+
+A residual over the whole log is a mean: a clipped sensor, or a tenth of the log in another unit, draw the parameters
+without raising it much. Both show where they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import cut_in_motion
+from symid.estimation import LeastSquares, estimate, triangular_factors
+from symid.identification.excerpts import Excerpt
+
+_CLIPPED_SAMPLES = 5
+"""Shortest run at an extreme value that is a limit, not a peak."""
+_LEAST_ROWS = 10
+_CLIPPED_SHARE = 0.01
+_ROWS_A_PARAMETER = 4
+_CERTAIN = 6.0
+"""Classical standard deviations by which parameters without the limited rows must differ."""
+_NOTICEABLE = 0.02
+_WINDOWS = 50
+_LEAST_WINDOWS = 3
+_LOCAL_RATIO = 20.0
+"""Times the median rms residual of all windows, beyond which a window is another matter."""
+_SILENT_RATIO = 30.0
+"""Times the output that its prediction must be for a window in another unit, where the rest of the log is few."""
+_LOCAL_SHARE = 0.5
+"""Of the output of that window that its residual must be, so that a log that rests most of the time raises no alarm."""
+
+
+def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    """What contradicts the parameters in a part of the logs, in words; empty if nothing does.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    parts : sequence of Excerpt
+        Logs or parts of them, with their observations.
+    fit : LeastSquares
+        The parameters, all determined.
+    """
+    return _cut(model, parts) or _clipped(model, parts, fit) or _local(parts, fit)
+
+
+def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
+    """Whether the range of a sensor of motion ended while the axis moved on."""
+    for name in model.highest_derivatives:
+        samples = 0 if name == model.force else sum(cut_in_motion(part.log[name]) for part in parts)
+        if samples:
+            share = 100 * samples / sum(part.log.n_samples for part in parts)
+            cure = "record with a wider range, or cut those parts out"
+            return f"{name} is at the end of its range in {share:.2g} % of the log, while the axis moves on: {cure}"
+    return ""
+
+
+def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    """Whether rows without those at the end of the force's range tell another axis: those of a true limit do not."""
+    limits = [_at_limit(part.log[model.force]) for part in parts]
+    share = float(np.mean(np.concatenate(limits)))
+    if share < _CLIPPED_SHARE:
+        return ""
+    seen = [part.observation for part in parts]
+    free = [o.valid & ~_rows_near(part, flags) for o, part, flags in zip(seen, parts, limits, strict=True)]
+    other = _of_rows(parts, free)
+    where = f"{model.force} is at the end of its range in {100 * share:.2g} % of the log"
+    cure = "record with a wider range, or cut those parts out"
+    if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
+        return f"{where}, and the rest is too little to tell whether the true force went beyond it: {cure}"
+    moved = np.abs(other.solution - _of_rows(parts, [o.valid for o in seen]).solution)
+    certain = _CERTAIN * np.sqrt(np.diag(other.covariance))
+    if not np.any((moved > certain) & (moved > _NOTICEABLE * np.abs(other.solution))):
+        return ""
+    return f"{where}, and without those parts the parameters are others, so that the true force went beyond it: {cure}"
+
+
+def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquares:
+    """Estimate from some rows of the parts, each part with weights of its own."""
+    seen = [part.observation for part in parts]
+    return estimate([f for o, v in zip(seen, valid, strict=True) for f in triangular_factors(o.W, o.y, v)])
+
+
+def _at_limit(force: FloatArray) -> BoolArray:
+    """Samples in runs of the largest or the smallest value, unless that is 0."""
+    flags = ((force == force.max()) | (force == force.min())) & (force != 0.0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    for start, stop in edges.reshape(-1, 2):
+        if stop - start < _CLIPPED_SAMPLES:
+            flags[start:stop] = False
+    return np.asarray(flags)
+
+
+def _rows_near(part: Excerpt, samples: BoolArray) -> BoolArray:
+    """Rows within half a period of the cutoff of those samples: filters carry them so far."""
+    seen, period = part.observation, part.log.sampling_period
+    assert seen.preparation.cutoff_hz is not None
+    margin = int(0.5 / (seen.preparation.cutoff_hz * period))
+    count = np.concatenate([[0], np.cumsum(samples)])
+    places = np.rint((seen.time - part.log.start) / period).astype(int)
+    first, stop = (np.clip(places + k, 0, samples.size) for k in (-margin, margin + 1))
+    return np.asarray(count[stop] > count[first])
+
+
+def _local(parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    """Whether one window stands out with a residual as large as its output."""
+    equations = range(parts[0].observation.y.shape[0])
+    return next(filter(None, (_stands_out(parts, fit, equation) for equation in equations)), "")
+
+
+def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
+    found = [window for part in parts for window in _windows(part, fit, equation)]
+    if len(found) < _LEAST_WINDOWS:
+        return ""
+    residual, output, predicted, time = np.array(found).T
+    worst, usual = int(np.argmax(residual)), float(np.median(residual))
+    many, size = len(found) >= _WINDOWS // 2, max(output[worst], predicted[worst])
+    if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
+        times = residual[worst] / max(usual, np.finfo(float).tiny)
+        return (
+            f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
+            "output: the log is damaged there, or something acts that the model lacks"
+        )
+    silent = (predicted > _SILENT_RATIO * output) & (predicted > 0.5 * np.median(predicted))
+    if not silent.any():
+        return ""
+    return (
+        f"near t = {time[np.argmax(silent)]:.5g} s the output is less than {100 / _SILENT_RATIO:.2g} % of what the "
+        "parameters found elsewhere predict: the unit changes within the log, or a channel is dead there"
+    )
+
+
+def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> list[tuple[float, float, float, float]]:
+    """Residual, output and its prediction in rms, and the time, of each window of a part that has enough rows."""
+    seen = part.observation
+    size = max(_LEAST_ROWS, seen.y.shape[1] // _WINDOWS)
+    found = []
+    for start in range(0, seen.y.shape[1] - size + 1, size):
+        rows = slice(start, start + size)
+        valid = seen.valid[equation, rows]
+        if np.count_nonzero(valid) >= _LEAST_ROWS // 2:
+            y = seen.y[equation, rows][valid]
+            predicted = seen.W[equation, rows][valid] @ fit.solution
+            found.append((_rms(y - predicted), _rms(y), _rms(predicted), float(seen.time[start])))
+    return found
+
+
+def _rms(x: FloatArray) -> float:
+    return float(np.sqrt(np.mean(x**2)))

@@ -1,0 +1,179 @@
+"""The review of a fleet as one HTML file: summary, axes with their charts, outliers, and a table of all logs."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+
+from symid import __version__
+from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview
+from symid.fleet.results import numbers, parameter_names
+from symid.report import control_chart
+from symid.report.control_chart import ChartShapes, DistributionShapes, chart_shapes, distribution_shapes
+from symid.report.fleet import fleet_record
+from symid.report.html import html_path, page_templates
+
+_MOST_OPEN = 6
+"""Axes that are shown at once; the others open on a click."""
+_MOST_OUTLIERS = 40
+_FIRST = ("log", "axis", "status", "recorded", "verdict", "effect", "at", "probability")
+_LAST = ("message", "residual_relative", "condition_number", "cutoff_hz", "samples", "seconds")
+"""Columns of the table of logs before and after the parameters, where the results have them."""
+_TEXTS = {"log", "axis", "status", "recorded", "verdict", "effect", "at", "message"}
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A parameter as the page shows it."""
+
+    name: str
+    record: dict[str, Any]
+    chart: ChartShapes | None
+    distribution: DistributionShapes | None
+
+
+@dataclass(frozen=True)
+class _Section:
+    """An axis as the page shows it."""
+
+    record: dict[str, Any]
+    parameters: tuple[_Drawn, ...]
+    opened: bool
+
+
+def write_fleet_html(
+    found: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
+) -> None:
+    """Write the review of a fleet as one HTML file.
+
+    It needs nothing beside it and asks nothing of any network. Without JavaScript everything but the table of all logs
+    stays.
+
+    Parameters
+    ----------
+    found : FleetReview
+        From `review_fleet`.
+    file : path-like
+        Ends with .html.
+    joined : mapping of str to JointIdentification, optional
+        By the names of the axes, from `join_results`.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is another one, or the folder does not exist.
+    """
+    path = html_path(file)
+    path.write_text(_page(found, joined), encoding="utf-8")
+
+
+def _page(found: FleetReview, joined: Mapping[str, JointIdentification] | None) -> str:
+    record = fleet_record(found, joined)
+    places = {log: row for row, log in enumerate(map(str, found.table["log"]))}
+    sections, outliers = _sections(found, record, places), _outliers(record)
+    return (
+        page_templates()
+        .get_template("fleet.html")
+        .render(
+            r=record,
+            sections=sections,
+            changes=_changes(sections),
+            outliers=outliers[:_MOST_OUTLIERS],
+            outlying=len(outliers),
+            logs=_logs(found),
+            drawing=control_chart,
+            version=__version__,
+        )
+    )
+
+
+def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]) -> list[_Section]:
+    """Axes, those with something to see first; the first few are open."""
+    pairs = sorted(zip(found.axes, record["axes"], strict=True), key=lambda pair: -_interest(pair[0]))
+    return [
+        _Section(
+            of_record,
+            tuple(_drawn(one, of_record["parameters"][one.name], places) for one in axis.parameters),
+            opened=k < _MOST_OPEN,
+        )
+        for k, (axis, of_record) in enumerate(pairs)
+    ]
+
+
+def _interest(axis: AxisReview) -> int:
+    return sum(len(one.chart.changes) for one in axis.parameters) + axis.verdict.differs
+
+
+def _drawn(one: ParameterReview, record: dict[str, Any], places: dict[str, int]) -> _Drawn:
+    shapes = distribution = None
+    if one.chart.values.size:
+        shapes = chart_shapes(one, [places[log] for log in one.logs])
+        distribution = distribution_shapes(one, one.chart.values)
+    return _Drawn(one.name, record, shapes, distribution)
+
+
+def _changes(sections: list[_Section]) -> list[dict[str, Any]]:
+    """Changes of all axes in the order of the page."""
+    return [
+        {"axis": section.record["name"], "place": place, "parameter": name, "sentence": change["sentence"]}
+        for place, section in enumerate(sections)
+        for name, one in section.record["parameters"].items()
+        for change in one["changes"]
+    ]
+
+
+def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
+    """Outliers of all axes, the farthest first."""
+    every = [
+        {"axis": axis["name"], "parameter": name, "median": one["median"], "unit": one["unit"], **far}
+        for axis in record["axes"]
+        for name, one in axis["parameters"].items()
+        for far in one["outliers"]
+    ]
+    return sorted(every, key=lambda far: -abs(far["z"]))
+
+
+def _logs(found: FleetReview) -> dict[str, Any]:
+    """Columns of the table of logs; a parameter's deviation stands beside its value, its unit in its heading."""
+    table, units = found.table, _units(found)
+    columns: list[dict[str, Any]] = []
+    parameters = parameter_names(table)
+    for name in (*_FIRST, *parameters, *_LAST):
+        if name not in table.columns:
+            continue
+        if name in _TEXTS:
+            texts = ["" if value is None else _text(value) for value in table[name]]
+            columns.append({"name": name, "text": True, "values": texts})
+            continue
+        column = {"name": name, "text": False, "values": _plain(table, name)}
+        if name in parameters:
+            column["unit"] = units.get(name, "")
+            column["deviations"] = _plain(table, f"{name}_std")
+        columns.append(column)
+    return {"count": table.height, "columns": columns}
+
+
+def _units(found: FleetReview) -> dict[str, str]:
+    """Units of parameters that have the same one in all axes."""
+    every: dict[str, set[str]] = defaultdict(set)
+    for axis in found.axes:
+        for one in axis.parameters:
+            every[one.name].add(one.unit)
+    return {name: units.pop() for name, units in every.items() if len(units) == 1}
+
+
+def _text(value: object) -> str:
+    """A value of the table as text; a time to the second."""
+    return re.sub(r"^(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(:\d\d)?)\S*$", r"\1 \2", str(value))
+
+
+def _plain(table: pl.DataFrame, name: str) -> list[float | None]:
+    """Numbers of seven digits; None where there is none."""
+    return [float(f"{value:.7g}") if math.isfinite(value) else None for value in numbers(table, name)]

@@ -1,0 +1,108 @@
+"""Joint identification from triangular factors: equal to stacking all rows, weights and intervals as they promise."""
+
+import numpy as np
+import pytest
+
+from symid import Log, Preparation, identify, load_generated
+from symid.errors import SettingError
+from symid.estimation import TriangularFactor
+from symid.fleet import LogFactors, identify_jointly, log_factors
+
+MODEL = load_generated("rigid_1m")
+TRUTH = np.array([5.0, 1.0, 2.0])
+PREPARATION = Preparation(cutoff_hz=60.0, decimation=4)
+
+
+def run(seed: int, noise: float, mass: float = 5.0) -> Log:
+    """A run of a rigid axis with noise of the force only."""
+    draw = np.random.default_rng(seed)
+    t, (a, b) = np.arange(2500) / 1000, draw.uniform(0, 2 * np.pi, 2)
+    q = np.sin(9 * t + a) + 0.3 * np.sin(23 * t + b)
+    v = 9 * np.cos(9 * t + a) + 6.9 * np.cos(23 * t + b)
+    acceleration = -81 * np.sin(9 * t + a) - 158.7 * np.sin(23 * t + b)
+    force = mass * acceleration + v + 2 * np.sign(v) + noise * draw.standard_normal(t.size)
+    return Log.from_arrays({"q": q, "F": force}, sampling_period=1e-3)
+
+
+def alone(log: Log):
+    return identify(MODEL, log, preparation=PREPARATION, examine=False)
+
+
+def test_factors_alone_give_what_stacked_weighted_rows_give() -> None:
+    found = [alone(run(1, 0.3)), alone(run(2, 3.0)), alone(run(3, 12.0))]
+    joined = identify_jointly(MODEL, [log_factors(one) for one in found])
+    rows, outputs = [], []
+    for one in found:
+        (seen,) = one.observations
+        W, y = seen.W[0][seen.valid[0]], seen.y[0][seen.valid[0]]
+        own = np.linalg.lstsq(W, y, rcond=None)[0]
+        sigma = np.sqrt(np.sum((y - W @ own) ** 2) / (len(y) - 3))
+        rows.append(W / sigma)
+        outputs.append(y / sigma)
+    expected = np.linalg.lstsq(np.vstack(rows), np.concatenate(outputs), rcond=None)[0]
+    assert joined.fit.parameters == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_command_for_several_logs_gives_the_same() -> None:
+    logs = [run(4, 0.5), run(5, 5.0)]
+    together = identify(MODEL, logs, preparation=PREPARATION, examine=False)
+    joined = identify_jointly(MODEL, [log_factors(alone(log)) for log in logs])
+    assert joined.fit.parameters == pytest.approx(together.fit.parameters, rel=1e-9)
+    assert joined.fit.weights == pytest.approx(together.fit.weights, rel=1e-9)
+    assert joined.standard_deviations == pytest.approx(together.standard_deviations, rel=0.25)
+
+
+def test_weights_are_each_logs_own_noise() -> None:
+    levels = (0.5, 2.0, 8.0)
+    found = [alone(run(10 + i, level)) for i, level in enumerate(levels)]
+    joined = identify_jointly(MODEL, [log_factors(one) for one in found])
+    sigmas = joined.fit.sigma_rho_equation
+    assert sigmas == pytest.approx([one.fit.sigma_rho_equation[0] for one in found], rel=1e-9)
+    assert joined.fit.weights == pytest.approx(1 / sigmas)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_promise() -> None:
+    """Noise that the filter has made dependent; 25 draws of three logs, two standard deviations."""
+    inside, disagreements = [], []
+    names = list(MODEL.minimal_units)
+    truth = identify(MODEL, run(0, 0.0), preparation=PREPARATION, examine=False)
+    for draw in range(25):
+        found = [alone(run(1000 + 3 * draw + k, 10.0 * 2**k)) for k in range(3)]
+        joined = identify_jointly(MODEL, [log_factors(one) for one in found])
+        error = joined.fit.parameters - truth.fit.parameters
+        inside.append(np.abs(error) < 2 * joined.standard_deviations)
+        disagreements.append(joined.disagreement_probability)
+    coverage = np.mean(inside, axis=0)
+    assert np.all((coverage > 0.8) & (coverage <= 1.0)), dict(zip(names, coverage, strict=True))
+    assert np.mean(np.array(disagreements) < 0.05) < 0.2
+
+
+def test_an_axis_that_differs_from_run_to_run_disagrees() -> None:
+    joined = identify_jointly(MODEL, [log_factors(alone(run(k, 1.0, mass=5 + 0.2 * k))) for k in range(4)])
+    assert joined.disagreement_probability < 1e-6
+
+
+def test_a_log_that_cannot_stand_alone_adds_what_it_knows() -> None:
+    draw = np.random.default_rng(7)
+    W = draw.standard_normal((500, 3))
+    still = W.copy()
+    still[:, 2] = still[:, 1]
+    logs = []
+    for name, rows in (("full", W), ("dependent", still)):
+        y = rows @ TRUTH + 0.1 * draw.standard_normal(500)
+        covariance = np.full((3, 3), np.nan)
+        logs.append(LogFactors(name, (TriangularFactor.empty(3).update(rows, y),), covariance))
+    only, both = identify_jointly(MODEL, logs[:1]), identify_jointly(MODEL, logs)
+    assert both.status == "ok"
+    assert np.all(both.standard_deviations < only.standard_deviations)
+    assert both.degrees_of_freedom == 0
+
+
+def test_mistakes_are_told() -> None:
+    with pytest.raises(SettingError, match="no log"):
+        identify_jointly(MODEL, [])
+    factor = TriangularFactor.empty(2)
+    with pytest.raises(SettingError, match="1 equations of 3 parameters"):
+        identify_jointly(MODEL, [LogFactors("other", (factor,), np.eye(2))])
+    with pytest.raises(SettingError, match="identify each log alone"):
+        log_factors(identify(MODEL, [run(1, 1.0), run(2, 1.0)], examine=False))

@@ -1,0 +1,124 @@
+"""The page of a fleet in a real browser: it opens at once, sorts, filters, pages, and shows a log under the mouse."""
+
+import time
+
+import polars as pl
+import pytest
+from browser import Page, browser_page
+from fleet_example import fleet_example
+
+from symid.fleet import review_fleet
+from symid.report.fleet_page import write_fleet_html
+
+pytestmark = pytest.mark.browser
+
+HOSTILE = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>"
+ROWS = "[...document.querySelectorAll('.rows tbody tr')].map(row => [...row.cells].map(cell => cell.textContent))"
+HEADINGS = "[...document.querySelectorAll('.rows th')].map(heading => heading.textContent)"
+
+
+@pytest.fixture
+def page(tmp_path):
+    with browser_page(tmp_path / "profile", width=1280, height=900) as opened:
+        yield opened
+
+
+def opened(page: Page, table: pl.DataFrame, folder) -> None:
+    file = folder / "fleet.html"
+    write_fleet_html(review_fleet(table), file)
+    page.open(file)
+    assert page.complaints == []
+    assert page.requests == [file.resolve().as_uri()]
+
+
+def column(page: Page, name: str) -> list[str]:
+    place = [heading.rstrip(" ▲▼") for heading in page.evaluate(HEADINGS)].index(name)
+    return [row[place] for row in page.evaluate(ROWS)]
+
+
+def click_heading(page: Page, name: str) -> None:
+    page.evaluate(
+        f"[...document.querySelectorAll('.rows th button')].find(b => b.textContent.startsWith('{name}')).click()"
+    )
+
+
+def enter(page: Page, selector: str, text: str, event: str) -> None:
+    page.evaluate(
+        f"(() => {{ const box = document.querySelector('{selector}'); box.value = '{text}';"
+        f" box.dispatchEvent(new Event('{event}')); }})()"
+    )
+
+
+def test_the_table_sorts_filters_and_pages(page, tmp_path) -> None:
+    table = fleet_example(60)
+    opened(page, table, tmp_path)
+    assert len(page.evaluate(ROWS)) == 50
+    click_heading(page, "Fs")
+    smallest = table.filter(pl.col("Fs").is_not_null()).sort("Fs")["log"].to_list()
+    assert column(page, "log") == smallest[:50]
+    click_heading(page, "Fs")
+    assert column(page, "log") == smallest[::-1][:50]
+    enter(page, "select[aria-label=Status]", "unreadable", "change")
+    failed = table.filter(pl.col("status") == "unreadable").height
+    assert column(page, "status") == ["unreadable"] * failed
+    enter(page, "select[aria-label=Status]", "", "change")
+    enter(page, "select[aria-label=Axis]", "emps", "change")
+    assert set(column(page, "axis")) == {"emps"}
+    assert "Ks" not in page.evaluate(HEADINGS)  # emps has no such parameter
+    page.evaluate("document.querySelectorAll('.controls button')[1].click()")
+    assert len(page.evaluate(ROWS)) == 10
+    enter(page, ".controls input", "RUN_0007 stribeck", "input")
+    assert page.evaluate("document.querySelector('.controls .count').textContent") in (
+        "no log",
+        "1–1 of 1 logs",
+    )
+
+
+def test_the_log_under_the_mouse_is_named(page, tmp_path) -> None:
+    table = fleet_example(60)
+    opened(page, table, tmp_path)
+    box = page.evaluate(
+        "(() => { const chart = document.querySelector('.chart'); chart.scrollIntoView(); const box ="
+        " chart.getBoundingClientRect(), point = chart.querySelector('.runs').getAttribute('d').match(/[\\d.]+/g);"
+        " const scale = box.width / chart.viewBox.baseVal.width;"
+        " return [box.left + point[0] * scale, box.top + point[1] * scale]; })()"
+    )
+    page.send("Input.dispatchMouseEvent", type="mouseMoved", x=box[0], y=box[1])
+    hint = page.evaluate("document.getElementById('hint').textContent")
+    assert hint.split("\n")[0] in table["log"].to_list()
+
+
+def test_five_thousand_logs_open_in_less_than_five_seconds(page, tmp_path) -> None:
+    """The bound is that of use, several times what it takes."""
+    file = tmp_path / "fleet.html"
+    write_fleet_html(review_fleet(fleet_example(1667)), file)
+    begin = time.monotonic()
+    page.open(file)
+    assert len(page.evaluate(ROWS)) == 50
+    assert time.monotonic() - begin < 5.0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out_from_the_page(scheme, page, tmp_path) -> None:
+    page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    opened(page, fleet_example(30), tmp_path)
+    script = """
+    ["h1", ".note", ".tag", ".change", ".rows td", "summary .count"].map(name => {
+      const luminance = colour => {
+        const parts = colour.match(/[\\d.]+/g).slice(0, 3).map(v => v / 255)
+          .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2];
+      };
+      const ink = luminance(getComputedStyle(document.querySelector(name)).color);
+      const paper = luminance(getComputedStyle(document.body).backgroundColor);
+      return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
+    })
+    """
+    assert min(page.evaluate(script)) > 4.5  # WCAG 2, level AA
+
+
+def test_hostile_names_run_nothing(page, tmp_path) -> None:
+    table = fleet_example(30).with_columns(log=pl.lit(HOSTILE) + pl.col("log"), message=pl.lit(HOSTILE))
+    opened(page, table, tmp_path)
+    assert page.evaluate("typeof window.hostile") == "undefined"
+    assert column(page, "log")[0].startswith(HOSTILE)
