@@ -231,7 +231,7 @@ def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
 def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     """The gain of a model over that without its last effect, on the same rows."""
     item = found.state.placed[-1]
-    if not np.isfinite(found.mean_square) or (item.effect.positive and item.amplitudes[0] < 0):
+    if not np.isfinite(found.mean_square) or not item.effect.is_possible(found.state.scene, item.amplitudes):
         return None
     before = replace(found.weighting, density=fit.weighting.density)
     without = replace(

@@ -41,6 +41,10 @@ class Effect(ABC):
     per_log: ClassVar[bool] = False
     """Whether its amplitudes belong to a log: time starts anew in each."""
 
+    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+        """Whether a machine can have these amplitudes."""
+        return not (self.positive and amplitudes[0] < 0)
+
     @abstractmethod
     def places(self, scene: Scene) -> Iterable[str]:
         """Where it may sit."""

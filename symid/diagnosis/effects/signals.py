@@ -82,6 +82,10 @@ class Saturation(DriveEffect):
         return "1", _drive_unit(scene)
 
 
+_MOST_BEND = 0.9
+"""Change of the gain at the largest force, relative to the gain: with 1 more command would give no more force."""
+
+
 class GainNonlinearity(DriveEffect):
     """The force is not proportional to the logged one: a term in its square (with sign) or cube."""
 
@@ -90,6 +94,11 @@ class GainNonlinearity(DriveEffect):
 
     def __init__(self, power: int) -> None:
         self.power = power
+
+    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+        """More command gives more force."""
+        largest = float(np.abs(scene.record.whole_force).max())
+        return abs(amplitudes[0]) * self.power * largest ** (self.power - 1) < _MOST_BEND
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         force = scene.record.whole_force
