@@ -26,6 +26,7 @@ _EXPLAINED = 1.4
 _MARCHED = 2
 _TWINS = 3
 _COULOMB = "coulomb_friction"
+_LATE = ("delay", "actuator_lag")
 _MORE_THAN_COULOMB = ("position_dependent_friction", "presliding_friction", "stribeck_friction")
 _HARDLY_MORE = 0.01
 _VARIES = 0.4
@@ -121,6 +122,10 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         if not turn.accepts:
             break
         current = turn.confirmed[0].fit
+        if (
+            turn.confirmed[0].key[0] in _LATE
+        ):  # a delay and a lag are nearly the same: together they tell nothing
+            library = [effect for effect in library if effect.name not in _LATE]
     return tuple(turns)
 
 
