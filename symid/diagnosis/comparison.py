@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,8 +23,10 @@ _USED = 0.65
 _SETTLING = 4
 
 
-_GROWN = 1.1
-"""An error that grows by more on data that took no part in the fit speaks against the effect."""
+_FALLS = 0.995
+"""An error that falls by less on data that took no part in the fit speaks against the effect."""
+_MOMENTS = np.linspace(0.03, 0.97, 48)
+"""Moments of a change that are tried, relative to the length of a log."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,7 @@ class Comparison:
     def upheld(self) -> int:
         """How many of the effects hold on these data: what follows makes the error grow."""
         errors = [self.level(model).rms for model in range(1, len(self.states))]
-        held = [n for n in range(1, len(errors)) if errors[n] <= _GROWN * min(errors[:n])]
+        held = [n for n in range(1, len(errors)) if errors[n] <= _FALLS * min(errors[:n])]
         return max(held, default=0)
 
     def squares(self, model: int) -> FloatArray:
@@ -202,8 +204,26 @@ def applied(
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
+        state = _timed(state, weighting)
     weighting = with_restarts(weighting, state.scene.hidden)
     return state.weighted(weighting), weighting
+
+
+def _timed(state: State, weighting: Weighting) -> State:
+    """The state with the moments of changes that fit its record: they belong to a log."""
+    record = state.scene.record
+    for i, item in enumerate(state.placed):
+        if item.effect.name != "payload_change":
+            continue
+        change, moment = item.shape
+        moments = [moment, *(_MOMENTS * record.duration)]
+        tried = [replace(item, shape=(change, float(t))) for t in moments]
+        found = [
+            with_effects(state, weighting, (*state.placed[:i], trial, *state.placed[i + 1 :]))
+            for trial in tried
+        ]
+        state = min(found, key=lambda s: float(np.sum(weighting.known(s.rows, s.beginning) ** 2)))
+    return state
 
 
 def _errors(state: State, weighting: Weighting) -> FloatArray:
