@@ -47,10 +47,13 @@ def sentence(
     if verdict == "unexplained":
         nearest = f"; the nearest is {rivals[0].effect} at {rivals[0].at}" if rivals else ""
         return f"There is a gap of {before} that nothing in the library explains{nearest}."
-    named = " and ".join(f"{effect.effect} at {effect.at}" for effect in effects)
+    first, *others = (f"{effect.effect} at {effect.at}" for effect in effects)
     doubt = effects[0].indistinguishable_from
-    other = f" (this log does not tell it from {doubt[0][0]} at {doubt[0][1]})" if doubt else ""
-    return f"The model lacks {named}{other}: with it, the force error falls from {before} to {left}."
+    if doubt:
+        first += f" (or {doubt[0][0]} at {doubt[0][1]}: this log does not tell them apart)"
+    with_them = "with them" if others else "with it"
+    named = " and ".join([first, *others])
+    return f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}."
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:

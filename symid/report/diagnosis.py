@@ -254,7 +254,7 @@ def _location_table(record: dict[str, Any]) -> Table:
 
 
 def _effects_table(record: dict[str, Any]) -> Table:
-    table = _table("Effects found", ("effect", "at"), ("probability", "alone leaves"), ("parameters", "or"))
+    table = _table("Effects found", ("effect", "at"), ("probability", "leaves"), ("parameters", "or"))
     floor = record["gap"]["noise_floor"]["rms"]
     for found in record["effects"]:
         parameters = ", ".join(
