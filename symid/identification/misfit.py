@@ -30,6 +30,8 @@ _LOCAL_RATIO = 20.0
 """Times the median rms residual of all windows, beyond which a window is another matter."""
 _SILENT_RATIO = 30.0
 """Times the output that its prediction must be for a window in another unit, where the rest of the log is few."""
+_SILENT_MISFIT = 3.0
+"""Times the median residual that such a window must leave: an output may pass near zero."""
 _LOCAL_SHARE = 0.5
 """Of the output of that window that its residual must be, so that a log that rests most of the time raises no alarm."""
 
@@ -119,14 +121,15 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
         return ""
     residual, output, predicted, time = np.array(found).T
     worst, usual = int(np.argmax(residual)), float(np.median(residual))
-    many, size = len(found) >= _WINDOWS // 2, max(output[worst], predicted[worst])
+    many, size = len(found) >= _WINDOWS // 2, max(output[worst], predicted[worst], _rms(output))
     if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
         times = residual[worst] / max(usual, np.finfo(float).tiny)
         return (
             f"near t = {time[worst]:.5g} s the residual is {times:.2g} times what it is elsewhere, and as large as the "
             "output: the log is damaged there, or something acts that the model lacks"
         )
-    silent = (predicted > _SILENT_RATIO * output) & (predicted > 0.5 * np.median(predicted))
+    large = (predicted > 0.5 * np.median(predicted)) & (residual > _SILENT_MISFIT * usual)
+    silent = large & (predicted > _SILENT_RATIO * output)
     if not silent.any():
         return ""
     return (
