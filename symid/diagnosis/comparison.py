@@ -21,12 +21,8 @@ _DRAWS = 400
 _SEGMENT = 1024
 _USED = 0.65
 _SETTLING = 4
-
-
 _FALLS = 0.995
 """An error that falls by less on data that took no part in the fit speaks against the effect."""
-_MOMENTS = np.linspace(0.03, 0.97, 48)
-"""Moments of a change that are tried, relative to the length of a log."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,19 +206,16 @@ def applied(
 
 
 def _timed(state: State, weighting: Weighting) -> State:
-    """The state with the moments of changes that fit its record: they belong to a log."""
-    record = state.scene.record
+    """The state with the shapes that fit its record best, where shapes belong to a log."""
     for i, item in enumerate(state.placed):
-        if item.effect.name != "payload_change":
-            continue
-        change, moment = item.shape
-        moments = [moment, *(_MOMENTS * record.duration)]
-        tried = [replace(item, shape=(change, float(t))) for t in moments]
-        found = [
-            with_effects(state, weighting, (*state.placed[:i], trial, *state.placed[i + 1 :]))
-            for trial in tried
-        ]
-        state = min(found, key=lambda s: float(np.sum(weighting.known(s.rows, s.beginning) ** 2)))
+        shapes = (item.shape, *item.effect.shapes_of_log(state.scene.record, item.shape))
+        if len(shapes) > 1:
+            before, after = state.placed[:i], state.placed[i + 1 :]
+            tried = [
+                with_effects(state, weighting, (*before, replace(item, shape=shape), *after))
+                for shape in shapes
+            ]
+            state = min(tried, key=lambda s: float(np.sum(weighting.known(s.rows, s.beginning) ** 2)))
     return state
 
 

@@ -87,7 +87,7 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     accepted = [turn for turn in found.search if turn.accepts] if found.effects else []
     if not accepted:
         raise SettingError("no effect was found: the axis stays as it is declared")
-    state = accepted[-1].confirmed[0].fit.state
+    state = accepted[len(found.effects) - 1].confirmed[0].fit.state
     axis, values = state.scene.axis, dict(state.scene.parameters)
     left_out = []
     for item in state.placed:

@@ -120,9 +120,7 @@ def _diagnosed(
     state, weighting = first_state(data.record, start, data.training)
     base = refitted(fitted(state, weighting, ITERATIONS))
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    turns = search(base, library, before)
-    upheld = compared(data.validation, None, fits_of(base, turns), data.held_out).upheld
-    turns = judged_together(turns[:upheld] or turns, data.validation, data.held_out)
+    turns = judged_together(search(base, library, before), data.validation, data.held_out)
     fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     return concluded(comparison, turns, fits, nominal, logs)

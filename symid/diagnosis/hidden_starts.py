@@ -16,8 +16,9 @@ import numpy as np
 
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Placed
-from symid.diagnosis.fit import Fit, first_state, is_hidden, unfitted, with_effects
+from symid.diagnosis.fit import Fit, State, first_state, is_hidden, with_effects
 from symid.diagnosis.scene import Scene, place_of
+from symid.diagnosis.weighting import Weighting
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
 _MASSES = (0.9, 1.1)
@@ -31,14 +32,26 @@ class Start:
 
     Parameters
     ----------
-    fit : Fit
+    state : State
         Parameters to begin with.
+    weighting : Weighting
+        Of the errors.
     placed : Placed
         The effect.
     """
 
-    fit: Fit
+    state: State
+    weighting: Weighting
     placed: Placed
+
+    @classmethod
+    def of(cls, fit: Fit, placed: Placed) -> Start:
+        """From a fitted model."""
+        return cls(fit.state, fit.weighting, placed)
+
+    def placed_state(self) -> State:
+        """The model with the effect."""
+        return with_effects(self.state, self.weighting, (*self.state.placed, self.placed))
 
 
 def twins(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
@@ -60,7 +73,7 @@ def twins(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
             moved = replace(item, at=place, marched=True)
             if moved != item and can_march(scene, moved):
                 state = with_effects(other.state, fit.weighting, fit.state.placed)
-                yield Start(unfitted(state, fit.weighting), moved)
+                yield Start(state, fit.weighting, moved)
 
 
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
@@ -79,10 +92,10 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
         grid = list(_near(fit, nominal, spring, body))
         for effect in library:
             starts = [
-                Start(near, placed)
+                Start(near, nominal.weighting, placed)
                 for near in grid
-                for placed in _placed(effect, near.state.scene, spring)
-                if can_march(near.state.scene, placed)
+                for placed in _placed(effect, near.scene, spring)
+                if can_march(near.scene, placed)
             ]
             yield from sorted(starts, key=_left)[:_KEPT]
 
@@ -104,19 +117,18 @@ def _placed(effect: Effect, scene: Scene, spring: Spring) -> Iterable[Placed]:
 
 def _left(start: Start) -> float:
     """Sum of squares that the start leaves, but for unknown states at the beginning."""
-    fit = start.fit
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            state = with_effects(fit.state, fit.weighting, (*fit.state.placed, start.placed))
+            state = start.placed_state()
     except OverflowError:
         return math.inf
     if not np.isfinite(state.rows).all():
         return math.inf
-    left = fit.weighting.known(state.rows, state.beginning)
+    left = start.weighting.known(state.rows, state.beginning)
     return float(left @ left)
 
 
-def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[Fit]:
+def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
     """Models near the nominal one, with the re-identified values of what is not hidden."""
     scene, weighting = nominal.state.scene, nominal.weighting
     axis, mass = scene.axis, str(body.mass or body.inertia)
@@ -129,7 +141,7 @@ def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[Fit]:
             mass: values[mass] * heavier,
         }
         state, _ = first_state(scene.record, near, weighting.allowed)
-        yield unfitted(state.weighted(weighting), weighting)
+        yield state.weighted(weighting)
 
 
 def _hidden_springs(scene: Scene) -> Iterator[tuple[Spring, Body]]:

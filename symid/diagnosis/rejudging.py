@@ -1,8 +1,8 @@
 """Effects found one after the other, judged together.
 
-What was found first stood in for what was found later. With all of them in the model each is left out in turn, which
-tells how much it takes away. In this order they are fitted again, so that the steps of the gap add up, up to the first
-that the others make needless.
+What was found first stood in for what was found later. What does not lower the error on the validation data is dropped.
+With the others in the model each is left out in turn, which tells how much it takes away. In this order they are fitted
+again, so that the steps of the gap add up, up to the first that the others make needless.
 """
 
 from __future__ import annotations
@@ -39,7 +39,11 @@ def judged_together(
     accepted = [turn for turn in turns if turn.accepts]
     if len(accepted) < 2:
         return tuple(turns)
-    whole = accepted[-1].confirmed[0].fit
+    fits = [turn.confirmed[0].fit for turn in accepted]
+    upheld = compared(validation, None, [accepted[0].before, *fits], held_out).upheld
+    if 0 < upheld < len(accepted):
+        return judged_together(turns[:upheld], validation, held_out)
+    whole = fits[-1]
     own = whole.state.placed[-len(accepted) :]
     without = [_without(whole, len(own) - i) for i in range(len(own))]
     comparison = compared(validation, None, without, held_out)
@@ -50,7 +54,7 @@ def judged_together(
     chain: list[Turn] = []
     before = accepted[0].before
     for i in order:
-        found = confirmed_from(before, Start(before, own[i]))
+        found = confirmed_from(before, Start.of(before, own[i]))
         if found is None:
             return tuple(turns)
         turn = _in_place_of(accepted[i], before, found)

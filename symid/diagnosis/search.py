@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.diagnosis.effects import Effect, Placed
 from symid.diagnosis.effects.friction import SlopedFriction, WavyFriction
-from symid.diagnosis.fit import Fit, fitted, refitted, with_effects
+from symid.diagnosis.fit import Fit, fitted, refitted
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -27,6 +27,7 @@ _MARCHED = 2
 _TWINS = 3
 _COULOMB = "coulomb_friction"
 _LATE = ("delay", "actuator_lag")
+"""Nearly the same: beside each other they tell nothing."""
 _MORE_THAN_COULOMB = ("position_dependent_friction", "presliding_friction", "stribeck_friction")
 _HARDLY_MORE = 0.01
 _VARIES = 0.4
@@ -122,9 +123,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         if not turn.accepts:
             break
         current = turn.confirmed[0].fit
-        if (
-            turn.confirmed[0].key[0] in _LATE
-        ):  # a delay and a lag are nearly the same: together they tell nothing
+        if current.state.placed[-1].effect.name in _LATE:
             library = [effect for effect in library if effect.name not in _LATE]
     return tuple(turns)
 
@@ -138,7 +137,7 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
         best = max(confirmed.values(), key=lambda c: c.worth, default=None)
         if best is not None and best.fit.mean_square < _EXPLAINED:
             break
-    _confirm(fit, [Start(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
+    _confirm(fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
     _prefer_coulomb(confirmed)
     driven = fit.state.scene.axis.drive.at
 
@@ -196,11 +195,11 @@ def _stages(
     """Starts of fits, the cheapest first."""
     promising = [c for c in found if max(c.worth, c.white_worth) > LEAST_WORTH / 2]
     white = sorted(promising, key=lambda c: -c.white_worth)
-    yield [Start(fit, c.placed) for c in promising[:3]]
-    yield [Start(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3]], promising[:3])]
+    yield [Start.of(fit, c.placed) for c in promising[:3]]
+    yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3]], promising[:3])]
     if nominal is None:
         return
-    other = [Start(nominal, c.placed) for c in screened(nominal, library)]
+    other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield other[:4]
     hidden = [replace(s, placed=replace(s.placed, marched=True)) for s in other]
     yield [s for s in hidden if can_march(nominal.state.scene, s.placed)][:_MARCHED]
@@ -220,14 +219,13 @@ def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Cand
 
 def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it."""
-    weighting = start.fit.weighting
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            state = with_effects(start.fit.state, weighting, (*start.fit.state.placed, start.placed))
+            state = start.placed_state()
             if not np.all(np.isfinite(state.rows)):
                 return None
             first, then = _MARCHING if start.placed.marched else _DIRECT
-            found = refitted(fitted(state, weighting, first), then)
+            found = refitted(fitted(state, start.weighting, first), then)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
     return _judged(fit, found)

@@ -12,6 +12,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis.axis import length_unit
 from symid.diagnosis.march import Pointwise
+from symid.diagnosis.record import Record
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
@@ -52,6 +53,10 @@ class Effect(ABC):
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         """Shapes worth a trial."""
         return ((),)
+
+    def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
+        """Shapes worth a trial under another log, where part of the shape belongs to a log."""
+        return ()
 
     def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
         """The nearest shape that makes sense."""

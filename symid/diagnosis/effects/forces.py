@@ -19,6 +19,7 @@ from symid.diagnosis.effects.base import (
     sampled,
 )
 from symid.diagnosis.march import Pointwise
+from symid.diagnosis.record import Record
 from symid.diagnosis.response import response_of
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
@@ -156,6 +157,9 @@ class PeriodicDisturbance(JointEffect):
 _CHANGES_WITHIN = np.array([0.1, 0.9])
 """Shares of the log between which a mass may change: what differs at the ends is a start that is not known."""
 
+_MOMENTS = np.linspace(0.03, 0.97, 48)
+"""Moments of a change that are tried under another log, relative to its length."""
+
 
 class PayloadChange(Effect):
     """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
@@ -182,6 +186,9 @@ class PayloadChange(Effect):
         mass = float(body.direction @ scene.response.plant.mass @ body.direction)
         first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
         return [(x * abs(mass), t) for t in times if first < t < last for x in _MASS_CHANGES]
+
+    def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
+        return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         record, (change, moment) = scene.record, shape
