@@ -131,11 +131,7 @@ class Log:
         LogError
             Unless ``0 <= start_index < stop_index <= n_samples``.
         """
-        if not 0 <= start_index < stop_index <= self.n_samples:
-            raise LogError(
-                f"{self.source}: samples {start_index} to {stop_index} are no part of the log: "
-                f"choose 0 <= start < stop <= {self.n_samples}"
-            )
+        check_window(self.source, start_index, stop_index, self.n_samples)
         return Log(
             source=self.source,
             start=self.start + start_index * self.sampling_period,
@@ -181,3 +177,12 @@ def _finite_copy(source: str, name: str, values: npt.ArrayLike) -> FloatArray:
             f"the first at index {bad[0]}: cut them out or repair them"
         )
     return copy
+
+
+def check_window(source: str, start_index: int, stop_index: int, n_samples: int) -> None:
+    """LogError unless samples `start_index` to before `stop_index` are a part of a log of `n_samples`."""
+    if not 0 <= start_index < stop_index <= n_samples:
+        raise LogError(
+            f"{source}: samples {start_index} to {stop_index} are no part of the log: "
+            f"choose 0 <= start < stop <= {n_samples}"
+        )

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from symid.arrays import FloatArray
-from symid.data.log import Log
-from symid.errors import LogError, SettingError
+from symid.data.log import Log, check_window
+from symid.errors import SettingError
 
 BLOCK: Final = 524_288
 """Samples of a block, unless told: its rows and what it takes to make them stay within some 100 MB."""
@@ -86,11 +86,7 @@ class LongLog:
         LogError
             Unless ``0 <= start_index < stop_index <= n_samples``.
         """
-        if not 0 <= start_index < stop_index <= self.n_samples:
-            raise LogError(
-                f"{self.source}: samples {start_index} to {stop_index} are no part of the log: "
-                f"choose 0 <= start < stop <= {self.n_samples}"
-            )
+        check_window(self.source, start_index, stop_index, self.n_samples)
         start = self.start + start_index * self.sampling_period
         return Log(self.source, start, self.sampling_period, self.read(start_index, stop_index), self.notes)
 

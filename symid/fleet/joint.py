@@ -24,6 +24,7 @@ from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
 from symid.identification import Identification, PhysicalEstimate, physical_estimates
+from symid.identification.result import EstimatedParameters
 from symid.identification.verdict import Status, verdict
 
 
@@ -99,7 +100,7 @@ def log_factors(found: Identification) -> LogFactors:
 
 
 @dataclass(frozen=True, eq=False)
-class JointIdentification:
+class JointIdentification(EstimatedParameters):
     """Parameters that several logs of one axis share.
 
     Parameters
@@ -131,18 +132,6 @@ class JointIdentification:
     message: str
     disagreement: float
     degrees_of_freedom: int
-
-    @property
-    def minimal_parameters(self) -> dict[str, float]:
-        """Minimal parameters by name, SI."""
-        return dict(zip(self.model.minimal_units, map(float, self.fit.parameters), strict=True))
-
-    @property
-    def physical_parameters(self) -> dict[str, float]:
-        """Physical parameters of the first branch by name, SI; empty if there are none."""
-        if not self.physical:
-            return {}
-        return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
 
     @property
     def standard_deviations(self) -> FloatArray:

@@ -17,8 +17,28 @@ from symid.identification.timing import Timing
 from symid.identification.verdict import Status
 
 
+class EstimatedParameters:
+    """Minimal and physical parameters by name, of a least squares fit and the branches of the inverse map."""
+
+    model: GeneratedModel
+    fit: LeastSquares
+    physical: tuple[PhysicalEstimate, ...]
+
+    @property
+    def minimal_parameters(self) -> dict[str, float]:
+        """Minimal parameters by name, SI."""
+        return dict(zip(self.model.minimal_units, map(float, self.fit.parameters), strict=True))
+
+    @property
+    def physical_parameters(self) -> dict[str, float]:
+        """Physical parameters of the first branch by name, SI; empty if there are none."""
+        if not self.physical:
+            return {}
+        return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
+
+
 @dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(EstimatedParameters):
     """Identified parameters of an axis and what they were identified from.
 
     Parameters
@@ -61,18 +81,6 @@ class Identification:
     notes: tuple[str, ...]
     timing: Timing | None = None
     bias: Bias | None = None
-
-    @property
-    def minimal_parameters(self) -> dict[str, float]:
-        """Minimal parameters by name, SI."""
-        return dict(zip(self.model.minimal_units, map(float, self.fit.parameters), strict=True))
-
-    @property
-    def physical_parameters(self) -> dict[str, float]:
-        """Physical parameters of the first branch by name, SI; empty if there are none."""
-        if not self.physical:
-            return {}
-        return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
 
     @property
     def covariance(self) -> FloatArray:
