@@ -21,6 +21,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,7 @@ AXES = {"emps": ("q", "F"), "direct_2m1s": ("q2", "Fm")}
 SHORT = 100_000
 AIM = 2.0
 FloatArray = NDArray[np.float64]
+generated = cache(symid.load_generated)
 
 
 def simulate_emps(samples: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
@@ -79,7 +81,7 @@ def decimator(factor: int) -> FloatArray:
 
 def run_identify(axis: str, log: symid.Log, settings: dict[str, Any], examine: bool = True) -> dict[str, Any]:
     """Identify, all settings but the decimation chosen from the log."""
-    model, preparation = symid.load_generated(axis), symid.Preparation(decimation=settings["decimation"])
+    model, preparation = generated(axis), symid.Preparation(decimation=settings["decimation"])
     found = symid.identify(model, log, preparation=preparation, examine=examine)
     chosen = found.observations[0].preparation
     return {
@@ -91,7 +93,7 @@ def run_identify(axis: str, log: symid.Log, settings: dict[str, Any], examine: b
 
 def run_passes(axis: str, log: symid.Log, settings: dict[str, Any], threads: int) -> dict[str, Any]:
     """Run the bare filters."""
-    model, factor = symid.load_generated(axis), settings["factor"]
+    model, factor = generated(axis), settings["factor"]
     signals = [log[name] for name in AXES[axis]]
     inputs = [(low_pass(settings["cutoff"]), x) for x in (*signals, *([signals[0]] * len(model.law_columns)))]
     if factor > 1:
@@ -101,6 +103,12 @@ def run_passes(axis: str, log: symid.Log, settings: dict[str, Any], threads: int
     def run(job: tuple[FloatArray, FloatArray]) -> None:
         signal.sosfiltfilt(*job)[::factor]
 
+    if (
+        threads == 1
+    ):  # without a pool: memory that a thread frees goes back to the system, which costs half as much again
+        for job in inputs:
+            run(job)
+        return {}
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(run, inputs))
     return {}

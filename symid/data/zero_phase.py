@@ -22,7 +22,6 @@ from symid.arrays import FloatArray
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # a piece is so many times as long as what is computed for it on either side
-_BLOCK: Final = 262_144  # samples that are filtered at a time; smaller blocks are slower
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
@@ -101,18 +100,15 @@ class ZeroPhaseFilter:
         return np.asarray(scipy.signal.sosfilt_zi(self.sections))
 
     def apply(self, x: FloatArray) -> FloatArray:
-        """The filtered vector; one array of memory where scipy needs three."""
+        """The filtered vector."""
         if x[0] == x[-1] == x[x.size // 2] and bool(np.all(x == x[0])):
             return np.full(x.size, x[0] * self.constant_gain)
-        extended = np.empty(x.size + 2 * self.padding)
-        extended[self.padding : -self.padding] = x
-        extended[: self.padding] = 2.0 * x[0] - x[self.padding : 0 : -1]
-        extended[-self.padding :] = 2.0 * x[-1] - x[-2 : -self.padding - 2 : -1]
-        for pass_ in (extended, extended[::-1]):
-            state = self._settled * pass_[0]
-            for first in range(0, pass_.size, _BLOCK):
-                block = pass_[first : first + _BLOCK]
-                block[:], state = scipy.signal.sosfilt(self.sections, block, zi=state)
+        before = 2.0 * x[0] - x[self.padding : 0 : -1]
+        after = 2.0 * x[-1] - x[-2 : -self.padding - 2 : -1]
+        extended: FloatArray = np.concatenate((before, x, after))
+        for _ in ("forward", "backward"):
+            passed, _ = scipy.signal.sosfilt(self.sections, extended, zi=self._settled * extended[0])
+            extended = passed[::-1]
         return extended[self.padding : -self.padding]
 
     def apply_rows(self, x: FloatArray, out: FloatArray, kept: slice, workers: int) -> None:

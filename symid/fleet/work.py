@@ -73,6 +73,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
         if key in task.known:
             return Outcome(task.log, None, unchanged=key)
         row |= {"key": key, "axis": axis.axis.name, "method": axis.settings.method}
+        _keep_freed_memory()
         with _threads().limit(limits=1):
             row |= _identified(axis, task.path)
     except (Exception, PanicException) as error:  # noqa: BLE001  a row must tell of whatever a log brings about
@@ -99,6 +100,15 @@ def content_of(path: str) -> str:
 @lru_cache(maxsize=1)
 def _threads() -> ThreadpoolController:
     return ThreadpoolController()  # looks through all loaded libraries: once a process
+
+
+@lru_cache(maxsize=1)
+def _keep_freed_memory() -> None:
+    """Make glibc keep up to 64 MB that it would give back to the system after each array: a fifth of a log's time.
+
+    Its threshold for that follows the largest block below 32 MB that was freed (mallopt(3), M_MMAP_THRESHOLD).
+    """
+    np.empty(32_000_000, dtype=np.uint8)
 
 
 def _axis_of(axes: tuple[FleetAxis, ...], log: str) -> FleetAxis:
