@@ -216,6 +216,8 @@ def inspect_spans(
         if name == reference:
             continue
         runs = _Runs.of(x)
+        if np.max(runs.length) < _CLIPPED_SAMPLES:
+            continue
         usual = float(np.median(runs.length))
         extreme = _extreme(x, runs)
         clipped = runs.only(extreme).longer(max(_CLIPPED_SAMPLES, 3.0 * usual))

@@ -79,4 +79,5 @@ def damaged(path: Path, kind: str, error: BaseException) -> LogError:
 
 def values_of(numbers: pl.Series) -> FloatArray:
     """Values of a column, NaN where it has none."""
-    return np.asarray(numbers.fill_null(float("nan")).to_numpy(), dtype=np.float64)
+    whole = numbers.fill_null(float("nan")) if numbers.has_nulls() else numbers
+    return np.asarray(whole.to_numpy(), dtype=np.float64)
