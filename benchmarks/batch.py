@@ -4,8 +4,9 @@ Logs of an EMPS-like axis, 40 000 samples each, differ in their noise alone. "on
 `identify_batch` with that many processes, each started before its time is taken; "unexamined" leaves out the
 examination of timing and bias, which the script does not make either. "script" reads each log and does the same
 job as one would write it down with numpy and scipy, with cutoff and decimation given instead of chosen, on one core.
-"passes" are scipy's sosfiltfilt alone, as many as the script runs. "cluster" is a Dask LocalCluster of two workers,
-if Dask is installed. All runs alternate; ratios are medians over the rounds.
+"passes" are reading and scipy's sosfiltfilt alone, as many as identification needs. Both run in a process of their own.
+"cluster" is a Dask LocalCluster of two workers, if Dask is installed. All runs alternate; ratios are medians over the
+rounds.
 
 Usage: python benchmarks/batch.py [--logs 1000] [--rounds 3]
 """
@@ -17,8 +18,10 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from importlib.util import find_spec
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +31,7 @@ from threadpoolctl import threadpool_limits
 import symid
 
 sys.path.insert(0, str(Path(__file__).parent))
-from identify_speed import run_passes, run_script, simulate_emps
+from identify_speed import JOBS, simulate_emps
 
 SAMPLES = 40_000
 AIM_TWO_CORES, AIM_SCRIPT, AIM_PASSES = 1.8, 3.0, 2.0
@@ -55,12 +58,12 @@ def batch(
     assert done.statuses == {"ok": len(paths)}, done.statuses
 
 
-def plain(paths: list[Path], job: Callable[..., object]) -> None:
+def plain(paths: list[Path], job: str, settings: dict[str, float | int]) -> None:
     """Read each log and do a job of `identify_speed` with it."""
-    settings = chosen(paths[0])
+    run = JOBS[job]
     for path in paths:
         frame = pl.read_parquet(path)
-        job({name: frame[name].to_numpy() for name in ("q", "F")}, settings)
+        run("emps", {name: frame[name].to_numpy() for name in ("q", "F")}, settings)
 
 
 def chosen(path: Path) -> dict[str, float | int]:
@@ -69,14 +72,15 @@ def chosen(path: Path) -> dict[str, float | int]:
     return {"cutoff": row["cutoff_hz"], "factor": row["decimation"]}
 
 
-def runs(stack: ExitStack) -> dict[str, Callable[[list[Path]], None]]:
+def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], None]]:
     """What is compared, by name."""
+    other = stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn")))
     found: dict[str, Callable[[list[Path]], None]] = {
         "one core": lambda paths: batch(paths, jobs=1),
         "two cores": lambda paths: batch(paths, jobs=2),
         "unexamined, one core": lambda paths: batch(paths, jobs=1, examine=False),
-        "script": lambda paths: plain(paths, lambda log, s: run_script("emps", log, s)),
-        "passes": lambda paths: plain(paths, lambda log, s: run_passes("emps", log, s, 1)),
+        "script": lambda paths: other.submit(plain, paths, "script", settings).result(),
+        "passes": lambda paths: other.submit(plain, paths, "passes, 1 thread", settings).result(),
     }
     if find_spec("distributed"):
         from distributed import LocalCluster
@@ -93,7 +97,7 @@ def measured(paths: list[Path], rounds: int) -> dict[str, np.ndarray]:
     seconds: dict[str, list[float]] = {}
     with ExitStack() as stack:
         stack.enter_context(threadpool_limits(1))
-        compared = runs(stack)
+        compared = runs(stack, chosen(paths[0]))
         for run in compared.values():
             run(paths[:WARM_UP])
         for _ in range(rounds):

@@ -95,10 +95,12 @@ def run_passes(axis: str, log: symid.Log, settings: dict[str, Any], threads: int
     """Run the bare filters."""
     model, factor = generated(axis), settings["factor"]
     signals = [log[name] for name in AXES[axis]]
-    inputs = [(low_pass(settings["cutoff"]), x) for x in (*signals, *([signals[0]] * len(model.law_columns)))]
+    smooth = low_pass(settings["cutoff"])
+    inputs = [(smooth, x) for x in (*signals, *([signals[0]] * len(model.law_columns)))]
     if factor > 1:
         columns = len(model.minimal_units) - (1 if axis == "emps" else 0) + 1
-        inputs += [(decimator(factor), signals[i % 2]) for i in range(columns)]
+        thin = decimator(factor)
+        inputs += [(thin, signals[i % 2]) for i in range(columns)]
 
     def run(job: tuple[FloatArray, FloatArray]) -> None:
         signal.sosfiltfilt(*job)[::factor]
