@@ -217,3 +217,30 @@ def test_command_prints_a_summary_and_writes_it_as_json(
     assert (mass["logs"], mass["unit"]) == (6, "kg")
     assert mass["median"] == pytest.approx(pl.read_parquet("r.parquet")["M"].median())
     assert mass["spread"] < 10 * mass["std"]
+
+
+def test_a_mapping_reads_foreign_logs_of_a_batch(logs: Path) -> None:
+    own = pl.read_parquet(logs / "0.parquet")
+    foreign = Path("foreign")
+    foreign.mkdir()
+    frame = own.select(
+        (1e3 * pl.col("t")).alias("Zeit"), (1e3 * pl.col("q")).alias("s_ist"), (pl.col("F") / 50).alias("I")
+    )
+    (foreign / "0.csv").write_text("Achse X\n" + frame.write_csv(separator=";", decimal_comma=True))
+    Path("mapping.json").write_text(
+        json.dumps(
+            {
+                "columns": {"t": "Zeit", "q": "s_ist", "F": "I"},
+                "units": {"t": "ms", "q": "mm"},
+                "gains": {"F": 50.0},
+                "layout": {"separator": ";", "decimal": ",", "above": 1},
+            }
+        )
+    )
+    for folder, more in (("foreign", ["--mapping", "mapping.json"]), (str(logs / "0.parquet"), [])):
+        assert (
+            run("batch", "rigid_1m", folder, "-o", f"{Path(folder).stem}.parquet", "--jobs", "1", *more) == 0
+        )
+    (mapped,), (plain,) = (pl.read_parquet(f"{name}.parquet").rows(named=True) for name in ("foreign", "0"))
+    assert mapped["status"] == plain["status"] == "ok"
+    assert mapped["M"] == pytest.approx(plain["M"], rel=1e-9)
