@@ -27,8 +27,8 @@ def test_a_terminal_is_shown_rate_and_remaining_time(monkeypatch: pytest.MonkeyP
     monkeypatch.setenv("TERM", "xterm")
     assert list(progress.tracked(slowly(range(12)), "logs", total=12)) == list(range(12))
     shown = screen.getvalue()
-    assert "logs" in shown and "/12" in shown and "/s" in shown
-    assert "0:00:0" in shown
+    for part in ("logs", "/12", "/s", "0:00:0"):
+        assert part in shown
 
 
 def test_short_work_shows_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
