@@ -12,7 +12,8 @@ from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.scene import Joint, Scene
 
 _DELAYS = np.array([-4.0, -2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0])
-_LIMITS = (0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
+_LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
+"""Of the largest logged force: a controller that winds up asks for many times what the drive gives."""
 
 
 class DriveEffect(Effect):
