@@ -19,7 +19,6 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.comparison import applied, compared
 from symid.diagnosis.diagnose import (
-    ITERATIONS,
     concluded,
     data_of,
     effect_values,
@@ -41,7 +40,7 @@ from symid.diagnosis.result import (
 )
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, search
-from symid.diagnosis.start import starting_parameters
+from symid.diagnosis.start import ITERATIONS, fitted_axis, starting_parameters
 from symid.diagnosis.weighting import Weighting
 from symid.diagnosis.wording import sentence_against
 
@@ -149,8 +148,7 @@ def _signals(record: Record) -> tuple[str, ...]:
 
 def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
     """The axis with the effects that the simulator has."""
-    state, weighting = first_state(record, starting_parameters(record.dynamics.axis, record))
-    model = refitted(fitted(state, weighting, ITERATIONS))
+    model = fitted_axis(*first_state(record, starting_parameters(record.dynamics.axis, record)))
     for turn in search(model, library):
         if turn.accepts:
             model = turn.confirmed[0].fit

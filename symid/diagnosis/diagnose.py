@@ -14,7 +14,7 @@ from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.evidence import INDISTINGUISHABLE, Outcome, is_there, odds, outcome
 from symid.diagnosis.faults import recording_faults
-from symid.diagnosis.fit import Fit, first_state, fitted, refitted, unfitted
+from symid.diagnosis.fit import Fit, first_state, unfitted
 from symid.diagnosis.location import located, maps
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.rejudging import judged_together
@@ -29,19 +29,16 @@ from symid.diagnosis.result import (
 )
 from symid.diagnosis.screening import AR_ORDER
 from symid.diagnosis.search import Turn, search
-from symid.diagnosis.start import starting_parameters
+from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
 from symid.diagnosis.weighting import autoregression
 from symid.diagnosis.wording import next_experiment, sentence
 from symid.simulation.plant import forward_dynamics
 
-ITERATIONS = 10
-"""Of a fit without effects, at most."""
 _HELD_OUT = 3
 _BLOCKS = 12
 _ABSORBED_DEVIATIONS = 3.0
 _ABSORBED_SHARE = 0.01
 _LISTED = 20
-_NOISE_ALONE = 1.5
 _ONLY_IN_VALIDATION = (
     "The model fits the log: the effect shows in the validation log alone. It was identified from two thirds of that, "
     "and the gap measured on the rest."
@@ -105,7 +102,7 @@ def diagnose(
 
 def _fits_its_log(found: Diagnosis) -> bool:
     """Whether the re-identified model leaves no more than noise of the log that it was identified from."""
-    return bool(found.search) and found.search[0].before.mean_square < _NOISE_ALONE
+    return bool(found.search) and found.search[0].before.mean_square < NOISE_ALONE
 
 
 def _diagnosed(
@@ -118,7 +115,7 @@ def _diagnosed(
     data = data_of(axis, *logs, late)
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
-    base = refitted(fitted(state, weighting, ITERATIONS))
+    base = fitted_axis(state, weighting)
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
     turns = judged_together(search(base, library, before), data.validation, data.held_out)
     fits = fits_of(base, turns)

@@ -1,12 +1,16 @@
-"""Parameter values to begin with where none are given."""
+"""The axis as it is declared, fitted to a record: where to begin, and where to begin anew."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from symid.axis import Axis
+from symid.axis import Axis, Spring
 from symid.codegen import load_generated
+from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted
 from symid.diagnosis.record import Record
+from symid.diagnosis.weighting import Weighting
 from symid.errors import SettingError, SymidError
 from symid.identification import identify
 
@@ -31,3 +35,48 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
             f"no values to begin with follow from the log for {', '.join(lacking)}: give --nominal P.json"
         )
     return {name: float(found[name]) for name in axis.physical_parameters}
+
+
+ITERATIONS = 10
+"""Of a fit without effects, at most."""
+NOISE_ALONE = 1.5
+"""Mean square of weighted rows up to which noise is what is left."""
+_STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
+_RUN_AWAY = 5.0
+"""Factor by which a mass, an inertia or a stiffness that is fitted has left where it began."""
+
+
+def fitted_axis(state: State, weighting: Weighting) -> Fit:
+    """The axis without effects, fitted from given values and, where these lead astray, from other stiffnesses.
+
+    A mode that lies some widths of its resonance away from where it is sought is not found by small steps: the fit
+    then lets the bodies behind it grow out of sight. A fit from another stiffness is taken if noise alone is left
+    of it, or if it stays where the other ran away.
+
+    Parameters
+    ----------
+    state : State
+        The axis with the values to begin with.
+    weighting : Weighting
+        Of the errors.
+    """
+    first = refitted(fitted(state, weighting, ITERATIONS))
+    springs = [e.stiffness for e in state.scene.axis.elements if isinstance(e, Spring)]
+    if not springs or first.mean_square < NOISE_ALONE:
+        return first
+    values = state.scene.parameters
+    others = []
+    for factor in _STIFFNESSES:
+        moved = dict(values) | {name: factor * values[name] for name in springs}
+        other, weights = first_state(state.scene.record, moved, weighting.allowed)
+        others.append(refitted(fitted(other, weights, ITERATIONS)))
+    tame = [fit for fit in others if not _ran_away(fit, values)]
+    best = min(tame, key=lambda fit: fit.mean_square, default=first)
+    return best if best.mean_square < NOISE_ALONE or _ran_away(first, values) else first
+
+
+def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
+    axis = fit.state.scene.axis
+    names = [e.stiffness for e in axis.elements if isinstance(e, Spring)]
+    names += [name for body in axis.free_bodies if (name := body.mass or body.inertia) is not None]
+    return any(not 1 / _RUN_AWAY < fit.parameters[name] / start[name] < _RUN_AWAY for name in names)
