@@ -26,7 +26,7 @@ KINDS = ("none", *OF_COLUMNS, *OF_BYTES, *OF_TEXT, *OF_FRAME, "wrong_suffix")
 UNTOLD = ("wrong_unit",)
 """Damage that no log tells of: a channel that is scaled as a whole leaves a log of another axis."""
 
-PATIENCE = 20
+PATIENCE = 60
 """Seconds after which a command hangs."""
 
 TOLERANCE = 0.05
