@@ -32,7 +32,7 @@ from symid.symbolic.triangular import MOST_TERMS, TriangularSolution, triangular
 Identifiability = Literal["unique", "several", "none"]
 
 _PRIME = 2**31 - 1
-_MOST_UNKNOWNS = 5
+_MOST_UNKNOWNS = 4
 """Cores with more unknowns than this are too large for a Groebner basis in reasonable time."""
 
 
