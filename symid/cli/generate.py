@@ -36,6 +36,6 @@ def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file:
                 file.diff() if check else f"{'removed' if file.wanted is None else 'wrote'} {file.path.name}",
                 end="" if check else "\n",
             )
-        print(f"{len(files) - len(stale)} of {len(files)} modules are current")
+        print(f"{len(files) - len(stale)} of {len(files)} modules {'are' if check else 'were'} current")
     if check and stale:
         sys.exit(1)
