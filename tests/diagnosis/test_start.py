@@ -1,0 +1,48 @@
+"""Where a diagnosis begins: a mode that is sought at a wrong frequency is found all the same."""
+
+import numpy as np
+import pytest
+import scipy
+
+from symid import Log, load_axis
+from symid.diagnosis import start
+from symid.diagnosis.diagnose import data_of
+from symid.diagnosis.fit import first_state
+
+TRUE = {"Ms": 3030.0, "Fvs": 32800.0, "Ks": 2.18e8, "Mm": 242.0, "Fvm": 74.0, "Fsm": 112.0}
+FAR = {"Ms": 2490.0, "Fvs": 37900.0, "Ks": 2.55e8, "Mm": 167.0, "Fvm": 96.0, "Fsm": 90.0}
+"""A structure at 51 Hz where the true one is at 43 Hz."""
+RATE, SECONDS, SETTLING = 4000, 10.0, 5.0
+
+
+def flexible_log(seed: int) -> Log:
+    """Motor and force of direct_2m1s: by Newton, (Ms + Mm) q1(2) + Fvs q1(1) + Ks q1 = -Mm q2(2)."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, SECONDS + SETTLING, 1 / RATE)
+    q, v, a = np.zeros((3, t.size))
+    swept = [(2e-5, f, p) for f, p in zip(range(15, 80, 3), rng.uniform(0, 6, 22), strict=True)]
+    for amplitude, frequency, phase in [(0.12, 0.4, 0.0), (0.02, 1.7, 1.0), *swept]:
+        w = 2 * np.pi * frequency
+        q += amplitude * np.sin(w * t + phase)
+        v += amplitude * w * np.cos(w * t + phase)
+        a -= amplitude * w**2 * np.sin(w * t + phase)
+    structure = scipy.signal.lti([-TRUE["Mm"], 0, 0], [TRUE["Ms"] + TRUE["Mm"], TRUE["Fvs"], TRUE["Ks"]])
+    _, a1, _ = scipy.signal.lsim(structure, a, t)
+    force = TRUE["Mm"] * (a + a1) + TRUE["Fvm"] * v + TRUE["Fsm"] * np.sign(v)
+    kept = slice(int(SETTLING * RATE), None)
+    q, force = q[kept], force[kept]
+    noisy = {"q2": q + 1e-8 * rng.standard_normal(q.size), "Fm": force + rng.standard_normal(q.size)}
+    return Log.from_arrays(noisy, sampling_period=1 / RATE)
+
+
+def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = data_of(load_axis("direct_2m1s"), flexible_log(1), None, None)
+    begin = first_state(data.record, FAR, data.training)
+    found = start.fitted_axis(*begin)
+    assert found.mean_square < start.NOISE_ALONE
+    for name, value in TRUE.items():
+        assert found.parameters[name] == pytest.approx(value, rel=0.01)
+    monkeypatch.setattr(start, "_STIFFNESSES", ())
+    alone = start.fitted_axis(*begin)
+    assert alone.mean_square > 2 * start.NOISE_ALONE
+    assert alone.parameters["Ms"] > 5 * FAR["Ms"]
