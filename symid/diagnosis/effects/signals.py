@@ -14,6 +14,9 @@ from symid.diagnosis.scene import Joint, Scene
 _DELAYS = np.array([-4.0, -2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
 """Of the largest logged force: a controller that winds up asks for many times what the drive gives."""
+_USUAL_LIMIT = 0.3
+"""Of the largest force; below it a limit may cut few samples: an axis without force would show no error either."""
+_MOSTLY_BELOW = 0.9
 
 
 class DriveEffect(Effect):
@@ -70,10 +73,11 @@ class Saturation(DriveEffect):
     fixed = True
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
-        return [(share * _top_force(scene),) for share in _LIMITS]
+        top, least = _top_force(scene), _least_limit(scene)
+        return [(share * top,) for share in _LIMITS if share * top > least]
 
     def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
-        return (float(np.clip(shape[0], _LIMITS[0] * _top_force(scene), _top_force(scene))),)
+        return (float(np.clip(shape[0], _least_limit(scene), _top_force(scene))),)
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         force = scene.record.whole_force
@@ -163,6 +167,11 @@ def _reading(scene: Scene, signal: str) -> Joint:
 
 def _drive_unit(scene: Scene) -> str:
     return str(scene.axis.signal_units[scene.axis.drive.signal])
+
+
+def _least_limit(scene: Scene) -> float:
+    force = np.abs(scene.record.whole_force[: scene.record.log.n_samples])
+    return min(_USUAL_LIMIT * _top_force(scene), float(np.quantile(force, _MOSTLY_BELOW)))
 
 
 def _top_force(scene: Scene) -> float:
