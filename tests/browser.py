@@ -36,9 +36,11 @@ _CONTRAST = """
     return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2];
   };
   const element = document.querySelector(name);
+  const isClear = one => channels(getComputedStyle(one).backgroundColor)[3] === 0;
   let behind = element;
-  while (behind.parentElement && channels(getComputedStyle(behind).backgroundColor)[3] === 0) behind = behind.parentElement;
-  const ink = luminance(getComputedStyle(element).color), paper = luminance(getComputedStyle(behind).backgroundColor);
+  while (behind.parentElement && isClear(behind)) behind = behind.parentElement;
+  const ink = luminance(getComputedStyle(element).color);
+  const paper = luminance(getComputedStyle(behind).backgroundColor);
   return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
 }))
 """

@@ -58,7 +58,8 @@ def test_the_friction_map_is_the_friction_that_is_missing() -> None:
         assert np.all(speed > 0)
         missing = 0.92 * 45 * np.exp(-((speed / 0.02) ** 2))  # as the machine of the example is made
         np.testing.assert_allclose(force[speed > 0.05], missing[speed > 0.05], atol=0.5)
-        assert force[0] == pytest.approx(missing[0], rel=0.2)
+        slowest = np.argmin(speed)
+        assert force[slowest] == pytest.approx(missing[slowest], rel=0.2)
     after = np.concatenate([after_forward["mean"], after_backward["mean"]])
     assert np.max(np.abs(after)) < 0.2 * np.max(before_forward["mean"])
 
