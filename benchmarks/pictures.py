@@ -19,7 +19,7 @@ from .diagnosis.real import emps
 
 FOLDER = Path(__file__).parents[1] / "docs" / "pictures"
 CASE = "emps-viscous"
-WIDTH, HEIGHT = 1120, 1390
+WIDTH, HEIGHT = 1120, 1360
 """In pixels: from the verdict to the places of the gap."""
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
