@@ -64,7 +64,7 @@ def plot_foreign(
         figure = Figure(figsize=(9, 1.5 * len(drawn) + 0.6), layout="constrained")
         rows = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
         for axes, column, course in zip(rows, drawn, values, strict=True):
-            colour = palette.model if column.setpoint else palette.measured
+            colour = palette.model if column.setpoint else palette.other
             draw_over_time(axes, time, {column.header: (course, colour, 0.9)}, column.unit or "?")
             axes.set_title(f"{column.header}: {column.quantity or 'not known'}", loc="left", fontsize=9)
         rows[-1].set_xlabel(label)

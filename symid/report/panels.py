@@ -96,7 +96,7 @@ def _against(axes: Axes, measured: FloatArray, predicted: FloatArray, panel: Pan
     ends = [float(np.min(measured)), float(np.max(measured))]
     axes.plot(ends, ends, color=palette.model, linewidth=1.0, label="equal")
     axes.set_xlabel(f"measured {panel.output} [{panel.unit}]")
-    axes.set_ylabel("predicted")
+    axes.set_ylabel(f"predicted [{panel.unit}]")
 
 
 def _map(

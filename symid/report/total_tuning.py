@@ -84,7 +84,7 @@ def plot_total_tuning(found: TotalTuning, file: str | Path, palette: Palette = L
         figure = Figure(figsize=(6, 4), layout="constrained")
         axes = figure.subplots()
         label = "scan, best decimation"
-        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.measured, linewidth=1, label=label)
+        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
         axes.loglog(
             found.preparation.cutoff_hz,
             found.total_percent,

@@ -123,13 +123,13 @@ def plot_tuning(found: Tuning, file: str | Path, palette: Palette = LIGHT) -> No
         )
         left.set_ylabel("largest error of a parameter [%]")
         for axes in (left, right):
-            axes.legend(loc="upper right", frameon=True, edgecolor="none", framealpha=0.9)
+            axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
         figure.savefig(path, dpi=150)
 
 
 def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Palette) -> None:
     axes.loglog(
-        search.scanned_hz, search.scanned_errors, ".-", color=palette.measured, linewidth=1, label="error"
+        search.scanned_hz, search.scanned_errors, ".-", color=palette.other, linewidth=1, label="error"
     )
     axes.axhline(search.bound, color=palette.model, linewidth=1, label=f"bound {search.bound:g} %")
     axes.loglog(
