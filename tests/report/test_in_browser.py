@@ -139,7 +139,7 @@ def test_the_error_is_drawn_over_velocity_and_position(page, tmp_path):
     opened(page, diagnosis_example("effect"), tmp_path)
     for place in ("#over-motion .plot:first-child", "#over-motion .plot:last-child"):
         model, explained = pixels(page, place, MODEL, EXPLAINED)
-        assert min(model, explained) > 5 * LEGEND
+        assert min(model, explained) > 2 * LEGEND
 
 
 def test_a_page_becomes_a_picture(tmp_path):
