@@ -27,6 +27,25 @@ _FLAGS = (
 )
 
 
+_CONTRAST = """
+(names => names.map(name => {
+  const channels = colour => colour.match(/[\\d.]+/g).map(Number);
+  const luminance = colour => {
+    const parts = channels(colour).slice(0, 3).map(v => v / 255)
+      .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+    return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2];
+  };
+  const element = document.querySelector(name);
+  const isClear = one => channels(getComputedStyle(one).backgroundColor)[3] === 0;
+  let behind = element;
+  while (behind.parentElement && isClear(behind)) behind = behind.parentElement;
+  const ink = luminance(getComputedStyle(element).color);
+  const paper = luminance(getComputedStyle(behind).backgroundColor);
+  return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
+}))
+"""
+
+
 def chromium() -> str:
     """Path of the browser; AssertionError that says what to install if there is none."""
     found = next(filter(None, map(shutil.which, _NAMES)), None)
@@ -104,6 +123,16 @@ class Page:
         answer = self.send("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
+
+    def prefer(self, scheme: str, media: str = "screen") -> None:
+        """Show pages as to a reader who prefers "light" or "dark", on a screen or in print."""
+        wanted = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.send("Emulation.setEmulatedMedia", media=media, features=wanted)
+
+    def contrasts(self, *selectors: str) -> dict[str, float]:
+        """Contrast of the text of elements with what is behind it, by WCAG 2: 4.5 is level AA."""
+        found = self.evaluate(f"{_CONTRAST}({json.dumps(selectors)})")
+        return dict(zip(selectors, found, strict=True))
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
         """Press the mouse at one place, move it to another and let it go."""

@@ -42,6 +42,7 @@ from symid.identification import (
     read_mapping,
 )
 from symid.identification.mapping import require_known
+from symid.report.colours import palette_of
 from symid.report.identification import identification_record, print_identification
 
 if TYPE_CHECKING:
@@ -159,7 +160,6 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
     found, validation, record = by_method(declared, model, runs, validating, options)
     if options["plot"]:
-        from symid.report.colours import DARK, LIGHT
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
         plot_identification(
@@ -168,7 +168,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             validation,
             axis=declared,
             runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
-            palette=DARK if options["dark"] else LIGHT,
+            palette=palette_of(options["dark"]),
         )
     if options["json_file"]:
         write_json(record, options["json_file"])

@@ -10,11 +10,12 @@ import click
 from rich.table import Table as Shown
 
 from symid.axis import Axis, load_axis
-from symid.cli.options import json_option, write_json
+from symid.cli.options import dark_option, json_option, write_json
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.tables import SUFFIXES
 from symid.errors import SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
+from symid.report.colours import palette_of
 from symid.report.console import report_console
 
 
@@ -40,6 +41,7 @@ class Look:
     "-o", "--output", metavar="FILE.json", help="Write the mapping, for --mapping of other commands."
 )
 @click.option("--plot", metavar="FILE", help="Draw the columns over time (png, svg or pdf).")
+@dark_option
 @json_option
 def command(log: str, **options: Any) -> None:
     """Look at the foreign LOG: guess its layout, columns, units and sampling, and say why. Nothing is used unseen."""
@@ -51,7 +53,8 @@ def command(log: str, **options: Any) -> None:
     if options["plot"]:
         from symid.report.foreign import plot_foreign  # matplotlib takes a second to load
 
-        plot_foreign(look.table, look.columns, look.period, options["plot"])
+        palette = palette_of(options["dark"])
+        plot_foreign(look.table, look.columns, look.period, options["plot"], palette)
     if mapping and options["output"]:
         write_json(mapping.as_record, options["output"])
     if options["json_file"]:

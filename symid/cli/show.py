@@ -6,6 +6,7 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.options import dark_option, json_option, measured_option, signal_list, write_json
+from symid.report.colours import palette_of
 from symid.report.derivation import derivation_record, print_derivation
 from symid.symbolic import derive
 
@@ -20,10 +21,9 @@ def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_
     """Show the equations of motion, the eliminated model, the regressor and the parameter maps of AXIS."""
     declared = load_axis(axis)
     if plot:
-        from symid.report.colours import DARK, LIGHT
         from symid.report.schematic import plot_schematic  # matplotlib takes a second to load
 
-        plot_schematic(declared, plot, DARK if dark else LIGHT)
+        plot_schematic(declared, plot, palette_of(dark))
     model = derive(declared, signal_list(measured))
     if json_file:
         write_json(derivation_record(model), json_file)

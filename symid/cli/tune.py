@@ -13,6 +13,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.identify import log_options, read_log_of
 from symid.cli.options import (
     assignments,
+    dark_option,
     json_option,
     measured_option,
     number,
@@ -25,6 +26,7 @@ from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, 
 from symid.codegen import load_generated
 from symid.errors import SettingError
 from symid.identification import Preparation, measured_signals
+from symid.report.colours import palette_of
 from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
 from symid.report.tuning import plot_tuning, print_tuning, tuning_record
 from symid.simulation import Controller, Plant, Trajectory, plant_of
@@ -105,6 +107,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 )
 @log_options
 @click.option("--plot", metavar="FILE", help="Draw the errors by frequency (png, svg or pdf).")
+@dark_option
 @json_option
 def command(axis: str, file: str, json_file: str | None, **options: Any) -> None:
     """Cutoff frequency and sampling period for AXIS.
@@ -125,7 +128,7 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
         record = tuning_record(found)
         draw, show = partial(plot_tuning, found), partial(print_tuning, found)
     if options["plot"]:
-        draw(options["plot"])
+        draw(options["plot"], palette=palette_of(options["dark"]))
     if json_file:
         write_json(record, json_file)
     if json_file != "-":

@@ -300,8 +300,8 @@ def _alternatives(comparison: Comparison, turn: Turn, chances: Outcome) -> tuple
         own = confirmed.get(key)
         level: Level | None = None
         if own is not None:
-            rms = float(np.sqrt(own.fit.mean_square)) * comparison.unit
-            level = Level(rms, rms / comparison.size)
+            fit = own.fit
+            level = Comparison(fit.weighting, (fit.state,), (fit.left,)).level(0)
         gain = gains[key] if own is None else own.gain
         found.append(Alternative(key[0], key[1], chances.effect * probability, gain, level))
     return tuple(found)

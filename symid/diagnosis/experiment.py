@@ -29,6 +29,7 @@ from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import Confirmed, Turn
 from symid.diagnosis.weighting import Weighting
+from symid.diagnosis.wording import spoken
 from symid.errors import LogError, SettingError
 from symid.simulation import Limits, Trajectory
 
@@ -344,7 +345,7 @@ def _odds(log_odds: float) -> float:
 
 
 def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
-    one, other = (f"{effect} at {place}" for effect, place in rivals.keys)
+    one, other = (spoken(effect, place) for effect, place in rivals.keys)
     aim = f"To tell {one} from {other}" if rivals.remains else f"To confirm {one} against {other}"
     least = "more than 1e6" if log_odds >= _MOST_LOG_ODDS else f"{_odds(log_odds):.3g}"
     return (

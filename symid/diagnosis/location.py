@@ -10,8 +10,10 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, FloatArray
+from symid.axis.axis import length_unit
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.result import Location, MapCell
+from symid.units import Unit
 
 _BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 _PARTS = 8
@@ -22,15 +24,16 @@ _MOST_OF_IT = 0.8
 
 def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
     """The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``."""
-    motion = _Motion(comparison)
+    axis, motion = comparison.record.dynamics.axis, _Motion(comparison)
+    drive = axis.drive
     before, after = comparison.squares(1), comparison.squares(len(comparison.errors) - 1)
     return {
         "band": _bands(comparison),
         "regime": _cells(before, after, motion.regimes()),
         "direction": _cells(before, after, motion.directions()),
-        "position": _cells(before, after, _ranges(motion.position)),
-        "drive force": _cells(before, after, _ranges(motion.force)),
-        "time": _cells(before, after, _ranges(motion.time)),
+        "position": _cells(before, after, _ranges(motion.position, length_unit(drive.at))),
+        "drive force": _cells(before, after, _ranges(motion.force, axis.signal_units[drive.signal])),
+        "time": _cells(before, after, _ranges(motion.time, Unit.of("s"))),
     }
 
 
@@ -79,13 +82,20 @@ class _Motion:
         return [("forward", math.nan, math.nan, forward), ("backward", math.nan, math.nan, ~forward)]
 
 
-def _ranges(values: FloatArray) -> list[tuple[str, float, float, BoolArray]]:
+def _ranges(values: FloatArray, unit: Unit) -> list[tuple[str, float, float, BoolArray]]:
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     edges = np.linspace(low, high, _PARTS + 1)
     place = np.clip(np.digitize(values, edges[1:-1]), 0, _PARTS - 1)
     return [
-        (f"{a:.3g} to {b:.3g}", float(a), float(b), place == i) for i, (a, b) in enumerate(pairwise(edges))
+        (f"{_rounded(a, edges)} to {_rounded(b, edges)} {unit}", float(a), float(b), place == i)
+        for i, (a, b) in enumerate(pairwise(edges))
     ]
+
+
+def _rounded(value: float, edges: FloatArray) -> str:
+    """A limit to a twentieth of what lies between two."""
+    step = float(edges[1] - edges[0])
+    return f"{round(value, 2 - math.ceil(math.log10(step))) + 0.0:.6g}" if step > 0 else f"{value:.3g}"
 
 
 def _cells(

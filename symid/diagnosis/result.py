@@ -10,6 +10,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 
 if TYPE_CHECKING:
+    from symid.diagnosis.record import Record
     from symid.diagnosis.search import Turn
 
 Verdict = Literal["no_gap", "parameters", "effect", "unexplained"]
@@ -383,3 +384,8 @@ class Diagnosis:
     spectrum: Spectrum
     simulated: Simulator | None = None
     search: tuple[Turn, ...] = field(default=(), repr=False)
+
+    @property
+    def record(self) -> Record | None:
+        """The log that was identified from, in the frequency domain; None where the search was not kept."""
+        return self.search[0].before.state.scene.record if self.search else None

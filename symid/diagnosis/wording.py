@@ -33,6 +33,17 @@ _ADVICE = {
 }
 
 
+def spoken(effect: str, at: str = "") -> str:
+    """An effect, at its place if one is given, as one says it.
+
+    Examples
+    --------
+    >>> spoken("stribeck_friction", "motor")
+    'stribeck friction at motor'
+    """
+    return effect.replace("_", " ") + (f" at {at}" if at else "")
+
+
 def sentence(
     verdict: Verdict, gap: Gap, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]
 ) -> str:
@@ -45,12 +56,12 @@ def sentence(
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
     if verdict == "unexplained":
-        nearest = f"; the nearest is {rivals[0].effect} at {rivals[0].at}" if rivals else ""
+        nearest = f"; the nearest is {spoken(rivals[0].effect, rivals[0].at)}" if rivals else ""
         return f"There is a gap of {before} that nothing in the library explains{nearest}."
-    first, *others = (f"{effect.effect} at {effect.at}" for effect in effects)
+    first, *others = (spoken(effect.effect, effect.at) for effect in effects)
     doubt = effects[0].indistinguishable_from
     if doubt:
-        first += f" (or {doubt[0][0]} at {doubt[0][1]}: this log does not tell them apart)"
+        first += f" (or {spoken(*doubt[0])}: this log does not tell them apart)"
     with_them = "with them" if others else "with it"
     named = " and ".join([first, *others])
     return f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}."
@@ -67,13 +78,13 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
         What its log says.
     """
     gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]
-    apart += [f"{e.effect} at {e.at}" for e in simulator.effects if e.differs]
-    surplus = [f"{e.effect} at {e.at}" for e in simulator.effects if e.machine is None]
+    apart += [spoken(e.effect, e.at) for e in simulator.effects if e.differs]
+    surplus = [spoken(e.effect, e.at) for e in simulator.effects if e.machine is None]
     before = "" if gap.nominal is None else f" from {_size(gap, gap.nominal.rms)}"
     shrinks = f": with the machine's, the force error falls{before} to {_size(gap, gap.explained.rms)}."
     parts = []
     if found.effects:
-        parts.append("lacks " + " and ".join(f"{e.effect} at {e.at}" for e in found.effects))
+        parts.append("lacks " + " and ".join(spoken(e.effect, e.at) for e in found.effects))
     if surplus:
         parts.append(f"has {' and '.join(surplus)}, which the machine has not")
     if apart and found.verdict != "no_gap":
@@ -110,5 +121,5 @@ def next_experiment(
     if doubt and doubt[0][0] == effects[0].effect:
         return f"Measure the motion of {doubt[0][1]} too: the sensors used do not tell both places apart."
     if doubt:
-        return f"To tell {effects[0].effect} from {doubt[0][0]}: {advice}."
-    return f"To confirm {effects[0].effect}: {advice}."
+        return f"To tell {spoken(effects[0].effect)} from {spoken(doubt[0][0])}: {advice}."
+    return f"To confirm {spoken(effects[0].effect)}: {advice}."

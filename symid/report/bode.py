@@ -11,10 +11,8 @@ from matplotlib.axes import Axes
 
 from symid.arrays import FloatArray
 from symid.report.colours import Palette
-from symid.report.motion import Response
+from symid.report.motion import COHERENT, Response, degrees_of
 
-COHERENT = 0.6
-"""Coherence from which a measured point is drawn in full."""
 CORRELATED = 0.5
 """Absolute correlation beyond which two parameters get an ellipse."""
 
@@ -32,10 +30,10 @@ def draw_bode(place: Any, response: Response, palette: Palette) -> None:
         Colours.
     """
     magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
-    sure, f = response.coherence >= COHERENT, response.frequency
+    sure, f = response.is_coherent, response.frequency
     curves: tuple[tuple[Axes, Any], ...] = (
         (magnitude, np.abs),
-        (phase, lambda h: np.rad2deg(np.angle(h))),
+        (phase, degrees_of),
     )
     for axes, of in curves:
         for some, size, alpha, label in (
@@ -43,7 +41,7 @@ def draw_bode(place: Any, response: Response, palette: Palette) -> None:
             (sure, 3.4, 1.0, "measured (H1)"),
         ):
             (dots,) = axes.plot(
-                f[some], of(response.measured[some]), "o", color=palette.measured, label=label
+                f[some], of(response.measured)[some], "o", color=palette.measured, label=label
             )
             dots.set(markersize=size, alpha=alpha)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")

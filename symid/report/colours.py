@@ -7,7 +7,32 @@ from typing import Any
 
 MEASURED, MODEL, RESIDUAL = "#0072B2", "#D55E00", "#555555"
 EXPLAINED, NOMINAL, NOISE = "#009E73", "#CC79A7", "#777777"
-INK = "#222222"
+INK, PAPER = "#222222", "#FFFFFF"
+
+DARK_FILTER = "invert(0.91) hue-rotate(180deg)"
+"""Of CSS: turns a picture in light colours into a dark one, hues kept; what is saved from it stays light."""
+
+
+def in_dark(colour: str) -> str:
+    """What `DARK_FILTER` makes of a colour, for what stands beside a filtered picture.
+
+    Inverting maps a channel c to 0.91 - 0.82 c; turning the hue by half a circle mirrors each channel at the luminance
+    Y (W3C Filter Effects, weights 0.213, 0.715, 0.072): together 0.91 + 0.82 (c - 2 Y).
+
+    Parameters
+    ----------
+    colour : str
+        As #RRGGBB.
+
+    Examples
+    --------
+    >>> in_dark("#FFFFFF"), in_dark(MEASURED)
+    ('#171717', '#4dabdf')
+    """
+    channels = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    luminance = sum(weight * c for weight, c in zip((0.213, 0.715, 0.072), channels, strict=True))
+    turned = (0.91 + 0.82 * (c - 2 * luminance) for c in channels)
+    return "#" + "".join(f"{round(255 * min(max(c, 0.0), 1.0)):02x}" for c in turned)
 
 
 @dataclass(frozen=True)
@@ -52,5 +77,10 @@ class Palette:
         }
 
 
-LIGHT = Palette("#FFFFFF", INK, "#E3E3E3", "#8CC5E8", "#C04C00", "#444444", "#007D5C", "#DCE9F2")
+LIGHT = Palette(PAPER, INK, "#E3E3E3", "#8CC5E8", "#C04C00", "#444444", "#007D5C", "#DCE9F2")
 DARK = Palette("#14181C", "#E6E6E6", "#343B42", "#3F77A3", "#FFA552", "#C4C4C4", "#5FD3AE", "#27384A")
+
+
+def palette_of(dark: bool) -> Palette:
+    """The palette for a dark or a light background."""
+    return DARK if dark else LIGHT

@@ -12,16 +12,20 @@ from matplotlib.figure import Figure
 from symid.arrays import FloatArray
 from symid.data import ForeignColumn, Table
 from symid.errors import LogError
-from symid.report.colours import MEASURED, MODEL
+from symid.report.colours import LIGHT, Palette
 from symid.report.panels import draw_over_time
-from symid.report.plots import PLOT_STYLE, figure_path
+from symid.report.plots import figure_path
 from symid.units import to_si
 
 _MOST_COLUMNS = 12
 
 
 def plot_foreign(
-    table: Table, columns: Sequence[ForeignColumn], period: float | None, file: str | Path
+    table: Table,
+    columns: Sequence[ForeignColumn],
+    period: float | None,
+    file: str | Path,
+    palette: Palette = LIGHT,
 ) -> None:
     """Draw each column over time, in the unit of the file.
 
@@ -35,6 +39,8 @@ def plot_foreign(
         Sampling period of a file without a column of the time, s; samples are counted if it is not known either.
     file : path-like
         png, svg or pdf, by its suffix.
+    palette : Palette
+        `LIGHT` or `DARK`.
 
     Raises
     ------
@@ -54,11 +60,11 @@ def plot_foreign(
     else:
         time = (period or 1.0) * np.arange(values[0].size, dtype=np.float64)
         label = "time [s]" if period else "samples"
-    with mpl.rc_context(PLOT_STYLE):
+    with mpl.rc_context(palette.style):
         figure = Figure(figsize=(9, 1.5 * len(drawn) + 0.6), layout="constrained")
         rows = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
         for axes, column, course in zip(rows, drawn, values, strict=True):
-            colour = MODEL if column.setpoint else MEASURED
+            colour = palette.model if column.setpoint else palette.other
             draw_over_time(axes, time, {column.header: (course, colour, 0.9)}, column.unit or "?")
             axes.set_title(f"{column.header}: {column.quantity or 'not known'}", loc="left", fontsize=9)
         rows[-1].set_xlabel(label)

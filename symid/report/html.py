@@ -116,5 +116,6 @@ def page_templates() -> jinja2.Environment:
         numbers.capitalize_first,
     ):
         templates.filters[write.__name__] = write
+    templates.filters["in_dark"] = colours.in_dark
     templates.globals.update(colours=colours)
     return templates

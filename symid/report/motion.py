@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Axis, Position, Velocity, length_unit
 from symid.data import Log
 from symid.simulation import plant_of
 from symid.units import Unit
 
-_AVERAGES = 8
-"""At least so many segments of a log are averaged."""
+COHERENT = 0.6
+"""Coherence from which a measured point tells something of the axis."""
+_AVERAGES, _LONGEST = 8, 2**14
+"""At least so many segments of a log are averaged, of at most so many samples."""
+_FEWEST, _MOST = 16, 0.8
+"""Coherent points that make a measured response, and their share of the points below its end."""
 _TOP = 0.4
 """Of the sampling frequency: up to there a response is shown."""
 _SMOOTHED_HZ = 50.0
@@ -84,8 +88,33 @@ class Response:
     coherence: FloatArray
     identified: ComplexArray
 
+    @property
+    def order(self) -> int:
+        """Derivative of the displacement that is compared: 1 for a velocity, 2 for an acceleration."""
+        return 1 if self.quantity == "velocity" else 2
 
-def response_of(axis: Axis, values: dict[str, float], signal: str, logs: Sequence[Log]) -> Response:
+    @property
+    def is_coherent(self) -> BoolArray:
+        """Where the reading follows from the force."""
+        return np.asarray(self.coherence >= COHERENT)
+
+    @property
+    def top_hz(self) -> float:
+        """Highest frequency below which most points are coherent; 0 where the log hardly excites the axis."""
+        coherent = self.is_coherent
+        most = np.flatnonzero(np.cumsum(coherent) >= _MOST * np.arange(1, coherent.size + 1))
+        if most.size == 0 or coherent[: most[-1] + 1].sum() < _FEWEST:
+            return 0.0
+        return float(self.frequency[most[-1]])
+
+
+def response_of(
+    axis: Axis,
+    values: Mapping[str, float],
+    signal: str,
+    logs: Sequence[Log],
+    late: Mapping[str, float] | None = None,
+) -> Response:
     """Measured and identified response of a sensor, averaged over logs of the same sampling period.
 
     Velocity per force for a sensor of position or velocity, acceleration per force for an accelerometer. A position is
@@ -96,18 +125,21 @@ def response_of(axis: Axis, values: dict[str, float], signal: str, logs: Sequenc
     ----------
     axis : Axis
         The declared axis.
-    values : dict of str to float
+    values : mapping of str to float
         Identified physical parameters, SI.
     signal : str
         Of the sensor.
     logs : sequence of Log
         At least one.
+    late : mapping of str to float, optional
+        Time by which signals were recorded late, s.
     """
     (sensor,) = axis.measured((signal,))
     moves = isinstance(sensor, (Position, Velocity))
     period, second = logs[0].sampling_period, Unit.of("s")
     same = [log for log in logs if log.sampling_period == period]
     length = 2 ** int(np.log2(2 * min(log.n_samples for log in same) / (_AVERAGES + 1)))
+    length = min(length, _LONGEST)
     settings = {"fs": 1 / period, "nperseg": length, "detrend": "linear"}
     frequency: FloatArray = np.fft.rfftfreq(length, period).astype(np.float64)
     uu, yy, uy = np.zeros(frequency.size), np.zeros(frequency.size), np.zeros(frequency.size, complex)
@@ -120,20 +152,41 @@ def response_of(axis: Axis, values: dict[str, float], signal: str, logs: Sequenc
     kept = (frequency > 0) & (frequency <= _TOP / period)
     frequency, uu, uy, yy = frequency[kept], uu[kept], uy[kept], yy[kept]
     attenuation = np.sinc(2 * frequency * period) if isinstance(sensor, Position) else np.ones(frequency.size)
+    delay = (late or {}).get(signal, 0.0) - (late or {}).get(axis.drive.signal, 0.0)
+    in_time = np.exp(2j * np.pi * frequency * delay)
     return Response(
         force=axis.drive.signal,
         signal=signal,
         quantity="velocity" if moves else "acceleration",
         unit=f"{length_unit(sensor.body) / second ** (1 if moves else 2)} per {axis.signal_units[axis.drive.signal]}",
         frequency=frequency,
-        measured=np.asarray(uy / uu / attenuation),
+        measured=np.asarray(uy / uu / attenuation * in_time),
         coherence=np.abs(uy) ** 2 / (uu * yy),
         identified=identified_response(axis, values, signal, frequency, 1 if moves else 2),
     )
 
 
+def has_response(axis: Axis, values: Mapping[str, float]) -> bool:
+    """Whether an axis is known well enough for its frequency response: finite values, masses above 0."""
+    masses = [values.get(b.mass or b.inertia or "", 0.0) for b in axis.bodies]
+    return bool(values) and bool(np.isfinite(list(values.values())).all()) and min(masses) > 0
+
+
+def degrees_of(response: ComplexArray) -> FloatArray:
+    """Phase in degrees; nan where it jumps by a turn, which breaks a line there.
+
+    Examples
+    --------
+    >>> degrees_of(np.array([1j, -1.0 + 0.1j, -1.0 - 0.1j])).round().tolist()
+    [90.0, 174.0, nan]
+    """
+    phase = np.rad2deg(np.angle(response))
+    turns = np.abs(np.diff(phase, prepend=phase[:1])) > 180
+    return np.where(turns, np.nan, phase)
+
+
 def identified_response(
-    axis: Axis, values: dict[str, float], signal: str, frequency: FloatArray, order: int
+    axis: Axis, values: Mapping[str, float], signal: str, frequency: FloatArray, order: int
 ) -> ComplexArray:
     """Response of a derivative of a sensor's displacement to the drive force, r s^k (M s^2 + C s + K)^-1 B.
 

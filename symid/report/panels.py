@@ -9,13 +9,12 @@ import numpy as np
 import scipy
 from matplotlib.axes import Axes
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
+from symid.report.binned import means_over, seen_range
 from symid.report.colours import Palette
 from symid.report.motion import Motion
 
 _MOST_POINTS = 20_000
-_BINS, _FEWEST = 24, 5
-"""Bins of a map, and the fewest samples of which a mean is shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +65,11 @@ def draw_panel(place: Any, panel: Panel, palette: Palette) -> None:
         by_position.axis("off")
         return
     position, velocity = panel.motion.at(panel.time[used])
-    _map(by_velocity, velocity, error[used], panel, palette)
+    _map(by_velocity, velocity, error[used], {"mean": np.isfinite(velocity)}, panel, palette)
     by_velocity.set_xlabel(f"velocity of {panel.motion.signal} [{panel.motion.unit}/s]")
-    _map(by_position, position, error[used], panel, palette)
+    ways = {"forward": velocity > 0, "backward": velocity < 0}
+    _map(by_position, position, error[used], ways, panel, palette)
+    by_position.legend(loc="lower right", bbox_to_anchor=(1.0, 0.96), ncols=2, frameon=False)
     by_position.set_xlabel(f"position {panel.motion.signal} [{panel.motion.unit}]")
 
 
@@ -95,33 +96,31 @@ def _against(axes: Axes, measured: FloatArray, predicted: FloatArray, panel: Pan
     ends = [float(np.min(measured)), float(np.max(measured))]
     axes.plot(ends, ends, color=palette.model, linewidth=1.0, label="equal")
     axes.set_xlabel(f"measured {panel.output} [{panel.unit}]")
-    axes.set_ylabel("predicted")
+    axes.set_ylabel(f"predicted [{panel.unit}]")
 
 
-def _map(axes: Axes, x: FloatArray, error: FloatArray, panel: Panel, palette: Palette) -> None:
-    """Residual over a signal, with its mean in bins of equal width and twice the deviation of that mean."""
+def _map(
+    axes: Axes, x: FloatArray, error: FloatArray, parts: dict[str, BoolArray], panel: Panel, palette: Palette
+) -> None:
+    """Residual over a signal, with the means of some parts of it in bins, and twice the deviation of each mean."""
     _dots(axes, x, error, palette)
-    edges = np.linspace(x.min(), x.max(), _BINS + 1)[1:-1]
-    bins = [np.flatnonzero(np.digitize(x, edges) == i) for i in range(_BINS)]
-    bins = [part for part in bins if part.size >= _FEWEST]
-    places = np.array([np.mean(x[part]) for part in bins])
-    means = np.array([np.mean(error[part]) for part in bins])
-    doubt = np.array([2 * np.std(error[part]) / np.sqrt(part.size) for part in bins])
-    axes.errorbar(
-        places,
-        means,
-        doubt,
-        color=palette.model,
-        marker="o",
-        markersize=3,
-        linewidth=1.2,
-        elinewidth=0.8,
-        label="mean",
-    )
+    found = [means_over(x[part], error[part]) for part in parts.values()]
+    looks = ((palette.model, "o", "-"), (palette.other, "^", "--"))
+    for name, means, (colour, mark, style) in zip(parts, found, looks, strict=False):
+        axes.errorbar(
+            means.places,
+            means.values,
+            means.doubt,
+            color=colour,
+            marker=mark,
+            linestyle=style,
+            markersize=3,
+            linewidth=1.2,
+            elinewidth=0.8,
+            label=name,
+        )
     axes.axhline(0.0, color=palette.ink, linewidth=0.6)
-    low, high = np.percentile(error, [0.5, 99.5])
-    room = 0.15 * (high - low)
-    axes.set_ylim(min(low, *means) - room, max(high, *means) + room)
+    axes.set_ylim(*seen_range(error, *found))
     axes.set_ylabel(f"residual [{panel.unit}]")
 
 

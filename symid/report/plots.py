@@ -18,7 +18,7 @@ from symid.errors import SettingError
 from symid.identification import Identification, Prediction
 from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
-from symid.report.motion import Motion, Response, response_of
+from symid.report.motion import Motion, Response, has_response, response_of
 from symid.report.panels import Panel, draw_panel
 
 if TYPE_CHECKING:
@@ -122,17 +122,11 @@ def _responses(
     found: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
 ) -> list[Response]:
     """Frequency responses of the first sensors, where the axis is known well enough."""
-    if axis is None or not _has_response(found, axis, runs):
+    if axis is None or not runs or not has_response(axis, found.physical_parameters):
         return []
     identified, signals = runs[: len(found.logs)], found.model.measured[:_MOST_RESPONSES]
-    return [response_of(axis, found.physical_parameters, signal, identified) for signal in signals]
-
-
-def _has_response(found: Identification | OutputErrorIdentification, axis: Axis, runs: Sequence[Log]) -> bool:
-    """Whether the axis is known well enough for its frequency response."""
-    values = found.physical_parameters
-    masses = [values.get(b.mass or b.inertia or "", 0.0) for b in axis.bodies]
-    return bool(runs) and bool(values) and bool(np.isfinite(list(values.values())).all()) and min(masses) > 0
+    late = found.observations[0].preparation.late if isinstance(found, Identification) else None
+    return [response_of(axis, found.physical_parameters, signal, identified, late) for signal in signals]
 
 
 def _parameters(

@@ -9,9 +9,9 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from symid.report.colours import MEASURED, MODEL
+from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
-from symid.report.plots import PLOT_STYLE, figure_path
+from symid.report.plots import figure_path
 from symid.tuning import TotalTuning
 
 
@@ -62,7 +62,7 @@ def print_total_tuning(found: TotalTuning) -> None:
     console.print(table)
 
 
-def plot_total_tuning(found: TotalTuning, file: str | Path) -> None:
+def plot_total_tuning(found: TotalTuning, file: str | Path, palette: Palette = LIGHT) -> None:
     """Draw the total error against the cutoff into a file.
 
     Parameters
@@ -71,6 +71,8 @@ def plot_total_tuning(found: TotalTuning, file: str | Path) -> None:
         What `tune_total` returned.
     file : path-like
         png, svg or pdf, by its suffix.
+    palette : Palette
+        `LIGHT` or `DARK`.
 
     Raises
     ------
@@ -78,16 +80,16 @@ def plot_total_tuning(found: TotalTuning, file: str | Path) -> None:
         If the suffix is not known.
     """
     path = figure_path(file)
-    with mpl.rc_context(PLOT_STYLE):
+    with mpl.rc_context(palette.style):
         figure = Figure(figsize=(6, 4), layout="constrained")
         axes = figure.subplots()
         label = "scan, best decimation"
-        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=MEASURED, linewidth=1, label=label)
+        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
         axes.loglog(
             found.preparation.cutoff_hz,
             found.total_percent,
             "o",
-            color=MODEL,
+            color=palette.model,
             fillstyle="none",
             markersize=9,
             label=f"tuned {found.preparation.cutoff_hz:.4g} Hz, decimation {found.preparation.decimation}",

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from symid.report.colours import MEASURED, MODEL
+from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
-from symid.report.plots import PLOT_STYLE, figure_path
+from symid.report.plots import figure_path
 from symid.tuning import BoundSearch, Tuning
 
 
@@ -90,7 +90,7 @@ def _percent(value: float) -> str:
     return f"{value:.4g} %"
 
 
-def plot_tuning(found: Tuning, file: str | Path) -> None:
+def plot_tuning(found: Tuning, file: str | Path, palette: Palette = LIGHT) -> None:
     """Draw the largest error against the cutoff and against the sampling frequency into a file.
 
     Parameters
@@ -99,6 +99,8 @@ def plot_tuning(found: Tuning, file: str | Path) -> None:
         What `tune` returned.
     file : path-like
         png, svg or pdf, by its suffix.
+    palette : Palette
+        `LIGHT` or `DARK`.
 
     Raises
     ------
@@ -106,29 +108,35 @@ def plot_tuning(found: Tuning, file: str | Path) -> None:
         If the suffix is not known.
     """
     path = figure_path(file)
-    with mpl.rc_context(PLOT_STYLE):
+    with mpl.rc_context(palette.style):
         figure = Figure(figsize=(10, 4), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _draw(left, found.cutoff, "cutoff frequency [Hz]", "low-pass filter, exact derivatives [35]")
+        _draw(left, found.cutoff, "cutoff frequency [Hz]", "low-pass filter, exact derivatives [35]", palette)
         title = f"central differences of {', '.join(found.measured)} [37]"
-        _draw(right, found.sampling, "sampling frequency [Hz]", title)
+        _draw(right, found.sampling, "sampling frequency [Hz]", title, palette)
         right.axvline(
-            found.first_sampling_hz, color="#555555", linestyle=":", linewidth=1, label="first guess [36]"
+            found.first_sampling_hz,
+            color=palette.residual,
+            linestyle=":",
+            linewidth=1,
+            label="first guess [36]",
         )
         left.set_ylabel("largest error of a parameter [%]")
         for axes in (left, right):
-            axes.legend(loc="upper right", frameon=True, edgecolor="none", framealpha=0.9)
+            axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
         figure.savefig(path, dpi=150)
 
 
-def _draw(axes: Axes, search: BoundSearch, label: str, title: str) -> None:
-    axes.loglog(search.scanned_hz, search.scanned_errors, ".-", color=MEASURED, linewidth=1, label="error")
-    axes.axhline(search.bound, color=MODEL, linewidth=1, label=f"bound {search.bound:g} %")
+def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Palette) -> None:
+    axes.loglog(
+        search.scanned_hz, search.scanned_errors, ".-", color=palette.other, linewidth=1, label="error"
+    )
+    axes.axhline(search.bound, color=palette.model, linewidth=1, label=f"bound {search.bound:g} %")
     axes.loglog(
         search.frequency_hz,
         search.largest_error,
         "o",
-        color=MODEL,
+        color=palette.model,
         fillstyle="none",
         markersize=9,
         label=f"tuned {search.frequency_hz:.4g} Hz",

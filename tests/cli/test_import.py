@@ -10,6 +10,7 @@ from command_line import run
 
 from symid import load_axis, simulate
 from symid.data import Layout, foreign_columns, guessed_layout, open_table
+from symid.report.colours import DARK
 from symid.simulation import plant_of, trapezoids, tuned_cascade
 
 TRUE = {"M": 50.0, "Fv": 40.0, "Fs": 15.0}
@@ -71,11 +72,11 @@ def test_a_mapping_reads_the_foreign_file(
     file = written(kind, recorded, folder)
     if kind == "matlab":
         options = "--rate 1000"  # its time is in seconds, as 1 ms steps show; a rate is not used then
-    arguments = ["--axis", "rigid_1m", *options.split(), "-o", "map.json", "--plot", "map.png"]
+    arguments = ["--axis", "rigid_1m", *options.split(), "-o", "map.json", "--plot", "map.svg", "--dark"]
     assert run("import", file, *arguments) == 0
     shown = capsys.readouterr().out
     assert "check each" in shown
-    assert (folder / "map.png").read_bytes().startswith(b"\x89PNG")
+    assert DARK.paper.lower() in (folder / "map.svg").read_text().lower()
     mapping = json.loads((folder / "map.json").read_text())
     assert units.items() <= mapping["units"].items()
     assert len(mapping["guesses"]) >= 3

@@ -8,6 +8,7 @@ from axes.shipped import write_parameters
 from command_line import run
 
 from symid.axis import axis_names, load_axis
+from symid.report.colours import DARK, LIGHT
 
 STATUSES = {"ok", "bound_not_reached", "bound_met_everywhere", "not_determined"}
 
@@ -37,11 +38,13 @@ def test_every_shipped_axis_is_tuned(folder: Path, axis: str) -> None:
 
 
 def test_table_and_figure(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tuned("rigid_1m", "--seconds", "4", "--rate", "5000", "--plot", "tuning.png")
+    tuned("rigid_1m", "--seconds", "4", "--rate", "5000", "--plot", "tuning.svg", "--dark")
     printed = capsys.readouterr().out
     assert "sampling frequency [37]" in printed
     assert "without what jumps at standstill: Fs" in printed
-    assert (folder / "tuning.png").read_bytes().startswith(b"\x89PNG")
+    drawn = (folder / "tuning.svg").read_text().lower()
+    assert DARK.paper.lower() in drawn
+    assert LIGHT.paper.lower() not in drawn
 
 
 def test_trapezoids_and_acceleration_sensor(folder: Path) -> None:
@@ -66,12 +69,12 @@ def test_total_error_from_a_log_and_from_given_noise(
     simulated = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "-o", "run.csv", "--rate", "1000"]
     noise = ["--noise", "q=1e-7", "--noise", "F=2"]
     assert run(*simulated, *noise, "--travel", "0.05", "--dwell", "0.05") == 0
-    found = tuned("rigid_1m", "--noise-from", "run.csv", "--held", "F", "--plot", "total.png")
+    found = tuned("rigid_1m", "--noise-from", "run.csv", "--held", "F", "--plot", "total.svg", "--dark")
     assert found["noise"]["F"] == pytest.approx(2.0, rel=0.5)
     assert found["status"] == "ok"
     assert 0 < found["total_error_percent"] < 2
     assert found["errors_percent"]["M"].keys() == {"systematic", "total"}
-    assert (folder / "total.png").is_file()
+    assert DARK.paper.lower() in (folder / "total.svg").read_text().lower()
     assert "decimation" in capsys.readouterr().out
     given = tuned("rigid_1m", *noise, "--log-rate", "1000", "--seconds", "4", "--rate", "4000")
     assert given["noise"] == {"F": 2.0, "q": 1e-7}

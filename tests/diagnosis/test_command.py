@@ -44,7 +44,7 @@ def test_json_has_the_promised_keys(folder: Path, capsys: pytest.CaptureFixture[
 def test_table_and_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("diagnose", "rigid_1m", "run.csv", "--report", "gap.html") == 0
     shown = capsys.readouterr()
-    assert shown.out.startswith("The model lacks quadratic_drag at motor")
+    assert shown.out.startswith("The model lacks quadratic drag at motor")
     assert shown.err == ""
     assert "quadratic drag" in (folder / "gap.html").read_text(encoding="utf-8")
 

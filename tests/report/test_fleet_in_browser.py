@@ -98,23 +98,34 @@ def test_five_thousand_logs_open_in_less_than_five_seconds(page, tmp_path) -> No
     assert time.monotonic() - begin < 5.0
 
 
+PAPER = "getComputedStyle(document.body).backgroundColor"
+TEXTS = (
+    "h1",
+    ".note",
+    ".tag",
+    ".change",
+    ".rows td",
+    "summary .count",
+    ".figures dt",
+    "thead th",
+    "footer",
+    ".count",
+)
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_stands_out_from_the_page(scheme, page, tmp_path) -> None:
-    page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    page.prefer(scheme)
     opened(page, fleet_example(30), tmp_path)
-    script = """
-    ["h1", ".note", ".tag", ".change", ".rows td", "summary .count"].map(name => {
-      const luminance = colour => {
-        const parts = colour.match(/[\\d.]+/g).slice(0, 3).map(v => v / 255)
-          .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
-        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2];
-      };
-      const ink = luminance(getComputedStyle(document.querySelector(name)).color);
-      const paper = luminance(getComputedStyle(document.body).backgroundColor);
-      return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
-    })
-    """
-    assert min(page.evaluate(script)) > 4.5  # WCAG 2, level AA
+    assert min(page.contrasts(*TEXTS).values()) > 4.5
+    assert page.evaluate(PAPER) == {"light": "rgb(255, 255, 255)", "dark": "rgb(23, 23, 23)"}[scheme]
+
+
+def test_print_is_light(page, tmp_path) -> None:
+    page.prefer("dark", "print")
+    opened(page, fleet_example(30), tmp_path)
+    assert page.evaluate(PAPER) == "rgb(255, 255, 255)"
+    assert min(page.contrasts("h1", ".note", ".tag").values()) > 4.5
 
 
 def test_hostile_names_run_nothing(page, tmp_path) -> None:

@@ -9,7 +9,8 @@ import pytest
 from browser import Page, browser_page
 from diagnosis_example import KINDS, diagnosis_example, without_nominal
 
-from symid.report.colours import EXPLAINED, MEASURED, MODEL, NOMINAL
+from benchmarks.pictures import photograph
+from symid.report.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
 from symid.report.html import write_html
 
 pytestmark = pytest.mark.browser
@@ -75,6 +76,80 @@ def test_curves_are_drawn(kind, page, tmp_path):
     model, explained = pixels(page, "#spectrum .plot", MODEL, EXPLAINED)
     assert model > 5 * LEGEND
     assert (explained > 5 * LEGEND) == bool(found.effects)
+
+
+TEXTS = (
+    *(
+        "h1",
+        ".verdict",
+        ".eyebrow",
+        ".note",
+        ".figures dt",
+        ".figures dd",
+        "thead th",
+        "tbody td",
+        ".unit",
+        ".or",
+    ),
+    *(".accepted th", ".absorbed td", ".tag", ".absorbed .tag", "summary", ".next", "footer", ".ticks i"),
+)
+PAPER_SHOWN = "getComputedStyle(document.body).backgroundColor"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out_from_the_page(scheme, page, tmp_path):
+    page.prefer(scheme)
+    opened(page, diagnosis_example("two effects"), tmp_path)
+    assert min(page.contrasts(*TEXTS).values()) > 4.5
+    assert page.evaluate(PAPER_SHOWN) == {"light": "rgb(255, 255, 255)", "dark": "rgb(23, 23, 23)"}[scheme]
+
+
+@pytest.mark.parametrize("verdict", ["no gap", "parameters", "unexplained"])
+def test_every_verdict_can_be_read_in_the_dark(verdict, page, tmp_path):
+    page.prefer("dark")
+    opened(page, diagnosis_example(verdict), tmp_path)
+    texts = (".verdict", ".faults li") if verdict == "unexplained" else (".verdict",)
+    assert min(page.contrasts(*texts).values()) > 4.5
+
+
+def test_plots_turn_dark_with_their_page(page, tmp_path):
+    page.prefer("dark")
+    opened(page, diagnosis_example("effect"), tmp_path)
+    dark = [in_dark(colour) for colour in (PAPER, MODEL, EXPLAINED)]
+    (light,) = pixels(page, "#spectrum .plot", PAPER)
+    paper, model, explained = pixels(page, "#spectrum .plot", *dark)
+    assert light == 0
+    assert paper > 1000 * LEGEND
+    assert min(model, explained) > 5 * LEGEND
+    light, paper = pixels(page, ".schematic svg", PAPER, dark[0])
+    assert light == 0
+    assert paper > 10 * LEGEND
+
+
+def test_print_is_light(page, tmp_path):
+    page.prefer("dark", "print")
+    opened(page, diagnosis_example("effect"), tmp_path)
+    assert page.evaluate(PAPER_SHOWN) == "rgb(255, 255, 255)"
+    assert min(page.contrasts("h1", ".verdict", ".note", ".tag", ".next").values()) > 4.5
+    paper, dark = pixels(page, "#spectrum .plot", PAPER, in_dark(PAPER))
+    assert paper > 1000 * LEGEND > dark
+
+
+def test_the_error_is_drawn_over_velocity_and_position(page, tmp_path):
+    opened(page, diagnosis_example("effect"), tmp_path)
+    for place in ("#over-motion .plot:first-child", "#over-motion .plot:last-child"):
+        model, explained = pixels(page, place, MODEL, EXPLAINED)
+        assert min(model, explained) > 2 * LEGEND
+
+
+def test_a_page_becomes_a_picture(tmp_path):
+    file, picture = tmp_path / "report.html", tmp_path / "page.png"
+    write_html(diagnosis_example("effect"), file)
+    photograph(file, picture, 900, 700)
+    shown = matplotlib.image.imread(picture)[:, :, :3]
+    assert shown.shape == (700, 900, 3)
+    wanted = np.array([int(EXPLAINED[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    assert (np.abs(shown - wanted).max(axis=2) < 0.1).sum() > 20  # the bar of the explained gap
 
 
 def test_nominal_values_are_drawn_where_they_are_given(page, tmp_path):

@@ -53,7 +53,7 @@ def line(axes: Axes, label: str) -> Line2D:
 def test_every_plot_has_labels_with_units() -> None:
     shown = {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure().axes if axes.axison}
     for pair in (
-        ("measured F [N]", "predicted"),
+        ("measured F [N]", "predicted [N]"),
         ("time [s]", "residual [N]"),
         ("velocity of q [m/s]", "residual [N]"),
         ("position q [m]", "residual [N]"),

@@ -1,0 +1,73 @@
+"""A residual over position or velocity: means in bins, and the range in which they are seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import FloatArray
+
+_BINS, _FEWEST = 24, 5
+"""Bins over the whole range, and the fewest samples of which a mean is shown."""
+_SEEN = (0.5, 99.5)
+_ROOM = 0.15
+"""Percentiles of the residual that are seen, and the room around them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Means:
+    """Means of a residual in bins of equal width.
+
+    Parameters
+    ----------
+    places : array of shape (n_bins,)
+        Mean place of the samples of each bin.
+    values : array of shape (n_bins,)
+        Means of the residual there.
+    doubt : array of shape (n_bins,)
+        Twice the deviation of each mean, samples taken as independent.
+    """
+
+    places: FloatArray
+    values: FloatArray
+    doubt: FloatArray
+
+
+def means_over(x: FloatArray, residual: FloatArray) -> Means:
+    """Means of a residual over a signal in two dozen bins; where the signal changes its sign, 0 parts two of them.
+
+    Parameters
+    ----------
+    x, residual : array of shape (n_samples,)
+        Finite. Bins of fewer than five samples are left out.
+
+    Examples
+    --------
+    >>> found = means_over(np.repeat([-1.0, 2.0], 8), np.repeat([-3.0, 4.0], 8))
+    >>> found.places.tolist(), found.values.tolist(), found.doubt.tolist()
+    ([-1.0, 2.0], [-3.0, 4.0], [0.0, 0.0])
+    """
+    width = (np.ptp(x) if x.size else 0.0) / _BINS or 1.0
+    bins = np.floor(x / width)
+    parts = [part for b in np.unique(bins) if (part := np.flatnonzero(bins == b)).size >= _FEWEST]
+    return Means(
+        np.array([np.mean(x[part]) for part in parts]),
+        np.array([np.mean(residual[part]) for part in parts]),
+        np.array([2 * np.std(residual[part]) / np.sqrt(part.size) for part in parts]),
+    )
+
+
+def seen_range(residual: FloatArray, *means: Means) -> tuple[float, float]:
+    """Range of a residual without its rarest values, in which all means are.
+
+    Examples
+    --------
+    >>> low, high = seen_range(np.array([-1.0, 1.0]), Means(np.zeros(1), np.array([4.0]), np.zeros(1)))
+    >>> round(low, 3), round(high, 3)
+    (-1.287, 4.297)
+    """
+    low, high = np.percentile(residual, _SEEN) if residual.size else (-1.0, 1.0)
+    room = _ROOM * (high - low)
+    ends = np.concatenate([[low, high], *(one.values for one in means)])
+    return float(ends.min() - room), float(ends.max() + room)

@@ -1,0 +1,143 @@
+"""Bode diagrams of a diagnosed axis beside what the log shows, where the log excites the axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from bokeh.models.annotations.geometry import Span
+from bokeh.models.plots import GridPlot
+from bokeh.models.sources import ColumnDataSource
+from bokeh.models.tickers import FixedTicker
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Axis
+from symid.diagnosis import Diagnosis, explained_axis
+from symid.errors import SettingError
+from symid.report.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE
+from symid.report.motion import COHERENT, Response, degrees_of, has_response, identified_response, response_of
+from symid.report.page_plots import Curve, draw_curves, new_plot, stacked, with_one_crosshair
+
+_MOST_SENSORS = 2
+_BEYOND = 1.25
+"""Of the highest frequency that is excited: up to there it is drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Beside:
+    """A response of the re-identified axis beside the measured one, and that with the effects found.
+
+    Parameters
+    ----------
+    of : Response
+        Measured and re-identified.
+    explained : complex array of shape (n,), optional
+        With the effects; None where there are none.
+    """
+
+    of: Response
+    explained: ComplexArray | None
+
+
+def bode_plots(found: Diagnosis) -> dict[str, GridPlot]:
+    """Bode diagrams by the names of the first sensors.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        None is drawn if its search was not kept, or the log hardly excites the axis.
+    """
+    beside = (_beside(found, signal) for signal in found.measured[:_MOST_SENSORS])
+    return {f"response of {one.of.signal}": _bode(one) for one in beside if one is not None}
+
+
+def _beside(found: Diagnosis, signal: str) -> _Beside | None:
+    """Responses of a sensor; None where the axis is not known well enough, or the log says too little."""
+    values = {change.name: change.reidentified for change in found.parameters}
+    if found.record is None or not has_response(found.axis, values):
+        return None
+    of = response_of(found.axis, values, signal, [found.record.log], found.record.late)
+    if not of.top_hz:
+        return None
+    return _Beside(of, _explained(found, of) if found.effects else None)
+
+
+def _explained(found: Diagnosis, of: Response) -> ComplexArray | None:
+    """Response with the effects that were found, as far as they are linear."""
+    axis, values = _axis_with_effects(found)
+    if not has_response(axis, values):
+        return None
+    drive = np.ones(of.frequency.size, dtype=complex)
+    for effect in found.effects:
+        if effect.effect in ("delay", "actuator_lag"):
+            turned = 2j * np.pi * of.frequency * effect.parameters["T"].value
+            drive *= np.exp(-turned) if effect.effect == "delay" else 1 / (1 + turned)
+    return np.asarray(drive * identified_response(axis, values, of.signal, of.frequency, of.order))
+
+
+def _axis_with_effects(found: Diagnosis) -> tuple[Axis, Mapping[str, float]]:
+    """The axis with the effects that are elements of it; as declared where none is."""
+    try:
+        explained = explained_axis(found)
+    except SettingError:
+        return found.axis, {change.name: change.explained for change in found.parameters}
+    return explained.axis, explained.values
+
+
+def _bode(one: _Beside) -> GridPlot:
+    """Magnitude, phase and coherence below each other."""
+    of = one.of
+    source, sizes = _columns(one)
+    label = f"{of.quantity} / {of.force} [{of.unit}]"
+    seen = (float(sizes.min()) / 2, float(sizes.max()) * 2)
+    magnitude = new_plot(
+        f"response of {of.signal}", label, 300, x_axis_type="log", y_axis_type="log", y_range=seen
+    )
+    draw_curves(magnitude, source, _curves("magnitude", one), "frequency")
+    phase = new_plot(
+        f"phase of {of.signal}", "phase [°]", 150, magnitude, x_axis_type="log", y_range=(-190, 190)
+    )
+    draw_curves(phase, source, [replace(curve, label="") for curve in _curves("phase", one)], "frequency")
+    phase.yaxis.ticker = FixedTicker(ticks=[-180, -90, 0, 90, 180])
+    coherence = new_plot(
+        f"coherence of {of.signal}", "coherence", 150, magnitude, x_axis_type="log", y_range=(0, 1.03)
+    )
+    draw_curves(coherence, source, [Curve("coherence", "", NOISE)], "frequency")
+    coherence.add_layout(Span(location=COHERENT, dimension="width", line_color=INK, line_dash="dashed"))
+    coherence.yaxis.ticker = FixedTicker(ticks=[0, 0.5, 1])
+    coherence.xaxis.axis_label = "frequency [Hz]"
+    with_one_crosshair(magnitude, phase, coherence)
+    return stacked(magnitude, phase, coherence)
+
+
+def _curves(what: str, one: _Beside) -> list[Curve]:
+    """Measured points and computed curves of the magnitude or the phase."""
+    curves = [
+        Curve(f"{what}_doubtful", f"coherence below {COHERENT}", MEASURED, 3, True, 0.25),
+        Curve(f"{what}_measured", "measured", MEASURED, 5, True, 0.8),
+        Curve(f"{what}_reidentified", "re-identified", MODEL, 1.6),
+    ]
+    return [
+        *curves,
+        *([] if one.explained is None else [Curve(f"{what}_explained", "with effects", EXPLAINED, 1.6)]),
+    ]
+
+
+def _columns(one: _Beside) -> tuple[ColumnDataSource, FloatArray]:
+    """Columns of the plots, and the sizes that must be seen."""
+    of = one.of
+    shown = of.frequency <= _BEYOND * of.top_hz
+    models = {"reidentified": of.identified[shown]}
+    if one.explained is not None:
+        models["explained"] = one.explained[shown]
+    measured, sure = of.measured[shown], of.is_coherent[shown]
+    columns = {"coherence": of.coherence[shown]}
+    for what, value in (("magnitude", np.abs), ("phase", lambda h: np.rad2deg(np.angle(h)))):
+        columns[f"{what}_measured"] = np.where(sure, value(measured), np.nan)
+        columns[f"{what}_doubtful"] = np.where(sure, np.nan, value(measured))
+    for name, response in models.items():
+        columns[f"magnitude_{name}"], columns[f"phase_{name}"] = np.abs(response), degrees_of(response)
+    thin = {name: values.astype(np.float32) for name, values in columns.items()}
+    sizes = np.abs(np.concatenate([*models.values(), measured[sure]]))
+    return ColumnDataSource({"frequency": of.frequency[shown], **thin}), sizes
