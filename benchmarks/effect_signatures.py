@@ -163,7 +163,7 @@ def residual_of(effect: str) -> Residual:
     signature = SIGNATURES[effect]
     log, true = log_with(effect, signature)
     axis = model(signature)
-    record = data_of(axis, log, None, None).record
+    record = data_of(axis, log, None).record
     start = {name: true[name] for name in axis.physical_parameters}
     base = refitted(fitted(*first_state(record, start, None), ITERATIONS))
     comparison = compared(record, None, [base], None)

@@ -16,7 +16,10 @@ from symid.cli.options import (
     cascade_gains,
     dark_option,
     gain_option,
+    held_force,
+    held_option,
     json_option,
+    late_option,
     measured_option,
     number,
     parameter_file,
@@ -91,18 +94,8 @@ preparation_options = shared(
         metavar="SPEED",
         help="Speed below which rows do not enter friction equations; 0 keeps all [1 % of the highest].",
     ),
-    click.option(
-        "--held",
-        multiple=True,
-        metavar="SIGNAL",
-        help="A force that is held from sample to sample, so that it acts half a sample late.",
-    ),
-    click.option(
-        "--late",
-        multiple=True,
-        metavar="SIGNAL=TIME",
-        help="Time by which a signal was recorded late, such as q2=125us.",
-    ),
+    held_option,
+    late_option,
 )
 
 loop_options = shared(
@@ -208,9 +201,12 @@ def _by_output_error(
             declared,
             model,
             _in_memory(runs),
-            held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
-            preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
+            preparation=Preparation(
+                late=known_late(declared, options),
+                held=held_force(options["held"], declared),
+                standstill=_standstill(options),
+            ),
             nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
         )
     validation = predict_output_error(found, validating) if validating and found.fit else None
@@ -221,7 +217,9 @@ def _identified(
     declared: Axis, model: GeneratedModel, runs: Sequence[AnyLog], options: dict[str, Any]
 ) -> Identification:
     """Identify by the method that was asked for."""
-    preparation = _preparation(declared, runs[0], options)
+    preparation = replace(
+        preparation_of(options, known_late(declared, options)), held=held_force(options["held"], declared)
+    )
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
     if options["method"] == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
@@ -302,11 +300,6 @@ def mapping_of(options: dict[str, Any]) -> LogMapping:
     return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
 
 
-def _preparation(declared: Axis, log: AnyLog, options: dict[str, Any]) -> Preparation:
-    held = options["held"] + ((declared.drive.signal,) if declared.drive.held else ())
-    return preparation_of(options, _late(declared, options)).with_held(held, log.sampling_period)
-
-
 def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
     """Preparation by the preparation options, but for ``--held``."""
     return Preparation(
@@ -320,11 +313,10 @@ def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparati
     )
 
 
-def _late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
-    """Seconds by which signals were recorded late, as given."""
+def known_late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
+    """Seconds by which signals of an axis were recorded late, as given."""
     late = late_of(options)
-    unknown = [name for name in (*late, *options["held"]) if name not in declared.signal_units]
-    if unknown:
+    if unknown := [name for name in late if name not in declared.signal_units]:
         raise SettingError(
             f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
         )

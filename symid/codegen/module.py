@@ -37,6 +37,7 @@ PHYSICAL_PARAMETERS = {physical}
 PHYSICAL_UNITS = {physical_units}
 SIGNED = {signed}  # physical parameters that may be negative
 PER_LOG = {per_log}  # minimal parameters that differ from log to log
+HELD = {held}  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = {law_columns}  # (equation, parameter) of the columns that hold values of nonlinear laws
@@ -121,6 +122,7 @@ def module_text(model: DerivedModel) -> str:
         physical_units=_dictionary(physical),
         signed=_tuple(model.axis.signed_parameters),
         per_log=_tuple(_log_parameters(model)),
+        held=model.axis.drive.held,
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
         law_columns=repr(_law_columns(model)),

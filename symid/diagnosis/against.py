@@ -24,7 +24,7 @@ from symid.diagnosis.diagnose import (
     effect_values,
     fits_of,
     standard_deviations,
-    timing,
+    timing_of,
 )
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
@@ -55,6 +55,7 @@ def diagnose_against(
     *,
     validation: Log | None = None,
     late: Mapping[str, float] | None = None,
+    held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
 ) -> Diagnosis:
     """Why a machine and a simulator of it differ.
@@ -67,8 +68,8 @@ def diagnose_against(
         A log of the machine.
     simulated : Log
         A log of the simulator, best under the same reference, with the same signals.
-    validation, late, library
-        As for `diagnose`; signals of both logs count as recorded late by the same times.
+    validation, late, held, library
+        As for `diagnose`; signals of both logs count as recorded alike.
 
     Returns
     -------
@@ -95,14 +96,13 @@ def diagnose_against(
     ...     simulate(noisy, values | {"Fs": level}, reference, loop, seed=seed).log
     ...     for seed, level in enumerate((36.0, 30.0))
     ... )
-    >>> found = diagnose_against(axis, machine, simulator, late={"F": -5e-4})
+    >>> found = diagnose_against(axis, machine, simulator, held=True)
     >>> found.verdict, [p.name for p in found.simulated.parameters if p.differs]
     ('parameters', ['Fs'])
     """
-    data = data_of(axis, log, validation, late)
-    own = record_of(
-        data.record.dynamics, as_noisy(simulated, data.record), None, timing(axis, simulated, late)
-    )
+    data = data_of(axis, log, validation, (late, held))
+    at = timing_of(axis, simulated, (late, held))
+    own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)

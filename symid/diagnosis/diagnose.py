@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from symid.diagnosis.search import Turn, search
 from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
 from symid.diagnosis.weighting import autoregression
 from symid.diagnosis.wording import next_experiment, sentence
+from symid.identification.settings import timing
 from symid.simulation.plant import forward_dynamics
 
 _HELD_OUT = 3
@@ -39,6 +41,8 @@ _BLOCKS = 12
 _ABSORBED_DEVIATIONS = 3.0
 _ABSORBED_SHARE = 0.01
 _LISTED = 20
+Recorded: TypeAlias = tuple[Mapping[str, float] | None, bool | None]
+"""How signals were recorded: what `diagnose` takes as `late` and as `held`."""
 _ONLY_IN_VALIDATION = (
     "The model fits the log: the effect shows in the validation log alone. It was identified from two thirds of that, "
     "and the gap measured on the rest."
@@ -52,6 +56,7 @@ def diagnose(
     validation: Log | None = None,
     nominal: Mapping[str, float] | None = None,
     late: Mapping[str, float] | None = None,
+    held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
 ) -> Diagnosis:
     """Why simulation and machine differ.
@@ -68,8 +73,10 @@ def diagnose(
     nominal : mapping of str to float, optional
         Parameter values of the simulation, SI.
     late : mapping of str to float, optional
-        Time by which signals were recorded late, s; negative for a force that acts later than recorded. A force that
-        the axis declares as held acts half a sample later.
+        Time by which signals were recorded late, s; negative for a force that acts later than recorded.
+    held : bool, optional
+        Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
+        the axis declares it if not given.
     library : sequence of Effect
         Effects that are considered.
 
@@ -91,10 +98,10 @@ def diagnose(
     >>> found.gap.reidentified.rms > found.gap.explained.rms
     True
     """
-    found = _diagnosed(axis, (log, validation), nominal, late, library)
+    found = _diagnosed(axis, (log, validation), nominal, (late, held), library)
     if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
         return found
-    other = _diagnosed(axis, (validation, None), nominal, late, library)
+    other = _diagnosed(axis, (validation, None), nominal, (late, held), library)
     if other.verdict != "effect":
         return found
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
@@ -109,10 +116,10 @@ def _diagnosed(
     axis: Axis,
     logs: tuple[Log, Log | None],
     nominal: Mapping[str, float] | None,
-    late: Mapping[str, float] | None,
+    recorded: Recorded,
     library: Sequence[Effect],
 ) -> Diagnosis:
-    data = data_of(axis, *logs, late)
+    data = data_of(axis, *logs, recorded)
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
     base = fitted_axis(state, weighting)
@@ -146,22 +153,21 @@ class Data:
     held_out: BoolArray | None
 
 
-def data_of(axis: Axis, log: Log, validation: Log | None, late: Mapping[str, float] | None) -> Data:
+def data_of(axis: Axis, log: Log, validation: Log | None, recorded: Recorded = (None, None)) -> Data:
     """Logs in the frequency domain, see `diagnose`."""
     dynamics = forward_dynamics(axis)
-    record = record_of(dynamics, log, None, timing(axis, log, late))
+    record = record_of(dynamics, log, None, timing_of(axis, log, recorded))
     if validation is None:
         return Data(record, record, *_parts(record))
-    other = record_of(dynamics, validation, record.motion_hz, timing(axis, validation, late))
+    other = record_of(dynamics, validation, record.motion_hz, timing_of(axis, validation, recorded))
     return Data(record, other, None, None)
 
 
-def timing(axis: Axis, log: Log, late: Mapping[str, float] | None) -> dict[str, float]:
-    """Time by which signals were recorded late."""
-    found = dict(late or {})
-    if axis.drive.held:
-        found[axis.drive.signal] = found.get(axis.drive.signal, 0.0) - log.sampling_period / 2
-    return found
+def timing_of(axis: Axis, log: Log, recorded: Recorded) -> dict[str, float]:
+    """Time by which signals of a log were recorded late, a hold of the force included."""
+    late, held = recorded
+    held = axis.drive.held if held is None else held
+    return timing(late or {}, axis.drive.signal, held=held, sampling_period=log.sampling_period)
 
 
 def _parts(record: Record) -> tuple[BoolArray, BoolArray]:

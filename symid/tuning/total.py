@@ -224,7 +224,7 @@ def tune_total(
     errors = TotalErrors(model, logs, levels, parameters, draws)
     base = preparation or Preparation()
     # The noise-free run is free of what a log may record late.
-    plain = replace(base, late={})
+    plain = replace(base, late={}, held=False)
     scan = _scan(errors, plain, track)
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
@@ -240,7 +240,7 @@ def tune_total(
         axis=axis.name,
         measured=model.measured,
         sampling_hz=sampling_hz,
-        preparation=replace(settings, late=base.late),
+        preparation=replace(settings, late=base.late, held=base.held),
         noise=levels,
         systematic=_percent(errors.names, errors.relative(errors.clean, settings)),
         total=_percent(errors.names, total),

@@ -191,7 +191,7 @@ def tune(
     model = compiled(derive(tuned, measured))
     differences = max(model.highest_derivatives.values())
     first = first_sampling_frequency(cutoff.frequency_hz, differences)
-    settings = Preparation(cutoff_hz=cutoff.frequency_hz, order=order, decimation=1)
+    settings = Preparation(cutoff_hz=cutoff.frequency_hz, order=order, decimation=1, held=False)
     at = partial(sampling_errors, model, run, parameters, settings, kind)
     rates = np.geomspace(max(first / 20, 2.2 * cutoff.frequency_hz), 2 * first, _RATES)
     sampling = lowest_within(at, [float(rate) for rate in rates], max_sampling_error, track)
