@@ -18,16 +18,10 @@ import numpy as np
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.comparison import applied, compared
-from symid.diagnosis.diagnose import (
-    concluded,
-    data_of,
-    effect_values,
-    fits_of,
-    standard_deviations,
-    timing_of,
-)
+from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
+from symid.diagnosis.diagnose import data_of, fits_of, timing_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
-from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
+from symid.diagnosis.fit import Fit, fitted, refitted, unfitted
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
@@ -41,6 +35,7 @@ from symid.diagnosis.result import (
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, search
 from symid.diagnosis.start import ITERATIONS, fitted_axis, starting_parameters
+from symid.diagnosis.state import State, first_state, with_effects
 from symid.diagnosis.weighting import Weighting
 from symid.diagnosis.wording import sentence_against
 
