@@ -22,7 +22,7 @@ from symid.diagnosis.search import Turn, search
 from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
 from symid.diagnosis.state import first_state
 from symid.identification.settings import timing
-from symid.simulation.plant import forward_dynamics
+from symid.simulation.forward_dynamics import forward_dynamics
 
 _HELD_OUT = 3
 _BLOCKS = 12

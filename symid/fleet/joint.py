@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 from threadpoolctl import threadpool_limits
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
@@ -60,8 +60,7 @@ class LogFactors:
                 f"{self.log}: covariance of shape {covariance.shape} for {self.factors[0].parameters} parameters; "
                 "it must be square with a row for each"
             )
-        covariance.flags.writeable = False
-        object.__setattr__(self, "covariance", covariance)
+        object.__setattr__(self, "covariance", read_only(covariance))
 
 
 def log_factors(found: Identification) -> LogFactors:
@@ -252,8 +251,7 @@ def _covariance(logs: Sequence[LogFactors], information: list[FloatArray], fit: 
         scores += A @ log.covariance @ A if np.all(np.isfinite(log.covariance)) else log.dependence * A
     covariance = inverse @ scores @ inverse
     covariance[np.isnan(fit.covariance)] = np.nan
-    covariance.flags.writeable = False
-    return covariance
+    return read_only(covariance)
 
 
 def _disagreement(

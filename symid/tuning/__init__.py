@@ -2,7 +2,7 @@
 
 from symid.tuning.bound import BoundSearch, lowest_within
 from symid.tuning.exact_run import ExactRun, exact_run
-from symid.tuning.excitation import excited_band, modes_hz, tuning_chirp
+from symid.tuning.excitation import excited_band, tuning_chirp
 from symid.tuning.from_log import identified_and_tuned, run_of_log, runs_of_log
 from symid.tuning.low_pass import LowPassErrors
 from symid.tuning.noise import noise_levels, with_noise
@@ -23,7 +23,6 @@ __all__ = [
     "first_sampling_frequency",
     "identified_and_tuned",
     "lowest_within",
-    "modes_hz",
     "noise_free_run",
     "noise_levels",
     "run_of_log",

@@ -97,8 +97,6 @@ def run_of_log(
     SettingError, LogError
         If the axis runs away, or the log lacks a signal.
     """
-    plant = plant_of(axis, parameters)
-    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
     rate = log.sampling_frequency
     low_pass = LowPass(min(_BEYOND_COHERENCE * coherent_band(log, model), _HIGHEST_SHARE * rate))
     finer = math.ceil(_LEAST_RATE / rate)
@@ -107,15 +105,15 @@ def run_of_log(
     delays = late or {}
     position, force = (
         scipy.interpolate.CubicSpline(samples, low_pass.apply(log[name], rate))
-        for name in (signal, model.force)
+        for name in (axis.controlled, model.force)
     )
-    at = time + delays.get(signal, 0.0)
+    at = time + delays.get(axis.controlled, 0.0)
     reference = Trajectory(
         position(at) - position(at[0]), position(at, 1), position(at, 2), period, log.source, log.start
     )
     # A force that is held acts as at the middle of its hold.
     forces = force(time + delays.get(model.force, 0.0) + 0.5 * period)
-    cascade = tuned_cascade(plant, signal, bandwidth_hz)
+    cascade = tuned_cascade(plant_of(axis, parameters), axis.controlled, bandwidth_hz)
     return exact_run(axis, parameters, reference, Replay(forces, cascade))
 
 

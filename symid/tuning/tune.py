@@ -236,12 +236,11 @@ def noise_free_run(
 ) -> ExactRun:
     """Run along the trajectory under the controller, or along the default chirp under the default cascade."""
     plant = plant_of(axis, parameters)
-    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
     return exact_run(
         axis,
         parameters,
         trajectory or tuning_chirp(plant, CONTROLLER_HZ),
-        controller or tuned_cascade(plant, signal, 10.0),
+        controller or tuned_cascade(plant, axis.controlled, 10.0),
     )
 
 
