@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.identify import log_options, read_log_of
+from symid.cli.logs import log_options, read_log_of
 from symid.cli.options import (
     assignments,
     held_force,

@@ -97,7 +97,7 @@ def module_text(model: DerivedModel) -> str:
     True
     """
     minimal = model.minimal
-    signals = _signals(model)
+    signals = model_signals(model)
     sliding, velocities = _sliding(model)
     solution = inverse_map(minimal)
     physical = {name: str(unit) for name, unit in model.axis.physical_parameters.items()}
@@ -155,7 +155,7 @@ def _unused(name: str, taken: Sequence[str]) -> str:
     return f"{name}_" if name in taken else name
 
 
-def _signals(model: DerivedModel) -> tuple[str, ...]:
+def model_signals(model: DerivedModel) -> tuple[str, ...]:
     """Signals used, the force first, then the sensors in the order of the declaration, by order of derivative."""
     minimal = model.minimal
     written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from symid.arrays import FloatArray
 from symid.data.clock import describe
+from symid.data.columns import REFERENCE
 
 _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called stuck
 _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be called clipped
@@ -190,7 +191,6 @@ def inspect_spans(
     time: FloatArray,
     signals: Mapping[str, FloatArray],
     positions: Collection[str],
-    reference: str = "reference",
 ) -> tuple[str, ...]:
     """Notes on spans in which a channel is stuck at a value or clipped at the end of its range.
 
@@ -201,19 +201,18 @@ def inspect_spans(
     signals : Mapping of str to array of shape (n_samples,)
         Channels without missing values.
     positions : Collection of str
-        Which of them are positions or angles: they rest when the machine rests.
-    reference : str
-        The commanded position: evidence that the machine moves, not checked itself.
+        Which of them are positions or angles: they rest when the machine rests. The commanded position is evidence that
+        it moves, and not checked itself.
 
     Returns
     -------
     tuple of str
         One sentence for each channel and kind of span.
     """
-    moving = {name: signals[name] for name in (*positions, reference) if name in signals}
+    moving = {name: signals[name] for name in (*positions, REFERENCE) if name in signals}
     notes = []
     for name, x in signals.items():
-        if name == reference:
+        if name == REFERENCE:
             continue
         runs = _Runs.of(x)
         if np.max(runs.length) < _CLIPPED_SAMPLES:

@@ -143,7 +143,7 @@ class _Series:
 def _days(moment: datetime | float, first: datetime | float) -> float:
     if isinstance(moment, datetime) and isinstance(first, datetime):
         return (moment - first).total_seconds() / 86400
-    return float(moment)  # type: ignore[arg-type]
+    return float(moment)  # type: ignore[arg-type]  # both are numbers
 
 
 def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
@@ -175,7 +175,7 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
     limit = _LIMIT * np.sqrt(variance + between)
     changes = _changes(series, scale, time, x, weights, segments)
     return ControlChart(
-        time=tuple(series.when),  # type: ignore[arg-type]
+        time=tuple(series.when),  # type: ignore[arg-type]  # all of one kind
         order=read_only(order),
         values=read_only(series.values),
         deviations=read_only(series.deviations),

@@ -206,7 +206,7 @@ def _joined(
     if fit.status == "ok":
         physical = physical_estimates(model, fit.parameters, covariance, nominal)
     status, message = verdict(model, fit, physical)
-    disagreement, freedom = _disagreement(logs, information, fit)
+    disagreement, freedom = _disagreement(logs, fit)
     names = tuple(log.log for log in logs)
     return JointIdentification(
         model, names, fit, covariance, physical, status, message, disagreement, freedom
@@ -254,9 +254,7 @@ def _covariance(logs: Sequence[LogFactors], information: list[FloatArray], fit: 
     return read_only(covariance)
 
 
-def _disagreement(
-    logs: Sequence[LogFactors], information: list[FloatArray], fit: LeastSquares
-) -> tuple[float, int]:
+def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float, int]:
     """Chi-square of the logs' own estimates about their mean of least variance, and its degrees of freedom."""
     alone = [
         (own.parameters, log.covariance)
