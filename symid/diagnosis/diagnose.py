@@ -74,14 +74,16 @@ def diagnose(
 
     Examples
     --------
-    >>> from symid.axis import load_axis, shipped_folder
-    >>> from symid.identification import read_axis_log
-    >>> axis = load_axis("emps")
-    >>> files = (shipped_folder("data") / "emps" / name for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"))
-    >>> log, other = (read_axis_log(axis, file, columns={"q": "qm"}) for file in files)
-    >>> found = diagnose(axis, log, validation=other)
-    >>> found.gap.reidentified.rms > found.gap.explained.rms
-    True
+    >>> from symid.axis import OffsetForce, load_axis
+    >>> from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+    >>> axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+    >>> noisy = axis.with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
+    >>> hung, pulled = noisy.with_effect(OffsetForce(axis.bodies[0], "F0")), values | {"F0": 20.0}
+    >>> reference = trapezoids(0.1, [0.1, 0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    >>> log = simulate(hung, pulled, reference, tuned_cascade(plant_of(axis, values), "q")).log
+    >>> found = diagnose(axis, log, nominal=values, held=True)
+    >>> found.verdict, found.effects[0].effect
+    ('effect', 'offset_force')
     """
     found = _diagnosed(axis, (log, validation), nominal, (late, held), library)
     if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
