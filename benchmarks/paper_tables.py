@@ -179,7 +179,7 @@ def identified(
 ) -> dict[str, float]:
     """Minimal and physical parameters of a log by a method."""
     settings = Preparation(cutoff_hz=cutoff_hz, order=setup.order, decimation=1, late={"Fm": late})
-    found = identify(model(method), log, preparation=settings)
+    found = identify(model(method), log, preparation=settings, examine=False)
     return {**found.minimal_parameters, **found.physical_parameters}
 
 

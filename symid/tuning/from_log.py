@@ -194,7 +194,8 @@ def plausible_parameters(
     for factor in (1.0, 0.7, 1.4, 0.5, 2.0, 0.3, 3.0):
         cutoff = min(first * factor, 0.4 * log.sampling_frequency)
         decimation = settings.decimation if factor == 1.0 else None
-        found = identify(model, log, preparation=replace(settings, cutoff_hz=cutoff, decimation=decimation))
+        chosen = replace(settings, cutoff_hz=cutoff, decimation=decimation)
+        found = identify(model, log, preparation=chosen, examine=False)
         parameters = found.physical_parameters
         if parameters and all(parameters[name] > 0.0 for name in _inertias_and_springs(axis)):
             return {

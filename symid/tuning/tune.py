@@ -254,7 +254,7 @@ def sampling_errors(
 ) -> dict[str, float]:
     """Errors in percent of what `identify` finds in the run sampled at a frequency."""
     log = run.log(sampling_hz, model.measured)
-    found = identify(model, log, preparation=settings, nominal=parameters)
+    found = identify(model, log, preparation=settings, nominal=parameters, examine=False)
     errors = relative_errors(found, parameters, kind)
     # Parameters of a log, such as the unknown zero of an encoder, say nothing of the axis.
     of_log = {*run.axis.log_parameters, *model.per_log}
