@@ -164,8 +164,8 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         model, rate = load_generated(name, measured), log.sampling_frequency
         levels = {**noise_levels(log, model.force, model.measured), **given}
         settings = replace(settings, held=held_force(options["held"], declared))
-        timing = settings.timing(model, log.sampling_period)
-        runs = runs_of_log(declared, model, parameters, log, timing)
+        late = settings.with_hold(model, log.sampling_period)
+        runs = runs_of_log(declared, model, parameters, log, late)
     else:
         model, rate, levels = (
             load_generated(name, signal_list(options["measured"])),

@@ -19,7 +19,7 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.comparison import applied, compared
 from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
-from symid.diagnosis.diagnose import data_of, fits_of, timing_of
+from symid.diagnosis.diagnose import data_of, fits_of, late_in
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import Fit, fitted, refitted, unfitted
 from symid.diagnosis.record import Record, record_of
@@ -96,7 +96,7 @@ def diagnose_against(
     ('parameters', ['Fs'])
     """
     data = data_of(axis, log, validation, (late, held))
-    at = timing_of(axis, simulated, (late, held))
+    at = late_in(axis, simulated, (late, held))
     own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)

@@ -21,7 +21,7 @@ from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.search import Turn, search
 from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
 from symid.diagnosis.state import first_state
-from symid.identification.settings import timing
+from symid.identification.settings import with_hold
 from symid.simulation.forward_dynamics import forward_dynamics
 
 _HELD_OUT = 3
@@ -143,18 +143,18 @@ class Data:
 def data_of(axis: Axis, log: Log, validation: Log | None, recorded: Recorded = (None, None)) -> Data:
     """Logs in the frequency domain, see `diagnose`."""
     dynamics = forward_dynamics(axis)
-    record = record_of(dynamics, log, None, timing_of(axis, log, recorded))
+    record = record_of(dynamics, log, None, late_in(axis, log, recorded))
     if validation is None:
         return Data(record, record, *_parts(record))
-    other = record_of(dynamics, validation, record.motion_hz, timing_of(axis, validation, recorded))
+    other = record_of(dynamics, validation, record.motion_hz, late_in(axis, validation, recorded))
     return Data(record, other, None, None)
 
 
-def timing_of(axis: Axis, log: Log, recorded: Recorded) -> dict[str, float]:
+def late_in(axis: Axis, log: Log, recorded: Recorded) -> dict[str, float]:
     """Time by which signals of a log were recorded late, a hold of the force included."""
     late, held = recorded
     held = axis.drive.held if held is None else held
-    return timing(late or {}, axis.drive.signal, held=held, sampling_period=log.sampling_period)
+    return with_hold(late or {}, axis.drive.signal, held=held, sampling_period=log.sampling_period)
 
 
 def _parts(record: Record) -> tuple[BoolArray, BoolArray]:

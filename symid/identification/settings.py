@@ -72,13 +72,15 @@ class Preparation:
         if self.trim is not None and min(self.trim) < 0:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
 
-    def timing(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
+    def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
         """Seconds by which the signals of a log were recorded late, a hold of the force included."""
         held = model.held if self.held is None else self.held
-        return timing(self.late, model.force, held=held, sampling_period=sampling_period)
+        return with_hold(self.late, model.force, held=held, sampling_period=sampling_period)
 
 
-def timing(late: Mapping[str, float], force: str, *, held: bool, sampling_period: float) -> dict[str, float]:
+def with_hold(
+    late: Mapping[str, float], force: str, *, held: bool, sampling_period: float
+) -> dict[str, float]:
     """Seconds by which signals were recorded late; a force that is held acts half a sample after it is recorded.
 
     Parameters
@@ -94,7 +96,7 @@ def timing(late: Mapping[str, float], force: str, *, held: bool, sampling_period
 
     Examples
     --------
-    >>> timing({"F": 1e-3}, "F", held=True, sampling_period=1e-3)
+    >>> with_hold({"F": 1e-3}, "F", held=True, sampling_period=1e-3)
     {'F': 0.0005}
     """
     return {**late, force: late.get(force, 0.0) - sampling_period / 2} if held else dict(late)
@@ -221,5 +223,5 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
     edge = min(math.ceil(3 * rate / cutoff) + max(model.highest_derivatives.values()), log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
-    late = given.timing(model, log.sampling_period)
+    late = given.with_hold(model, log.sampling_period)
     return replace(given, cutoff_hz=cutoff, decimation=decimation, trim=trim, late=late, held=False)

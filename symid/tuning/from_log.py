@@ -166,7 +166,7 @@ def identified_and_tuned(
     settings, tuned = base, None
     for last in [False] * (rounds - 1) + [True]:
         parameters = plausible_parameters(axis, model, log, settings)
-        runs = runs_of_log(axis, model, parameters, log, base.timing(model, log.sampling_period))
+        runs = runs_of_log(axis, model, parameters, log, base.with_hold(model, log.sampling_period))
         tuned = tune_total(
             axis,
             model,
