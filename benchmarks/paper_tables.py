@@ -113,8 +113,8 @@ class Setup:
             self.seconds,
             0.01 if self.quantity == "velocity" else 1e-4,
             sampling_period=1 / self.rate,
-            quantity=self.quantity,  # type: ignore[arg-type]  # one of the names
-            sweep=self.sweep,  # type: ignore[arg-type]  # one of the names
+            quantity=self.quantity,
+            sweep=self.sweep,
         )
 
     def trapezoids(self, rate: float) -> Trajectory:

@@ -61,7 +61,7 @@ def test_the_corrected_covariance_of_instruments_is_the_spread_of_estimates() ->
         start = estimate(triangular_factors(W[None], y[None]))
         fit = estimate_by_instruments([observation(W, y)], [z[None]], start).fit
         block = ObservationBlock(W[None], y[None], instruments=z[None])
-        covariance = corrected_covariance_of_blocks(lambda block=block: [block], fit)  # type: ignore[misc]
+        covariance = corrected_covariance_of_blocks(lambda block=block: [block], fit)
         estimates.append(fit.parameters[0])
         claimed.append(covariance.standard_deviations[0])
     assert np.mean(estimates) == pytest.approx(2.0, abs=0.05)

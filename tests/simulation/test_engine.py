@@ -196,7 +196,7 @@ def reference_run(M: float, K: float, Fv: float, Fs: float, forces: np.ndarray) 
             def rest(_: float, z: np.ndarray, s: float = sign) -> float:
                 return float(s * z[1] + (1e-18 if s * z[1] >= 0 else 0))
 
-            rest.terminal, rest.direction = True, -1  # type: ignore[attr-defined]  # how solve_ivp takes them
+            rest.terminal, rest.direction = True, -1
             run = solve_ivp(motion, (0, left), state, "DOP853", rtol=1e-12, atol=1e-15, events=rest)
             state = run.y[:, -1].copy()
             left -= run.t[-1]
