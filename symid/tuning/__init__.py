@@ -7,7 +7,8 @@ from symid.tuning.from_log import identified_and_tuned, run_of_log, runs_of_log
 from symid.tuning.low_pass import LowPassErrors
 from symid.tuning.noise import noise_levels, with_noise
 from symid.tuning.standard import StandardModel, standard_model
-from symid.tuning.total import TotalErrors, TotalTuning, tune_total
+from symid.tuning.total import TotalTuning, tune_total
+from symid.tuning.total_errors import TotalErrors
 from symid.tuning.tune import Tuning, first_sampling_frequency, noise_free_run, tune, without_jumps
 
 __all__ = [
