@@ -85,6 +85,7 @@ def triangular_solution(
     Examples
     --------
     >>> from sympy import QQ
+    >>> from sympy.polys.rings import PolyRing
     >>> x, y = PolyRing(("x", "y"), QQ).gens
     >>> solution = triangular_solution([x * y - 6, x + y - 5], 2)
     >>> solution.branches, [step.coefficients for step in solution.steps]
