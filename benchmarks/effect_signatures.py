@@ -25,8 +25,9 @@ import symid
 from symid import Axis, Log
 from symid.data import LowPass, derivatives
 from symid.diagnosis.comparison import Comparison, compared
-from symid.diagnosis.diagnose import ITERATIONS, data_of
-from symid.diagnosis.fit import first_state, fitted, refitted
+from symid.diagnosis.diagnose import data_of
+from symid.diagnosis.start import fitted_axis
+from symid.diagnosis.state import first_state
 from symid.report.colours import MEASURED, MODEL, NOISE
 from symid.report.plots import PLOT_STYLE
 
@@ -163,9 +164,9 @@ def residual_of(effect: str) -> Residual:
     signature = SIGNATURES[effect]
     log, true = log_with(effect, signature)
     axis = model(signature)
-    record = data_of(axis, log, None, None).record
+    record = data_of(axis, log, None).record
     start = {name: true[name] for name in axis.physical_parameters}
-    base = refitted(fitted(*first_state(record, start, None), ITERATIONS))
+    base = fitted_axis(*first_state(record, start))
     comparison = compared(record, None, [base], None)
     signals = comparison.signals()
     time, rate = signals.time, 1 / (signals.time[1] - signals.time[0])

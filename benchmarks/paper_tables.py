@@ -113,8 +113,8 @@ class Setup:
             self.seconds,
             0.01 if self.quantity == "velocity" else 1e-4,
             sampling_period=1 / self.rate,
-            quantity=self.quantity,  # type: ignore[arg-type]  # one of the names
-            sweep=self.sweep,  # type: ignore[arg-type]  # one of the names
+            quantity=self.quantity,
+            sweep=self.sweep,
         )
 
     def trapezoids(self, rate: float) -> Trajectory:
@@ -179,7 +179,7 @@ def identified(
 ) -> dict[str, float]:
     """Minimal and physical parameters of a log by a method."""
     settings = Preparation(cutoff_hz=cutoff_hz, order=setup.order, decimation=1, late={"Fm": late})
-    found = identify(model(method), log, preparation=settings)
+    found = identify(model(method), log, preparation=settings, examine=False)
     return {**found.minimal_parameters, **found.physical_parameters}
 
 

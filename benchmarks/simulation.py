@@ -62,7 +62,7 @@ CASES = (
 )
 
 
-def prepared(case: Case, rate: float):  # type: ignore[no-untyped-def]  # symid is imported late, as start-up
+def prepared(case: Case, rate: float):
     """Run of symid without arguments, and the same loop for the peers."""
     from symid import load_axis
     from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade

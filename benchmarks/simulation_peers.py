@@ -137,7 +137,7 @@ class _Phase:
                 return float(sign * (joint @ z[n:]) + (1e-18 if t == 0.0 else 0.0))
             return self._machine.friction - abs(self.holding(z, drive)) + (1e-12 if t == 0.0 else 0.0)
 
-        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]  # how solve_ivp takes them
+        event.terminal, event.direction = True, -1
         run = solve_ivp(
             motion, (0.0, left), state, method, rtol=tolerance, atol=tolerance * 1e-3, events=event
         )
@@ -173,7 +173,7 @@ def rolled_out(machine: Machine, loop: Loop, forces: np.ndarray) -> np.ndarray:
     return np.asarray(states[0, :, 1 + model.joint("motor").qposadr[0]])
 
 
-def _mujoco_model(machine: Machine, period: float):  # type: ignore[no-untyped-def]  # mujoco is optional
+def _mujoco_model(machine: Machine, period: float):
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(

@@ -16,8 +16,7 @@ def main() -> None:
     reference = moves.then(sweep)  # friction shows in the moves, the structure in the sweep
     controller = tuned_cascade(plant_of(axis, TRUE), "q2", bandwidth_hz=40.0)
     log = simulate(axis, TRUE, reference, controller).log
-    # the drive holds its force from sample to sample, so that it acts half a sample late
-    held = Preparation(late={"Fm": -log.sampling_period / 2})
+    held = Preparation(held=True)  # from sample to sample, so that it acts half a sample late
     for measured in (("q2",), ("q2", "ddq1")):
         found = identify(load_generated(axis, measured), log, preparation=held)
         values = found.physical_parameters

@@ -9,7 +9,6 @@ from symid import (
     CoulombFriction,
     Drive,
     Position,
-    Preparation,
     Spring,
     ViscousFriction,
     derive,
@@ -33,7 +32,7 @@ axis = Axis(
         table,
         ViscousFriction(table, "Fvt"),
     ),
-    drive=Drive("tau", screw, held=True, noise=0.005),
+    drive=Drive("tau", screw, held=True, noise=0.005),  # it acts half a sample late
     sensors=(Position("qm", screw, noise=2e-6), Position("qt", table, noise=2e-8)),
 )
 TRUE = {"J": 2e-3, "Fvs": 5e-3, "Fss": 0.3, "K": 8e6, "C": 9000.0, "M": 300.0, "Fvt": 400.0}
@@ -46,9 +45,7 @@ def main() -> None:
     )
     controller = tuned_cascade(plant_of(axis, TRUE), "qm", bandwidth_hz=15.0)
     log = simulate(axis, TRUE, reference, controller).log
-    # the drive holds its force from sample to sample, so that it acts half a sample late
-    held = Preparation(late={"tau": -log.sampling_period / 2})
-    found = identify(derive(axis, ("qm", "qt")), log, preparation=held)
+    found = identify(derive(axis, ("qm", "qt")), log)
     print(found.status)
     deviations = found.physical[0].standard_deviations
     for (name, value), std in zip(found.physical_parameters.items(), deviations, strict=True):

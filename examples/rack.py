@@ -7,7 +7,6 @@ from symid import (
     Drive,
     Geared,
     Position,
-    Preparation,
     ViscousFriction,
     derive,
     identify,
@@ -22,7 +21,7 @@ carriage = Body("carriage", mass="M", geared=Geared(to=pinion, ratio=RADIUS))
 axis = Axis(
     "rack",
     elements=(pinion, ViscousFriction(pinion, "Fv"), CoulombFriction(pinion, "Fs"), carriage),
-    drive=Drive("tau", pinion, held=True, noise=0.05),
+    drive=Drive("tau", pinion, held=True, noise=0.05),  # it acts half a sample late
     sensors=(Position("q", pinion, noise=1e-6),),
 )
 TRUE = {"J": 0.02, "M": 250.0, "Fv": 0.4, "Fs": 2.5}
@@ -39,9 +38,7 @@ def main() -> None:
         [10.0, 30.0], [5.0, 20.0], acceleration=60.0, jerk=2000.0, dwell=0.2, sampling_period=1 / 2000
     )
     log = simulate(axis, TRUE, reference, tuned_cascade(plant_of(axis, TRUE), "q")).log
-    # the drive holds its force from sample to sample, so that it acts half a sample late
-    held = Preparation(late={"tau": -log.sampling_period / 2})
-    found = identify(model, log, preparation=held)
+    found = identify(model, log)
     for name, value in found.minimal_parameters.items():
         print(f"{name} = {value:.4f}")
     inertia = found.minimal_parameters["X1"]

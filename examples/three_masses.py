@@ -27,8 +27,7 @@ def main() -> None:
     reference = moves.then(shaking)  # friction shows in the moves, springs in the multisine
     controller = tuned_cascade(plant_of(axis, TRUE), "q2", bandwidth_hz=40.0)
     log = simulate(axis, TRUE, reference, controller).log
-    # the drive holds its force from sample to sample, so that it acts half a sample late
-    held = Preparation(late={"Fm": -log.sampling_period / 2})
+    held = Preparation(held=True)  # from sample to sample, so that it acts half a sample late
     found = identify(derive(axis, ("q2", "ddq1", "ddql")), log, preparation=held)
     print(found.status)
     for name, value in found.physical_parameters.items():

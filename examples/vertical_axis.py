@@ -8,7 +8,6 @@ from symid import (
     OffsetForce,
     Position,
     PositionStiffness,
-    Preparation,
     ViscousFriction,
     Weight,
     derive,
@@ -28,7 +27,7 @@ axis = Axis(
         OffsetForce(slide, "B"),  # acts against the positive direction, so a balance that lifts is negative
         PositionStiffness(slide, "k"),
     ),
-    drive=Drive("F", slide, held=True, noise=2.0),
+    drive=Drive("F", slide, held=True, noise=2.0),  # it acts half a sample late
     sensors=(Position("z", slide, noise=2e-8),),
 )
 TRUE = {"M": 120.0, "Fv": 300.0, "Fs": 60.0, "B": -1100.0, "k": 150.0}
@@ -40,9 +39,7 @@ def main() -> None:
         [0.4], [0.1, 0.3, 0.8], acceleration=5.0, jerk=200.0, dwell=0.2, sampling_period=1 / 2000
     )
     log = simulate(axis, TRUE, reference, tuned_cascade(plant_of(axis, TRUE), "z")).log
-    # the drive holds its force from sample to sample, so that it acts half a sample late
-    held = Preparation(late={"F": -log.sampling_period / 2})
-    found = identify(derive(axis), log, preparation=held)
+    found = identify(derive(axis), log)
     print(found.status)
     for name, value in found.physical_parameters.items():
         print(f"{name:2} {value:8.1f}  true {TRUE[name]:8.1f}")

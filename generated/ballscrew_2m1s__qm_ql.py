@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "ballscrew_2m1s"
 MEASURED = ("qm", "ql")
 SIGNATURE = "4f33a312c6dcc16a"
-FORMAT = 1
+FORMAT = 2
 
 SIGNALS = ("Fm", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("Fm", "Fm")
@@ -20,6 +20,7 @@ PHYSICAL_PARAMETERS = ("Mm", "Fvm", "Fsm", "Kt", "Ft", "Ml", "Fvl")
 PHYSICAL_UNITS = {"Mm": "kg", "Fvm": "N*s/m", "Fsm": "N", "Kt": "N/m", "Ft": "N*s/m", "Ml": "kg", "Fvl": "N*s/m"}
 SIGNED = ()  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
+HELD = False  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = ()
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3), (1, 3))  # (equation, parameter) of the columns that hold values of nonlinear laws

@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "direct_2m1s"
 MEASURED = ("q2",)
 SIGNATURE = "0f265ed37a627907"
-FORMAT = 1
+FORMAT = 2
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4")
 OUTPUT = ("Fm",)
@@ -19,6 +19,7 @@ PHYSICAL_PARAMETERS = ("Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm")
 PHYSICAL_UNITS = {"Ms": "kg", "Fvs": "N*s/m", "Ks": "N/m", "Mm": "kg", "Fvm": "N*s/m", "Fsm": "N"}
 SIGNED = ()  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
+HELD = False  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3),)  # (equation, parameter) of the columns that hold values of nonlinear laws

@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "emps"
 MEASURED = ("q",)
 SIGNATURE = "e7477d6e28104c10"
-FORMAT = 1
+FORMAT = 2
 
 SIGNALS = ("F", "q_d1", "q_d2")
 OUTPUT = ("F",)
@@ -19,6 +19,7 @@ PHYSICAL_PARAMETERS = ("M", "Fv", "Fc", "OF")
 PHYSICAL_UNITS = {"M": "kg", "Fv": "N*s/m", "Fc": "N", "OF": "N"}
 SIGNED = ("OF",)  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
+HELD = False  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws

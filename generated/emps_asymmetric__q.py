@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "emps_asymmetric"
 MEASURED = ("q",)
 SIGNATURE = "dd49fa2fa9c0181c"
-FORMAT = 1
+FORMAT = 2
 
 SIGNALS = ("F", "q_d1", "q_d2")
 OUTPUT = ("F",)
@@ -20,6 +20,7 @@ PHYSICAL_PARAMETERS = ("M", "Fvp", "Fcp", "Fvn", "Fcn")
 PHYSICAL_UNITS = {"M": "kg", "Fvp": "N*s/m", "Fcp": "N", "Fvn": "N*s/m", "Fcn": "N"}
 SIGNED = ()  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
+HELD = False  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 1), (0, 2), (0, 3), (0, 4))  # (equation, parameter) of the columns that hold values of nonlinear laws

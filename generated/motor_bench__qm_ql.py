@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "motor_bench"
 MEASURED = ("qm", "ql")
 SIGNATURE = "d6a67d3ff6e0289d"
-FORMAT = 1
+FORMAT = 2
 
 SIGNALS = ("iq", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("iq", "iq")
@@ -20,6 +20,7 @@ PHYSICAL_PARAMETERS = ("Jm", "Fvm", "Kt", "Ft", "Pt", "Jl", "Fvl")
 PHYSICAL_UNITS = {"Jm": "A*s^2/rad", "Fvm": "A*s/rad", "Kt": "A/rad", "Ft": "A*s/rad", "Pt": "A", "Jl": "A*s^2/rad", "Fvl": "A*s/rad"}
 SIGNED = ("Pt",)  # physical parameters that may be negative
 PER_LOG = ("X5",)  # minimal parameters that differ from log to log
+HELD = False  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = ()
 SLIDING = ((), ())  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ()  # (equation, parameter) of the columns that hold values of nonlinear laws

@@ -1,5 +1,7 @@
 """Array types that all rooms of the numeric half share."""
 
+from typing import Any, TypeVar
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,3 +13,18 @@ BoolArray = npt.NDArray[np.bool_]
 
 ComplexArray = npt.NDArray[np.complex128]
 """Array of complex numbers of any shape."""
+
+Values = TypeVar("Values", bound=npt.NDArray[Any])
+
+
+def read_only(values: Values) -> Values:
+    """View of an array that cannot be written to.
+
+    Examples
+    --------
+    >>> read_only(np.zeros(2)).flags.writeable
+    False
+    """
+    view = values.view()
+    view.flags.writeable = False
+    return view

@@ -15,6 +15,7 @@ from symid.axis.elements import (
     Ground,
     Joint,
     PendulumWeight,
+    Position,
     Sensor,
     Spring,
     Weight,
@@ -112,6 +113,12 @@ class Axis:
             for sensor in self.sensors
         }
         return {self.drive.signal: self.force_unit(self.drive.at), **units}
+
+    @property
+    def controlled(self) -> str:
+        """Signal of the first position sensor, of which a controller is made; of the first sensor if there is none."""
+        positions = (s.signal for s in self.sensors if isinstance(s, Position))
+        return next(positions, self.sensors[0].signal)
 
     @property
     def sensor_sets(self) -> tuple[tuple[str, ...], ...]:

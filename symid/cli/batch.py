@@ -9,11 +9,11 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.fleet import page_of, write_page
-from symid.cli.identify import (
+from symid.cli.identify import loop_options
+from symid.cli.logs import (
     foreign_columns,
     late_of,
     log_options,
-    loop_options,
     preparation_of,
     preparation_options,
     said_guesses,

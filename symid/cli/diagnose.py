@@ -9,10 +9,13 @@ from typing import Any
 import click
 
 from symid.axis import load_axis, write_axis
-from symid.cli.identify import late_of, log_options, read_log_of
+from symid.cli.logs import known_late, log_options, read_log_of
 from symid.cli.options import (
     assignments,
+    held_force,
+    held_option,
     json_option,
+    late_option,
     measured_option,
     number,
     parameter_file,
@@ -45,13 +48,8 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 )
 @measured_option
 @log_options
-@click.option("--held", multiple=True, metavar="SIGNAL", help="A force that is held from sample to sample.")
-@click.option(
-    "--late",
-    multiple=True,
-    metavar="SIGNAL=TIME",
-    help="Time by which a signal was recorded late, such as q2=125us.",
-)
+@held_option
+@late_option
 @click.option(
     "--next-experiment",
     "experiment",
@@ -79,9 +77,10 @@ def command(axis: str, log: str, **options: Any) -> None:
     run = read_log_of(declared, log, options)
     validation = read_log_of(declared, options["validation"], options) if options["validation"] else None
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
-    late = late_of(options)
-    for signal in options["held"]:
-        late[signal] = late.get(signal, 0.0) - run.sampling_period / 2
+    recorded: dict[str, Any] = {
+        "late": known_late(declared, options),
+        "held": held_force(options["held"], declared),
+    }
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both say what the simulation is: give one of them")
@@ -93,9 +92,9 @@ def command(axis: str, log: str, **options: Any) -> None:
         page = html_path(options["report"])
     with working("diagnosing"):
         if simulated:
-            found = diagnose_against(declared, run, simulated, validation=validation, late=late)
+            found = diagnose_against(declared, run, simulated, validation=validation, **recorded)
         else:
-            found = diagnose(declared, run, validation=validation, nominal=nominal, late=late)
+            found = diagnose(declared, run, validation=validation, nominal=nominal, **recorded)
     if experiment:
         found = _with_experiment(found, limits, experiment)
     if options["write_axis"]:

@@ -10,17 +10,25 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symid.axis import Axis, load_axis
+from symid.cli.logs import (
+    known_late,
+    log_options,
+    log_settings,
+    preparation_of,
+    preparation_options,
+    read_log_of,
+    said_guesses,
+    standstill_of,
+)
 from symid.cli.options import (
-    assignments,
     bytes_of,
     cascade_gains,
     dark_option,
     gain_option,
+    held_force,
     json_option,
     measured_option,
-    number,
     parameter_file,
-    seconds_of,
     shared,
     signal_list,
     write_json,
@@ -28,83 +36,21 @@ from symid.cli.options import (
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, load_generated
 from symid.data import AnyLog, Log
-from symid.errors import SettingError
 from symid.identification import (
     Identification,
-    LogMapping,
     Prediction,
     Preparation,
     identify,
     measured_signals,
     open_axis_log,
     predict,
-    read_axis_log,
-    read_mapping,
 )
-from symid.identification.mapping import require_known
 from symid.report.colours import palette_of
 from symid.report.identification import identification_record, print_identification
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
     from symid.simulation import ClosedLoop
-
-log_options = shared(
-    click.option(
-        "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."
-    ),
-    click.option(
-        "--unit", multiple=True, metavar="SIGNAL=UNIT", help="Unit of a signal's column, such as q2=mm."
-    ),
-    click.option(
-        "--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."
-    ),
-    click.option(
-        "--mapping",
-        metavar="FILE.json",
-        help="Columns, units, gains and layout of a foreign file, from symid import; other options override it.",
-    ),
-)
-
-preparation_options = shared(
-    click.option(
-        "--cutoff",
-        metavar="HZ",
-        help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log].",
-    ),
-    click.option("--order", default=4, show_default=True, help="Order of one pass of the filter."),
-    click.option(
-        "--filter",
-        "filtered",
-        type=click.Choice(["all", "motion"]),
-        default="all",
-        show_default=True,
-        help="Whether the force passes the filter too.",
-    ),
-    click.option(
-        "--decimation", type=int, metavar="N", help="One row for every N samples [chosen from the cutoff]."
-    ),
-    click.option(
-        "--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."
-    ),
-    click.option(
-        "--standstill",
-        metavar="SPEED",
-        help="Speed below which rows do not enter friction equations; 0 keeps all [1 % of the highest].",
-    ),
-    click.option(
-        "--held",
-        multiple=True,
-        metavar="SIGNAL",
-        help="A force that is held from sample to sample, so that it acts half a sample late.",
-    ),
-    click.option(
-        "--late",
-        multiple=True,
-        metavar="SIGNAL=TIME",
-        help="Time by which a signal was recorded late, such as q2=125us.",
-    ),
-)
 
 loop_options = shared(
     gain_option,
@@ -208,9 +154,12 @@ def _by_output_error(
             declared,
             model,
             _in_memory(runs),
-            held=True if declared.drive.signal in options["held"] else None,
             loop=_closed_loop(declared, options) if options["gains"] else None,
-            preparation=Preparation(late=_late(declared, options), standstill=_standstill(options)),
+            preparation=Preparation(
+                late=known_late(declared, options),
+                held=held_force(options["held"], declared),
+                standstill=standstill_of(options),
+            ),
             nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
         )
     validation = predict_output_error(found, validating) if validating and found.fit else None
@@ -221,7 +170,9 @@ def _identified(
     declared: Axis, model: GeneratedModel, runs: Sequence[AnyLog], options: dict[str, Any]
 ) -> Identification:
     """Identify by the method that was asked for."""
-    preparation = _preparation(declared, runs[0], options)
+    preparation = replace(
+        preparation_of(options, known_late(declared, options)), held=held_force(options["held"], declared)
+    )
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
     if options["method"] == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
@@ -247,18 +198,12 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
     return ClosedLoop.with_gains(declared, cascade_gains(options["gains"]), options["rate"])
 
 
-def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
-    """A log by the log options; what a mapping guessed is said on standard error and becomes notes of the log."""
-    log = read_axis_log(declared, file, **_log_settings(declared, options))
-    return replace(log, notes=(*log.notes, *said_guesses(options)))
-
-
 def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     """A log by the log options, in memory if it fits or if the method needs it there."""
     memory = bytes_of(options["memory"], "--memory")
     if options["method"] in ("iv", "oe"):
         return read_log_of(declared, file, options)
-    log = open_axis_log(declared, file, memory=memory, **_log_settings(declared, options))
+    log = open_axis_log(declared, file, memory=memory, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *said_guesses(options)))
 
 
@@ -269,86 +214,3 @@ def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
 def _drawn(run: AnyLog) -> Log:
     """What plots show of a log: its first block."""
     return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))
-
-
-def _log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
-    """What the log options say of columns, and the sensors to read."""
-    require_known(mapping_of(options), declared)
-    return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
-
-
-def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
-    """What mapping and log options say of a foreign file."""
-    mapping, gains = mapping_of(options), assignments(options["gain"], "--gain")
-    return {
-        "columns": {**mapping.columns, **assignments(options["column"], "--column")},
-        "units": {**mapping.units, **assignments(options["unit"], "--unit")},
-        "gains": {**mapping.gains, **{name: number(text, f"--gain {name}") for name, text in gains.items()}},
-        "layout": mapping.layout,
-        "sampling_period": mapping.sampling_period,
-    }
-
-
-def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
-    """What a mapping guessed, as notes; said on standard error."""
-    guesses = mapping_of(options).guesses
-    if guesses:
-        click.echo(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
-    return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
-
-
-def mapping_of(options: dict[str, Any]) -> LogMapping:
-    """The mapping of ``--mapping``, an empty one without it."""
-    return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
-
-
-def _preparation(declared: Axis, log: AnyLog, options: dict[str, Any]) -> Preparation:
-    held = options["held"] + ((declared.drive.signal,) if declared.drive.held else ())
-    return preparation_of(options, _late(declared, options)).with_held(held, log.sampling_period)
-
-
-def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
-    """Preparation by the preparation options, but for ``--held``."""
-    return Preparation(
-        cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
-        order=options["order"],
-        filter_force=options["filtered"] == "all",
-        decimation=options["decimation"],
-        trim=_trim(options["trim"]),
-        standstill=_standstill(options),
-        late=late,
-    )
-
-
-def _late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
-    """Seconds by which signals were recorded late, as given."""
-    late = late_of(options)
-    unknown = [name for name in (*late, *options["held"]) if name not in declared.signal_units]
-    if unknown:
-        raise SettingError(
-            f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
-        )
-    return late
-
-
-def late_of(options: dict[str, Any]) -> dict[str, float]:
-    """Seconds by which signals were recorded late, by ``--late`` and the mapping."""
-    given = assignments(options["late"], "--late")
-    return {
-        **mapping_of(options).late,
-        **{name: seconds_of(text, f"--late {name}") for name, text in given.items()},
-    }
-
-
-def _standstill(options: dict[str, Any]) -> float | None:
-    return None if options["standstill"] is None else number(options["standstill"], "--standstill")
-
-
-def _trim(text: str | None) -> tuple[int, int] | None:
-    if text is None:
-        return None
-    parts = text.split(",")
-    if len(parts) > 2 or not all(part.strip().isdigit() for part in parts):
-        raise SettingError(f"--trim {text!r} is not N or BEGIN,END in samples: write for example --trim 49,0")
-    begin, end = int(parts[0]), int(parts[-1])
-    return begin, end

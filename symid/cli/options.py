@@ -19,6 +19,18 @@ json_option = click.option(
     "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
 )
 dark_option = click.option("--dark", is_flag=True, help="Draw on a dark background.")
+held_option = click.option(
+    "--held",
+    multiple=True,
+    metavar="SIGNAL",
+    help="A force that is held from sample to sample, so that it acts half a sample late.",
+)
+late_option = click.option(
+    "--late",
+    multiple=True,
+    metavar="SIGNAL=TIME",
+    help="Time by which a signal was recorded late, such as q2=125us.",
+)
 measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
 gain_option = click.option(
     "--controller-gain",
@@ -54,6 +66,20 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     if unknown := [name for name in given if name not in _CASCADE]:
         raise SettingError(f"--controller-gain {unknown[0]} is not known: choose from {', '.join(_CASCADE)}")
     return {_CASCADE[name]: number(text, f"--controller-gain {name}") for name, text in given.items()}
+
+
+def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
+    """Whether ``--held`` names the force of an axis; None without it, so that the declaration decides.
+
+    Raises
+    ------
+    SettingError
+        If it names another signal.
+    """
+    force = axis.drive.signal
+    if unknown := [name for name in signals if name != force]:
+        raise SettingError(f"--held {unknown[0]} is not the force of axis {axis.name!r}: give {force}")
+    return True if signals else None
 
 
 def bytes_of(text: str, what: str) -> int:

@@ -172,8 +172,7 @@ def run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controlle
 
 def cascade_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
     """Cascade of the controller options."""
-    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
-    tuned = tuned_cascade(plant, signal, options["bandwidth"], options["force_limit"])
+    tuned = tuned_cascade(plant, axis.controlled, options["bandwidth"], options["force_limit"])
     return tuned.with_gains(**cascade_gains(options["gains"]))
 
 

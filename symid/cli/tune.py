@@ -10,10 +10,11 @@ from typing import Any
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.identify import log_options, read_log_of
+from symid.cli.logs import log_options, read_log_of
 from symid.cli.options import (
     assignments,
     dark_option,
+    held_force,
     json_option,
     measured_option,
     number,
@@ -24,7 +25,6 @@ from symid.cli.options import (
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
 from symid.codegen import load_generated
-from symid.errors import SettingError
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of
 from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
@@ -166,8 +166,9 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         measured = measured_signals(declared, [log], signal_list(options["measured"]))
         model, rate = load_generated(name, measured), log.sampling_frequency
         levels = {**noise_levels(log, model.force, model.measured), **given}
-        settings = replace(settings, late=_late(declared, log.sampling_period, options["held"]))
-        runs = runs_of_log(declared, model, parameters, log, settings.late)
+        settings = replace(settings, held=held_force(options["held"], declared))
+        late = settings.with_hold(model, log.sampling_period)
+        runs = runs_of_log(declared, model, parameters, log, late)
     else:
         model, rate, levels = (
             load_generated(name, signal_list(options["measured"])),
@@ -177,15 +178,6 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)
         runs = (exact_run(declared, parameters, trajectory, controller),)
     return tune_total(declared, model, parameters, runs, rate, levels, preparation=settings, track=_tracked)
-
-
-def _late(declared: Axis, period: float, held: tuple[str, ...]) -> dict[str, float]:
-    """Half a sample for a held force, declared or given."""
-    force = declared.drive.signal
-    unknown = [name for name in held if name != force]
-    if unknown:
-        raise SettingError(f"--held {unknown[0]} is not the force of axis {declared.name!r}: give {force}")
-    return {force: -period / 2} if held or declared.drive.held else {}
 
 
 def _tracked(frequencies: Sequence[float]) -> Iterator[float]:

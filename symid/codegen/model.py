@@ -37,6 +37,8 @@ class GeneratedModel:
         Physical parameters that may be negative.
     per_log : tuple of str
         Minimal parameters that differ from log to log.
+    held : bool
+        Whether the axis declares its force as held from sample to sample.
     assumptions : tuple of str
         What was assumed in the derivation.
     sliding : tuple of tuple of int
@@ -61,6 +63,7 @@ class GeneratedModel:
     physical_units: Mapping[str, str]
     signed: tuple[str, ...]
     per_log: tuple[str, ...]
+    held: bool
     assumptions: tuple[str, ...]
     sliding: tuple[tuple[int, ...], ...]
     law_columns: tuple[tuple[int, int], ...]
@@ -85,6 +88,7 @@ class GeneratedModel:
             physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
             signed=namespace["SIGNED"],
             per_log=namespace["PER_LOG"],
+            held=namespace["HELD"],
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
             law_columns=namespace["LAW_COLUMNS"],

@@ -37,6 +37,7 @@ PHYSICAL_PARAMETERS = {physical}
 PHYSICAL_UNITS = {physical_units}
 SIGNED = {signed}  # physical parameters that may be negative
 PER_LOG = {per_log}  # minimal parameters that differ from log to log
+HELD = {held}  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = {law_columns}  # (equation, parameter) of the columns that hold values of nonlinear laws
@@ -96,7 +97,7 @@ def module_text(model: DerivedModel) -> str:
     True
     """
     minimal = model.minimal
-    signals = _signals(model)
+    signals = model_signals(model)
     sliding, velocities = _sliding(model)
     solution = inverse_map(minimal)
     physical = {name: str(unit) for name, unit in model.axis.physical_parameters.items()}
@@ -121,6 +122,7 @@ def module_text(model: DerivedModel) -> str:
         physical_units=_dictionary(physical),
         signed=_tuple(model.axis.signed_parameters),
         per_log=_tuple(_log_parameters(model)),
+        held=model.axis.drive.held,
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
         law_columns=repr(_law_columns(model)),
@@ -153,7 +155,7 @@ def _unused(name: str, taken: Sequence[str]) -> str:
     return f"{name}_" if name in taken else name
 
 
-def _signals(model: DerivedModel) -> tuple[str, ...]:
+def model_signals(model: DerivedModel) -> tuple[str, ...]:
     """Signals used, the force first, then the sensors in the order of the declaration, by order of derivative."""
     minimal = model.minimal
     written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])

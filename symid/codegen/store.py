@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _MEASURED = re.compile(r"^MEASURED = \((.*)\)$", re.MULTILINE)
 
-FORMAT = 1
+FORMAT = 2
 """Version of the layout of generated modules."""
 
 

@@ -1,6 +1,6 @@
 """Logs of machines: reading, checking, filtering and differentiating them."""
 
-from symid.data.checks import cut_in_motion, inspect_spans, inspect_values
+from symid.data.checks import inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
 from symid.data.columns import REFERENCE
 from symid.data.filtering import (
@@ -20,6 +20,7 @@ from symid.data.long_log import AnyLog, LongLog, spans
 from symid.data.reading import columns_in, read_log
 from symid.data.scanning import MEMORY, open_log
 from symid.data.spline import QuinticSpline
+from symid.data.stuck import cut_in_motion, inspect_spans
 from symid.data.table import Table
 from symid.data.tables import open_table
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of

@@ -17,6 +17,7 @@ _CLOCK_DIFFERENCE: Final = (
     0.002  # relative; the rates of real clocks differ by 0.0001, changed settings by more
 )
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: beyond it a number is damaged
+_JITTER: Final = 0.01  # of the period, rms: the largest accepted deviation of an interval from it
 _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
 
 
@@ -55,8 +56,6 @@ def inspect_clock(
     time: FloatArray,
     *,
     minimum: int = MINIMUM_SAMPLES,
-    jitter: float = 0.01,
-    name: str = "t",
     before: int = 0,
 ) -> Clock:
     """Find the sampling period and the faults of the times of a log.
@@ -70,10 +69,6 @@ def inspect_clock(
         Times as written, s.
     minimum : int
         Fewest samples accepted.
-    jitter : float
-        Largest accepted deviation of an interval from the period, rms, as a share of the period.
-    name : str
-        Name of the column in messages.
     before : int
         Rows before the first of these times, in messages.
 
@@ -94,20 +89,20 @@ def inspect_clock(
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
     forward = np.flatnonzero(intervals > 0.0)
-    faults = _not_finite(time, name, before)
+    faults = _not_finite(time, before)
     step = written_step(time)
     coarse = _too_coarse(intervals, forward.size, step)
     if coarse:
-        faults.append(f"{name} is written too coarsely, many samples share a time: write more digits")
+        faults.append("t is written too coarsely, many samples share a time: write more digits")
     else:
-        faults += _not_forward(time, intervals, name, before)
+        faults += _not_forward(time, intervals, before)
     if forward.size < 2 or coarse:
-        return Clock(0.0, float("nan"), tuple(faults) or (f"{name} does not advance: give times in s",))
+        return Clock(0.0, float("nan"), tuple(faults) or ("t does not advance: give times in s",))
     rate = _rate(intervals, forward, step)
-    faults += _changed(time, rate, name, before)
+    faults += _changed(time, rate, before)
     late, wide = _lateness(intervals, rate, step)
-    faults += _gaps(time, intervals, wide, rate, name, before)
-    fault, note = _jitter(time, np.where(wide, 0.0, late), intervals > 0.0, rate.before, jitter, name)
+    faults += _gaps(time, intervals, wide, rate, before)
+    fault, note = _jitter(time, np.where(wide, 0.0, late), intervals > 0.0, rate.before)
     faults += fault
     period = rate.before if faults else _rounded(_slope(time))
     return Clock(float(time[0]), period, tuple(faults), tuple(note))
@@ -185,24 +180,24 @@ def describe(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-def _not_finite(time: FloatArray, name: str, before: int) -> list[str]:
+def _not_finite(time: FloatArray, before: int) -> list[str]:
     bad = np.flatnonzero(~np.isfinite(time))
     if not bad.size:
         return []
     return [
-        f"{name} has {describe(bad.size, 'value')} empty or no possible time, "
+        f"t has {describe(bad.size, 'value')} empty or no possible time, "
         f"the first in row {before + bad[0] + 1}: repair or cut out those rows"
     ]
 
 
-def _not_forward(time: FloatArray, intervals: FloatArray, name: str, before: int) -> list[str]:
+def _not_forward(time: FloatArray, intervals: FloatArray, before: int) -> list[str]:
     faults = []
     for bad, what in ((intervals == 0.0, "repeated time"), (intervals < 0.0, "step backwards")):
         where = np.flatnonzero(bad)
         if where.size:
             first = where[0] + 1
             faults.append(
-                f"{name} has {describe(where.size, what)}, the first at "
+                f"t has {describe(where.size, what)}, the first at "
                 f"t = {time[first]:.7g} s (row {before + first + 1}): remove those rows or split the log there"
             )
     return faults
@@ -249,11 +244,11 @@ def _best_cut(periods: FloatArray) -> int:
     return int(np.argmax(difference * np.sqrt(left * right))) + 1
 
 
-def _changed(time: FloatArray, rate: _Rate, name: str, before: int) -> list[str]:
+def _changed(time: FloatArray, rate: _Rate, before: int) -> list[str]:
     if rate.change is None:
         return []
     return [
-        f"{name} changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
+        f"t changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
         f"t = {time[rate.change]:.7g} s (row {before + rate.change + 1}): split the log there or resample it"
     ]
 
@@ -275,7 +270,7 @@ def _lateness(intervals: FloatArray, rate: _Rate, step: float) -> tuple[FloatArr
 
 
 def _gaps(
-    time: FloatArray, intervals: FloatArray, wide: npt.NDArray[np.bool_], rate: _Rate, name: str, before: int
+    time: FloatArray, intervals: FloatArray, wide: npt.NDArray[np.bool_], rate: _Rate, before: int
 ) -> list[str]:
     where = np.flatnonzero(wide)
     if not where.size:
@@ -283,7 +278,7 @@ def _gaps(
     first = where[0]
     period = rate.before if rate.change is None or first < rate.change else rate.after
     return [
-        f"{name} has {describe(where.size, 'gap')}, the first after "
+        f"t has {describe(where.size, 'gap')}, the first after "
         f"t = {time[first]:.7g} s (row {before + first + 1}), "
         f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there or fill in the samples"
     ]
@@ -294,21 +289,19 @@ def _jitter(
     late: FloatArray,
     forward: npt.NDArray[np.bool_],
     period: float,
-    accepted: float,
-    name: str,
 ) -> tuple[list[str], list[str]]:
     """Fault and note about intervals that are neither gaps nor regular."""
     deviation = np.where(forward, np.abs(late), 0.0) / period
     worst = int(np.argmax(deviation))
-    if deviation[worst] <= _WORTH_A_NOTE * accepted:
+    if deviation[worst] <= _WORTH_A_NOTE * _JITTER:
         return [], []
     rms = float(np.sqrt(np.mean(deviation**2)))
     said = (
-        f"{name} jitters by {100.0 * rms:.2g} % of the period of {period:.6g} s (rms), most at "
+        f"t jitters by {100.0 * rms:.2g} % of the period of {period:.6g} s (rms), most at "
         f"t = {time[worst + 1]:.7g} s by {100.0 * deviation[worst]:.3g} %"
     )
-    if rms > accepted:
-        return [f"{said}: at most {100.0 * accepted:g} % is accepted, resample the log to one period"], []
+    if rms > _JITTER:
+        return [f"{said}: at most {100.0 * _JITTER:g} % is accepted, resample the log to one period"], []
     return [], [f"{said}; treated as uniform"]
 
 

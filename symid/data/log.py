@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.errors import LogError
 
 
@@ -57,7 +57,7 @@ class Log:
             raise LogError(
                 f"{self.source}: sampling period {self.sampling_period:g} s is impossible: it must be > 0"
             )
-        signals = {name: _read_only_view(values) for name, values in self.signals.items()}
+        signals = {name: read_only(values) for name, values in self.signals.items()}
         _check_lengths(self.source, signals)
         object.__setattr__(self, "signals", MappingProxyType(signals))
         object.__setattr__(self, "notes", tuple(self.notes))
@@ -139,12 +139,6 @@ class Log:
             signals={name: values[start_index:stop_index] for name, values in self.signals.items()},
             notes=self.notes,
         )
-
-
-def _read_only_view(values: FloatArray) -> FloatArray:
-    view = np.asarray(values, dtype=np.float64).view()
-    view.setflags(write=False)
-    return view
 
 
 def _check_lengths(source: str, signals: Mapping[str, FloatArray]) -> None:

@@ -11,11 +11,12 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_spans, inspect_steps, inspect_values
+from symid.data.checks import inspect_steps, inspect_values
 from symid.data.clock import Clock, inspect_clock
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, sources_of
 from symid.data.layout import Layout
 from symid.data.log import Log
+from symid.data.stuck import inspect_spans
 from symid.data.table import Table, said_of
 from symid.data.tables import open_table
 from symid.errors import LogError

@@ -16,12 +16,13 @@ from typing import Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.checks import inspect_finite, inspect_spans, inspect_steps, said_range
+from symid.data.checks import inspect_finite, inspect_steps, said_range
 from symid.data.clock import MINIMUM_SAMPLES, Clock, ClockOfBlocks
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, sources_of
 from symid.data.layout import Layout
 from symid.data.long_log import BLOCK, AnyLog, LongLog, spans
 from symid.data.reading import in_si, opened_table, positions_of, read_table
+from symid.data.stuck import inspect_spans
 from symid.data.table import Slices, said_of
 from symid.errors import LogError
 from symid.units import Unit

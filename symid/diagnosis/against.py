@@ -18,16 +18,10 @@ import numpy as np
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.comparison import applied, compared
-from symid.diagnosis.diagnose import (
-    concluded,
-    data_of,
-    effect_values,
-    fits_of,
-    standard_deviations,
-    timing,
-)
+from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
+from symid.diagnosis.diagnose import data_of, fits_of, late_in
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
-from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted, unfitted, with_effects
+from symid.diagnosis.fit import Fit, fitted, refitted, unfitted
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
@@ -41,6 +35,7 @@ from symid.diagnosis.result import (
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, search
 from symid.diagnosis.start import ITERATIONS, fitted_axis, starting_parameters
+from symid.diagnosis.state import State, first_state, with_effects
 from symid.diagnosis.weighting import Weighting
 from symid.diagnosis.wording import sentence_against
 
@@ -55,6 +50,7 @@ def diagnose_against(
     *,
     validation: Log | None = None,
     late: Mapping[str, float] | None = None,
+    held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
 ) -> Diagnosis:
     """Why a machine and a simulator of it differ.
@@ -67,8 +63,8 @@ def diagnose_against(
         A log of the machine.
     simulated : Log
         A log of the simulator, best under the same reference, with the same signals.
-    validation, late, library
-        As for `diagnose`; signals of both logs count as recorded late by the same times.
+    validation, late, held, library
+        As for `diagnose`; signals of both logs count as recorded alike.
 
     Returns
     -------
@@ -95,14 +91,13 @@ def diagnose_against(
     ...     simulate(noisy, values | {"Fs": level}, reference, loop, seed=seed).log
     ...     for seed, level in enumerate((36.0, 30.0))
     ... )
-    >>> found = diagnose_against(axis, machine, simulator, late={"F": -5e-4})
+    >>> found = diagnose_against(axis, machine, simulator, held=True)
     >>> found.verdict, [p.name for p in found.simulated.parameters if p.differs]
     ('parameters', ['Fs'])
     """
-    data = data_of(axis, log, validation, late)
-    own = record_of(
-        data.record.dynamics, as_noisy(simulated, data.record), None, timing(axis, simulated, late)
-    )
+    data = data_of(axis, log, validation, (late, held))
+    at = late_in(axis, simulated, (late, held))
+    own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)

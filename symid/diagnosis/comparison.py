@@ -11,9 +11,11 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fit import Fit, State, derivatives, first_state, solved, with_effects
+from symid.diagnosis.fit import Fit, solved
 from symid.diagnosis.record import Record
 from symid.diagnosis.result import Gap, Level, Signals, Spectrum
+from symid.diagnosis.sensitivity import derivatives
+from symid.diagnosis.state import State, first_state, with_effects
 from symid.diagnosis.weighting import Weighting, with_restarts
 
 _BLOCKS = 24
@@ -135,22 +137,30 @@ class Comparison:
     def spectrum(self) -> Spectrum:
         """Error density against noise density."""
         record = self.record
-        rate = record.n_rows / record.period
-
-        def density(model: int) -> FloatArray:
-            errors = self.errors[model]
-            rows = np.zeros(record.n_rows) if errors is None else np.nan_to_num(errors[0])
-            share = max(float(self.weighting.kept.mean()), 1e-9)
-            found = scipy.signal.welch(rows, rate, nperseg=min(_SEGMENT, rows.size // 4))
-            return np.asarray(
-                np.sqrt(found[1] / share) / np.interp(found[0], frequency, self.weighting.density[0])
-            )
-
-        frequency = record.omega / (2 * np.pi)
-        grid = scipy.signal.welch(np.zeros(record.n_rows), rate, nperseg=min(_SEGMENT, record.n_rows // 4))[0]
+        grid, before = self.power(1, _SEGMENT)
+        after = self.power(len(self.errors) - 1, _SEGMENT)[1]
         used = (grid > 0) & (grid < _USED * record.band_hz)
-        noise = np.sqrt(2 / rate) / np.interp(grid, frequency, self.weighting.density[0])
-        return Spectrum(grid[used], density(1)[used], density(len(self.errors) - 1)[used], noise[used])
+        weight = np.interp(grid, record.omega / (2 * np.pi), self.weighting.density[0])
+        noise = np.sqrt(2 / self.row_rate) / weight
+        reidentified, explained = (np.sqrt(power / self.kept_share) / weight for power in (before, after))
+        return Spectrum(grid[used], reidentified[used], explained[used], noise[used])
+
+    @property
+    def row_rate(self) -> float:
+        """Rows a second, Hz."""
+        return self.record.n_rows / self.record.period
+
+    @property
+    def kept_share(self) -> float:
+        """Share of the rows that are kept."""
+        return max(float(self.weighting.kept.mean()), 1e-9)
+
+    def power(self, model: int, segment: int) -> tuple[FloatArray, FloatArray]:
+        """Frequencies, Hz, and power density of the weighted force error of a model, 0 where no row is kept."""
+        errors = self.errors[model]
+        rows = np.zeros(self.record.n_rows) if errors is None else np.nan_to_num(errors[0])
+        frequency, power = scipy.signal.welch(rows, self.row_rate, nperseg=min(segment, rows.size // 4))
+        return np.asarray(frequency), np.asarray(power)
 
 
 def compared(

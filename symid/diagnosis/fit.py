@@ -1,8 +1,4 @@
-"""Physical parameters and effects from a record: weighted least squares of the outputs' errors, by Gauss-Newton.
-
-Hidden motion follows from the measured one and from the forces of the iteration before, so that a law in a joint that
-no sensor sees is evaluated at the motion that the model itself implies.
-"""
+"""Physical parameters and effects from a record: weighted least squares of the outputs' errors, by Gauss-Newton."""
 
 from __future__ import annotations
 
@@ -12,52 +8,18 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
-from symid.diagnosis.record import Record
-from symid.diagnosis.scene import Joint, Scene, scene_of
-from symid.diagnosis.weighting import Weighting, starting_pulses, weighting_of, with_restarts
-from symid.errors import LogError, SettingError
+from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.sensitivity import derivatives
+from symid.diagnosis.state import State, evaluated, weighting_in
+from symid.diagnosis.weighting import Weighting, with_restarts
+from symid.errors import SettingError
 
-_RELATIVE_STEP = 1e-4
-_SHAPE_STEP = 1e-4
 _LARGEST_SHAPE_STEP = 0.3
 _HALVINGS = 5
 _SETTLED = 1e-6
 _RANK = 1e-10
-_TAKES_PART = 0.2
 _CREDIBLE = 16.0
-_LEAST_ROWS = 100
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A model with values, under a record.
-
-    Parameters
-    ----------
-    scene : Scene
-        Motion and prediction.
-    placed : tuple of Placed
-        Effects with values.
-    errors : array of shape (n_outputs, n_bins)
-        Measured less predicted outputs.
-    rows : array of shape (n_outputs, n_rows)
-        The same, weighted.
-    beginning : array of shape (n_starts, n_outputs, n_rows)
-        What an unknown state at the beginning of the log makes of them.
-    """
-
-    scene: Scene
-    placed: tuple[Placed, ...]
-    errors: ComplexArray
-    rows: FloatArray
-    beginning: FloatArray
-
-    def weighted(self, weighting: Weighting) -> State:
-        """The same with other weights."""
-        beginning = weighting.rows(starting_pulses(self.scene.record, self.scene.hidden))
-        return replace(self, rows=weighting.rows(self.errors), beginning=beginning)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,44 +96,6 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(columns / scale, error, rcond=_RANK)[0] / scale)
 
 
-def first_state(
-    record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
-) -> tuple[State, Weighting]:
-    """The axis at given parameters, and the weighting that goes with them.
-
-    Parameters
-    ----------
-    record : Record
-        The log.
-    parameters : mapping of str to float
-        Physical parameters, SI.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the log that may be used.
-    """
-    scene = scene_of(record, parameters)
-    scene = scene_of(record, parameters, before=scene)
-    weighting = _weighting(scene, allowed)
-    if weighting.kept.sum() < _LEAST_ROWS:
-        raise LogError(
-            f"log {record.log.source!r} has {weighting.kept.sum()} rows of motion: a diagnosis needs {_LEAST_ROWS}; "
-            "take a log in which the axis moves"
-        )
-    return _state(scene, (), record.measured - scene.predicted, weighting), weighting
-
-
-def _state(scene: Scene, placed: tuple[Placed, ...], errors: ComplexArray, weighting: Weighting) -> State:
-    nothing = np.zeros((0, 0, 0))
-    return State(scene, placed, errors, nothing, nothing).weighted(weighting)
-
-
-def _weighting(scene: Scene, allowed: BoolArray | None) -> Weighting:
-    """Weights of a scene: all joints that take part in the drive's motion must move."""
-    driven = scene.record.fine(scene.record.motion)[scene.record.in_log]
-    least = _TAKES_PART * np.ptp(driven)
-    speeds = [joint.v for joint in scene.joints.values() if joint.stroke > least]
-    return weighting_of(scene.record, scene.density, speeds, allowed)
-
-
 def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
     """Gauss-Newton from a state.
 
@@ -214,65 +138,9 @@ def refitted(fit: Fit, iterations: int = 3) -> Fit:
     """
     scene, weighting = fit.state.scene, fit.weighting
     if fit.mean_square < _CREDIBLE:
-        weighting = _weighting(scene, weighting.allowed)
+        weighting = weighting_in(scene, weighting.allowed)
     weighting = with_restarts(weighting, scene.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
-
-
-def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State:
-    """The same parameters with other effects."""
-    return _evaluated(state, weighting, state.scene.parameters, placed)
-
-
-def _evaluated(
-    state: State, weighting: Weighting, parameters: Mapping[str, float], placed: tuple[Placed, ...]
-) -> State:
-    before, record = state.scene, state.scene.record
-    forces = np.zeros_like(before.forces)
-    impedances, marching = [], []
-    for item in placed:
-        if not isinstance(item.effect, JointEffect):
-            continue
-        joint = item.effect.joint(before, item.at)
-        if isinstance(item.effect, LinearEffect):
-            stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
-            impedances.append((joint.direction, stiffness))
-            continue
-        force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
-        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.marched else None
-        if law is None:
-            forces -= np.multiply.outer(force, joint.direction)
-        else:
-            impedances.append((joint.direction, _equivalent(force, joint)))
-            marching.append((joint.direction, law))
-    scene = scene_of(
-        record, parameters, before=before, forces=forces, impedances=impedances, marching=marching
-    )
-    errors = record.measured - scene.predicted
-    for item in placed:
-        if not isinstance(item.effect, JointEffect):
-            errors = errors - item.change(scene)
-    return _state(scene, placed, errors, weighting)
-
-
-def is_hidden(scene: Scene, joint: Joint) -> bool:
-    """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
-    if len(scene.response.plant.bodies) != 2:
-        return False
-    row = scene.response.plant.sensors[scene.record.signals[0]][0]
-    driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
-    return not driven and np.array_equal(joint.spectrum, joint.modelled)
-
-
-def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
-    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
-    s = 1j * joint.record.omega
-    motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
-    scale = np.linalg.norm(motion, axis=1)
-    unit = motion / np.where(scale > 0, scale, 1.0)[:, None]
-    share = np.linalg.lstsq((unit.conj() @ unit.T).real, (unit.conj() @ force).real, rcond=1e-10)[0]
-    k, c, m = share / np.where(scale > 0, scale, 1.0)
-    return np.asarray(k + c * s + m * s**2)
 
 
 def _cost(state: State, weighting: Weighting) -> float:
@@ -293,7 +161,7 @@ def _searched(
     share = 1.0
     for _ in range(_HALVINGS):
         try:
-            found = _evaluated(state, weighting, *_moved(state, share * step))
+            found = evaluated(state, weighting, *_moved(state, share * step))
             after = _cost(found, weighting)
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             after = np.inf
@@ -322,49 +190,3 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
         place += len(shape)
         placed.append(replace(item, amplitudes=amplitudes, shape=shape))
     return parameters, tuple(placed)
-
-
-def derivatives(state: State) -> ComplexArray:
-    """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
-    scene = state.scene
-    found = [parameter_columns(scene)]
-    for item in state.placed:
-        if not item.effect.fixed:
-            found.append(item.effect.columns(scene, item.at, item.shape))
-        found.append(_shape_columns(scene, item))
-    return np.concatenate(found)
-
-
-def _shape_columns(scene: Scene, item: Placed) -> ComplexArray:
-    columns = np.zeros((len(item.shape), *scene.record.measured.shape), dtype=complex)
-    before = item.change(scene) if item.shape else 0.0
-    for i, value in enumerate(item.shape):
-        step = _SHAPE_STEP * abs(value)
-        shape = (*item.shape[:i], value + step, *item.shape[i + 1 :])
-        columns[i] = (replace(item, shape=shape).change(scene) - before) / step
-    return columns
-
-
-def parameter_columns(scene: Scene) -> ComplexArray:
-    """Derivatives of the predicted outputs by the physical parameters, of shape (n_parameters, n_outputs, n_bins)."""
-    dynamics, plant, s = scene.record.dynamics, scene.response.plant, 1j * scene.record.omega
-    columns = np.zeros((len(dynamics.parameters), *scene.record.measured.shape), dtype=complex)
-    for k, name in enumerate(dynamics.parameters):
-        step = _RELATIVE_STEP * (abs(scene.parameters[name]) or 1.0)
-        other = dynamics.at(dict(scene.parameters) | {name: scene.parameters[name] + step})
-        matrix = [
-            (getattr(other, kind) - getattr(plant, kind)) / step for kind in ("mass", "damping", "stiffness")
-        ]
-        if any(m.any() for m in matrix):
-            mass, damping, stiffness = (m @ scene.displacements for m in matrix)
-            forces = -(s**2 * mass + s * damping + stiffness).T
-        else:
-            forces = np.zeros((s.size, len(plant.bodies)), dtype=complex)
-        for (direction, spectra), law, moved in zip(scene.laws, plant.laws, other.laws, strict=True):
-            for spectrum, (weight, _), (after, _) in zip(spectra, law.terms, moved.terms, strict=True):
-                if after != weight:
-                    forces -= np.multiply.outer((after - weight) / step * spectrum, direction)
-        forces += np.multiply.outer(scene.predicted[0], (other.drive - plant.drive) / step)
-        forces[0] += (other.constant - plant.constant) / step * scene.record.n_extended
-        columns[k] = scene.response.of_forces(forces)
-    return columns

@@ -16,8 +16,9 @@ import numpy as np
 
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Placed
-from symid.diagnosis.fit import Fit, State, first_state, is_hidden, with_effects
+from symid.diagnosis.fit import Fit
 from symid.diagnosis.scene import Scene, place_of
+from symid.diagnosis.state import State, first_state, is_hidden, with_effects
 from symid.diagnosis.weighting import Weighting
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from symid.arrays import BoolArray, FloatArray
 from symid.axis.axis import length_unit
@@ -17,6 +16,7 @@ from symid.units import Unit
 
 _BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 _PARTS = 8
+_SEGMENT = 2048
 _AROUND_REVERSAL = 0.05
 _SLOW, _FAST, _ACCELERATING = 0.1, 0.5, 0.3
 _MOST_OF_IT = 0.8
@@ -28,7 +28,7 @@ def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
     drive = axis.drive
     before, after = comparison.squares(1), comparison.squares(len(comparison.errors) - 1)
     return {
-        "band": _bands(comparison),
+        "band": _by_band(comparison),
         "regime": _cells(before, after, motion.regimes()),
         "direction": _cells(before, after, motion.directions()),
         "position": _cells(before, after, _ranges(motion.position, length_unit(drive.at))),
@@ -118,51 +118,30 @@ def _cells(
     )
 
 
-def _bands(comparison: Comparison) -> tuple[MapCell, ...]:
+def _by_band(comparison: Comparison) -> tuple[MapCell, ...]:
     """Mean square of both errors by frequency band, in multiples of the noise."""
-    frequency, before = _density(comparison, 1)
-    after = _density(comparison, len(comparison.errors) - 1)[1]
+    models = (1, len(comparison.errors) - 1)
+    (frequency, before), (_, after) = (_density(comparison, model) for model in models)
     used = frequency < 0.65 * comparison.record.band_hz
-    found = []
-    for low, high in pairwise(_BANDS):
-        inside = used & (frequency >= low) & (frequency < high)
-        if np.any(inside):
-            found.append((low, high, inside))
-    excess = [max(float(np.sum(before[i] - 1)), 0.0) for _, _, i in found]
-    total = sum(excess) or 1.0
-    return tuple(
-        MapCell(
-            label=f"{low:g} to {high:g} Hz",
-            low=low,
-            high=high,
-            samples=float(np.sum(inside) / np.sum(used)),
-            share=over / total,
-            before=float(np.sqrt(np.mean(before[inside]))),
-            after=float(np.sqrt(np.mean(after[inside]))),
-        )
-        for (low, high, inside), over in zip(found, excess, strict=True)
-    )
+    frequency, before, after = frequency[used], before[used], after[used]
+    bands = [
+        (f"{low:g} to {high:g} Hz", low, high, np.asarray((frequency >= low) & (frequency < high)))
+        for low, high in pairwise(_BANDS)
+    ]
+    return _cells(before, after, bands)
 
 
 def _density(comparison: Comparison, model: int) -> tuple[FloatArray, FloatArray]:
-    record = comparison.record
-    rate = record.n_rows / record.period
-    errors = comparison.errors[model]
-    rows = np.zeros(record.n_rows) if errors is None else np.nan_to_num(errors[0])
-    frequency, density = scipy.signal.welch(rows, rate, nperseg=min(2048, rows.size // 4))
-    share = max(float(comparison.weighting.kept.mean()), 1e-9)
-    return np.asarray(frequency), np.asarray(density) * rate / 2 / share * record.freedom
+    """Power of the error of a model over frequency, relative to that of noise alone."""
+    frequency, power = comparison.power(model, _SEGMENT)
+    return frequency, power * comparison.row_rate / 2 / comparison.kept_share * comparison.record.freedom
 
 
-def located(
-    comparison: Comparison, found: Mapping[str, tuple[MapCell, ...]], shares: Mapping[str, float]
-) -> tuple[Location, ...]:
+def located(found: Mapping[str, tuple[MapCell, ...]], shares: Mapping[str, float]) -> tuple[Location, ...]:
     """Places with their shares, and the band and regime that hold most of the gap.
 
     Parameters
     ----------
-    comparison : Comparison
-        Models on the validation data.
     found : mapping of str to tuple of MapCell
         The map of the gap.
     shares : mapping of str to float

@@ -12,10 +12,11 @@ from dataclasses import replace
 
 from symid.arrays import BoolArray
 from symid.diagnosis.comparison import compared
-from symid.diagnosis.fit import Fit, fitted, with_effects
+from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.hidden_starts import Start
 from symid.diagnosis.record import Record
 from symid.diagnosis.search import Confirmed, Turn, confirmed_from
+from symid.diagnosis.state import with_effects
 
 _ITERATIONS = 3
 _AS_GOOD = 1.1

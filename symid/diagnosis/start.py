@@ -8,8 +8,9 @@ import numpy as np
 
 from symid.axis import Axis, Spring
 from symid.codegen import load_generated
-from symid.diagnosis.fit import Fit, State, first_state, fitted, refitted
+from symid.diagnosis.fit import Fit, fitted, refitted
 from symid.diagnosis.record import Record
+from symid.diagnosis.state import State, first_state
 from symid.diagnosis.weighting import Weighting
 from symid.errors import SettingError, SymidError
 from symid.identification import identify

@@ -200,22 +200,6 @@ class Autoregression:
         white = np.einsum("ij,...jm->...im", self.whitening, left)[..., self.usable]
         return np.asarray(white.reshape(*rows.shape[:-2], rows.shape[-2] * int(self.usable.sum())))
 
-    def back(self, white: FloatArray) -> FloatArray:
-        """The adjoint of `apply` for one set of rows."""
-        p = len(self.whitening)
-        rows = np.zeros((p, self.usable.size))
-        rows[:, self.usable] = white.reshape(p, -1)
-        rows = self.whitening.T @ rows
-        left = rows.copy()
-        for k in range(self.coefficients.shape[1]):
-            left -= self.coefficients[:, k].T @ np.roll(rows, -(k + 1), axis=-1)
-        return left
-
-    @property
-    def log_volume(self) -> float:
-        """Logarithm of the determinant of the innovations' covariance."""
-        return float(-2 * np.sum(np.log(np.diag(self.whitening))))
-
 
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
     """Least-squares autoregressive model of rows of shape (n_outputs, n_rows), gaps left out."""

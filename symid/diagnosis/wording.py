@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symid.diagnosis.record import Record
 from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Gap, Simulator, Verdict
 
 _ADVICE = {
@@ -105,9 +104,7 @@ def _size(gap: Gap, rms: float) -> str:
     return f"{rms:.3g} {gap.unit} ({rms / gap.noise_floor.rms:.1f} times the noise)"
 
 
-def next_experiment(
-    verdict: Verdict, effects: Sequence[FoundEffect], rivals: Sequence[Alternative], record: Record
-) -> str:
+def next_experiment(verdict: Verdict, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]) -> str:
     """What to do next."""
     if verdict == "no_gap":
         return "None is needed for this motion; for others, repeat the diagnosis with a log of theirs."

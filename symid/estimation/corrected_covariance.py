@@ -16,7 +16,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 from symid.estimation.correlation import (
     ResidualCovariance,
@@ -191,10 +191,9 @@ def corrected_covariance_of_blocks(
     covariance = scale * (root @ scores @ root.T)
     covariance[list(fit.undetermined)] = np.nan
     covariance[:, list(fit.undetermined)] = np.nan
-    covariance.flags.writeable = False
     return CorrelatedCovariance(
         status="too_few_samples" if not enough else "correlation_persists" if length is None else "ok",
-        covariance=covariance,
+        covariance=read_only(covariance),
         bandwidth=bandwidth,
         effective_samples=worth,
         effective_parameters=absorbed * sum(fit.rows),

@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
 from symid.estimation.rank import RankAnalysis, analyse_rank, condition_number
 from symid.estimation.triangular import TriangularFactor, triangle
@@ -98,11 +98,6 @@ class LeastSquares:
         norms = (np.linalg.norm(self.residual_norm), np.linalg.norm(self.y_norm))
         return float(norms[0] / norms[1]) if norms[1] > 0.0 else float("nan")
 
-    @property
-    def relative_error_equation(self) -> FloatArray:
-        """||rho_j|| / ||y_j|| of each equation; nan for homogeneous ones."""
-        return _ratio(self.residual_norm, np.where(self.y_norm > 0.0, self.y_norm, np.nan))
-
 
 def estimate(
     factors: Sequence[TriangularFactor], method: Method = "wls", ddof: int | None = None
@@ -154,20 +149,20 @@ def estimate(
     return LeastSquares(
         status=_status(rows, rank),
         method=method,
-        parameters=_read_only(_with_nan(solution, free)),
-        covariance=_read_only(_with_nan(_with_nan(covariance, free).T, free).T),
-        solution=_read_only(solution),
-        weights=_read_only(weights),
+        parameters=read_only(_with_nan(solution, free)),
+        covariance=read_only(_with_nan(_with_nan(covariance, free).T, free).T),
+        solution=read_only(solution),
+        weights=read_only(weights),
         sigma_rho=float(sigma),
-        sigma_rho_equation=_read_only(sigmas),
-        residual_norm=_read_only(residual_norm),
-        y_norm=_read_only(np.array([factor.norms[-1] for factor in factors])),
+        sigma_rho_equation=read_only(sigmas),
+        residual_norm=read_only(residual_norm),
+        y_norm=read_only(np.array([factor.norms[-1] for factor in factors])),
         rows=tuple(factor.rows for factor in factors),
         condition_number=_unscaled_condition(factors),
         condition_number_scaled=rank.condition_number,
         rank=rank,
-        combination_values=_read_only(combinations @ solution),
-        combination_covariance=_read_only(combinations @ covariance @ combinations.T),
+        combination_values=read_only(combinations @ solution),
+        combination_covariance=read_only(combinations @ covariance @ combinations.T),
     )
 
 
@@ -285,8 +280,3 @@ def _with_nan(array: FloatArray, undetermined: list[int]) -> FloatArray:
 def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.divide(numerator, denominator))
-
-
-def _read_only(array: FloatArray) -> FloatArray:
-    array.flags.writeable = False
-    return array

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, read_only
 from symid.estimation.corrected_covariance import ObservationBlock
 from symid.estimation.least_squares import LeastSquares
 from symid.estimation.triangular import checked_observation
@@ -92,6 +92,9 @@ def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> Leas
     solution = (exact + root @ (root.T @ slope)).astype(np.float64)
     parameters = np.where(np.isnan(fit.parameters), np.nan, solution)
     combined = fit.combinations @ solution
-    for array in (solution, parameters, combined):
-        array.flags.writeable = False
-    return replace(fit, parameters=parameters, solution=solution, combination_values=combined)
+    return replace(
+        fit,
+        parameters=read_only(parameters),
+        solution=read_only(solution),
+        combination_values=read_only(combined),
+    )

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 
 # Elements of one chunk of [W | y] (1.5 MB). Measured on 1e7 rows of 5 + 1 and 3e6 of 15 + 1 columns: the time
@@ -52,9 +52,7 @@ class TriangularFactor:
                 f"R of a triangular factor has shape {self.R.shape}; it must be square with one row for each "
                 "parameter and one for y"
             )
-        R = np.array(self.R, dtype=np.float64)
-        R.flags.writeable = False
-        object.__setattr__(self, "R", R)
+        object.__setattr__(self, "R", read_only(np.array(self.R, dtype=np.float64)))
 
     @classmethod
     def empty(cls, n_parameters: int) -> TriangularFactor:

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy as sp
 
 from symid.codegen.lowering import PolynomialLowering, as_factor, signal_names
+from symid.codegen.module import model_signals
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_step import step_function
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported
 from symid.export.losses import losses_of_signals
-from symid.signals import split_derivative
 from symid.symbolic.pipeline import DerivedModel
 
 _HEADER = """\
@@ -188,17 +188,6 @@ def _words(
         ),
         "readings": _readings(dynamics),
     }
-
-
-def model_signals(model: DerivedModel) -> tuple[str, ...]:
-    """Signals of the minimal model: the force first, then the sensors as declared, by order of derivative."""
-    minimal = model.minimal
-    written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
-    ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
-    names = [name for name in written if name not in minimal.source.source.constants]
-    return tuple(
-        sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1]))
-    )
 
 
 def _regressor(model: DerivedModel, signals: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""Forward dynamics of an axis as expressions: what `symid.simulation.plant` holds as numbers.
+"""Forward dynamics of an axis as expressions: what `symid.simulation.forward_dynamics` holds as numbers.
 
 M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), x being the absolute displacements of the free
 bodies. Balances and laws are those from which the regressors come.

@@ -12,8 +12,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-import numpy as np
-
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.c_source import c_source
@@ -140,10 +138,7 @@ def _variable(reference: int, name: str, kind: str, start: float | None = None) 
 
 def _step(axis: Axis, values: Mapping[str, float]) -> float:
     """A hundredth of the fastest mode's radian, 20 us at most."""
-    plant = plant_of(axis, values)
-    fastest = math.sqrt(
-        float(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(plant.mass, plant.stiffness)))))
-    )
+    fastest = 2 * math.pi * plant_of(axis, values).highest_mode  # rad/s
     return float(f"{min(_LONGEST, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0))):.2g}")
 
 

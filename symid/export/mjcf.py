@@ -10,8 +10,6 @@ import math
 from collections.abc import Mapping
 from xml.sax.saxutils import quoteattr
 
-import numpy as np
-
 from symid.axis import Acceleration, Axis, Body, PendulumWeight, Position, Sensor
 from symid.export.exported import Exported
 from symid.export.losses import losses_of_signals
@@ -71,10 +69,7 @@ def mjcf(axis: Axis, values: Mapping[str, float]) -> Exported:
     >>> 'damping="200"' in exported.text, 'frictionloss="20"' in exported.text
     (True, True)
     """
-    plant = plant_of(axis, values)
-    fastest = math.sqrt(
-        float(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(plant.mass, plant.stiffness)))))
-    )
+    fastest = 2 * math.pi * plant_of(axis, values).highest_mode  # rad/s
     timestep = min(_LONGEST_STEP, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0)))
     return _Writer(axis, mechanism(axis, values), timestep).exported()
 

@@ -18,17 +18,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 from symid.fleet.segments import Change, Segment, cut, fitted_segment, places_of_step
-
-Values = TypeVar("Values", FloatArray, BoolArray, npt.NDArray[np.intp])
 
 LEAST_RUNS = 8
 """Runs from which changes are looked for."""
@@ -146,7 +143,7 @@ class _Series:
 def _days(moment: datetime | float, first: datetime | float) -> float:
     if isinstance(moment, datetime) and isinstance(first, datetime):
         return (moment - first).total_seconds() / 86400
-    return float(moment)  # type: ignore[arg-type]
+    return float(moment)  # type: ignore[arg-type]  # both are numbers
 
 
 def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
@@ -178,14 +175,14 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
     limit = _LIMIT * np.sqrt(variance + between)
     changes = _changes(series, scale, time, x, weights, segments)
     return ControlChart(
-        time=tuple(series.when),  # type: ignore[arg-type]
-        order=_read_only(order),
-        values=_read_only(series.values),
-        deviations=_read_only(series.deviations),
-        centre=_read_only(centre * scale),
-        limit=_read_only(limit * scale),
-        outside=_read_only(np.abs(x - centre) > limit),
-        isolated=_read_only(outlying),
+        time=tuple(series.when),  # type: ignore[arg-type]  # all of one kind
+        order=read_only(order),
+        values=read_only(series.values),
+        deviations=read_only(series.deviations),
+        centre=read_only(centre * scale),
+        limit=read_only(limit * scale),
+        outside=read_only(np.abs(x - centre) > limit),
+        isolated=read_only(outlying),
         between=math.sqrt(between) * scale,
         segments=tuple(_scaled(s, scale) for s in segments),
         changes=changes,
@@ -323,9 +320,3 @@ def _in_units(change: Change, scale: float, factor: float) -> Change:
 def _scaled(s: Segment, scale: float) -> Segment:
     variances = (s.level_variance * scale**2, s.slope_variance * scale**2)
     return Segment(s.first, s.end, s.middle, s.level * scale, s.slope * scale, *variances)
-
-
-def _read_only(array: Values) -> Values:
-    array = array.copy()
-    array.flags.writeable = False
-    return array

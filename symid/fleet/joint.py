@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 from threadpoolctl import threadpool_limits
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
@@ -60,8 +60,7 @@ class LogFactors:
                 f"{self.log}: covariance of shape {covariance.shape} for {self.factors[0].parameters} parameters; "
                 "it must be square with a row for each"
             )
-        covariance.flags.writeable = False
-        object.__setattr__(self, "covariance", covariance)
+        object.__setattr__(self, "covariance", read_only(covariance))
 
 
 def log_factors(found: Identification) -> LogFactors:
@@ -207,7 +206,7 @@ def _joined(
     if fit.status == "ok":
         physical = physical_estimates(model, fit.parameters, covariance, nominal)
     status, message = verdict(model, fit, physical)
-    disagreement, freedom = _disagreement(logs, information, fit)
+    disagreement, freedom = _disagreement(logs, fit)
     names = tuple(log.log for log in logs)
     return JointIdentification(
         model, names, fit, covariance, physical, status, message, disagreement, freedom
@@ -252,13 +251,10 @@ def _covariance(logs: Sequence[LogFactors], information: list[FloatArray], fit: 
         scores += A @ log.covariance @ A if np.all(np.isfinite(log.covariance)) else log.dependence * A
     covariance = inverse @ scores @ inverse
     covariance[np.isnan(fit.covariance)] = np.nan
-    covariance.flags.writeable = False
-    return covariance
+    return read_only(covariance)
 
 
-def _disagreement(
-    logs: Sequence[LogFactors], information: list[FloatArray], fit: LeastSquares
-) -> tuple[float, int]:
+def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float, int]:
     """Chi-square of the logs' own estimates about their mean of least variance, and its degrees of freedom."""
     alone = [
         (own.parameters, log.covariance)

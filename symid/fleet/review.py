@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,6 @@ from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
 from symid.fleet.effects import EffectCount, count_effects
 from symid.fleet.results import (
-    UNKNOWN,
     Group,
     Units,
     checked_results,
@@ -25,6 +23,7 @@ from symid.fleet.results import (
     parameter_names,
 )
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
+from symid.fleet.wording import sentence
 
 _TO_SIGMA = 1.4826
 """Standard deviation of normal values for each unit of their median absolute deviation."""
@@ -194,7 +193,7 @@ def review_fleet(
     counts = _counts(table, "status")
     effects = _effects(parts)
     verdicts = _counts(table, "verdict")
-    return FleetReview(table, axes, counts, verdicts, effects, _sentence(table, axes, counts, effects))
+    return FleetReview(table, axes, counts, verdicts, effects, sentence(table, axes, counts, effects))
 
 
 def _units_of(group: Group, units: Units) -> Mapping[str, str]:
@@ -277,63 +276,3 @@ def _effects(parts: Sequence[Group]) -> tuple[EffectCount, ...]:
         for part in told
         for effect, at in part.rows.select("effect", "at").iter_rows()
     )
-
-
-def _sentence(
-    table: pl.DataFrame,
-    axes: Sequence[AxisReview],
-    statuses: Mapping[str, int],
-    effects: Sequence[EffectCount],
-) -> str:
-    """Counts, axes that differ, changes and the most frequent effect."""
-    if not table.height:
-        return "No log."
-    known = sum(one.axis != UNKNOWN for one in axes)
-    parts = [f"{_plural(table.height, 'log')} of {_plural(known, 'axis', 'axes')}, {_ok(table, statuses)}."]
-    told = [one for one in axes if one.verdict.probabilities]
-    differing = [one for one in told if one.verdict.differs]
-    if differing:
-        worst = max(differing, key=_largest_share)
-        which = ", ".join(worst.verdict.parameters[:3])
-        parts.append(
-            f"{len(differing)} of {_plural(len(told), 'axis', 'axes')} really "
-            f"{'differs' if len(differing) == 1 else 'differ'} from run to run"
-            f"{', most of all' if len(differing) > 1 else ':'} {worst.name} in {which}."
-        )
-    elif told:
-        parts.append("No axis differs from run to run beyond its intervals.")
-    changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
-    if changed:
-        parts.append(f"Parameters of {_plural(len(changed), 'axis', 'axes')} step or drift: {_few(changed)}.")
-    if effects:
-        first = effects[0]
-        place = f" at {first.at}" if first.at else ""
-        parts.append(
-            f"Most frequent effect: {first.effect.replace('_', ' ')}{place}, in {_plural(first.logs, 'log')} of "
-            f"{_plural(len(first.axes), 'axis', 'axes')}."
-        )
-    return " ".join(parts)
-
-
-def _ok(table: pl.DataFrame, statuses: Mapping[str, int]) -> str:
-    good = statuses.get("ok", 0)
-    if good == table.height:
-        return "all ok"
-    others = ", ".join(
-        f"{count} {name.replace('_', ' ')}" for name, count in statuses.items() if name != "ok"
-    )
-    return f"{good} ok ({others})"
-
-
-def _largest_share(axis: AxisReview) -> float:
-    return max(
-        (one.spread.share for one in axis.parameters if math.isfinite(one.spread.between)), default=0.0
-    )
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-
-
-def _plural(count: int, one: str, many: str = "") -> str:
-    return f"{count} {one if count == 1 else many or one + 's'}"

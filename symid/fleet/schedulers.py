@@ -83,7 +83,7 @@ class Processes:
             ((_, result),) = _pool(2)([joblib.delayed(_placed)(work, 0, task)])
         except TerminatedWorkerError:
             return None
-        return result  # type: ignore[no-any-return]
+        return result  # type: ignore[no-any-return]  # joblib has no types
 
 
 def _pool(jobs: int) -> joblib.Parallel:

@@ -34,7 +34,7 @@ class BatchSettings:
     preparation : Preparation
         What is left open is chosen from each log.
     held : tuple of str
-        Forces that are held from sample to sample, besides one that the axis declares as held.
+        Forces that are held from sample to sample, besides those that axes declare as held.
     ddof : int, optional
         As in `symid.identify`.
     nominal : mapping of str to float, optional
@@ -96,25 +96,29 @@ class BatchSettings:
             sensors = {sensor.signal for sensor in axis.sensors}
             chosen = tuple(name for name in self.measured if name in sensors) or None
         late = {name: value for name, value in self.preparation.late.items() if name in axis.signal_units}
+        held = True if axis.drive.signal in self.held else self.preparation.held
         return replace(
             self,
             measured=chosen,
             columns=_of(self.columns, known),
             units=_of(self.units, known),
             gains=_of(self.gains, known),
-            preparation=replace(self.preparation, late=late),
-            held=tuple(name for name in self.held if name in axis.signal_units),
+            preparation=replace(self.preparation, late=late, held=held),
+            held=(),
         )
 
     def check(self, axes: tuple[Axis, ...]) -> None:
         """SettingError for a signal that none of the axes has."""
         known = frozenset().union(*map(_signals, axes))
         named = (*(self.measured or ()), *self.columns, *self.units, *self.gains)
-        for signal in (*named, *self.preparation.late, *self.held):
+        for signal in (*named, *self.preparation.late):
             if signal not in known:
                 names = ", ".join(axis.name for axis in axes)
                 signals = dict.fromkeys(name for axis in axes for name in axis.signal_units)
                 raise SettingError(f"signal {signal!r} is not known: {names} has {', '.join(signals)}")
+        forces = [axis.drive.signal for axis in axes]
+        if unknown := [signal for signal in self.held if signal not in forces]:
+            raise SettingError(f"held signal {unknown[0]!r} is no force of an axis: give {', '.join(forces)}")
         for axis in axes:
             missing = [
                 n for n in axis.physical_parameters if self.nominal is not None and n not in self.nominal

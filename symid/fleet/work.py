@@ -22,7 +22,7 @@ from symid.fleet.joint import log_factors
 from symid.fleet.kept_factors import FACTORS, packed
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
-from symid.fleet.settings import ROW_METHODS, BatchSettings
+from symid.fleet.settings import ROW_METHODS
 from symid.identification import Identification, identify, measured_signals, open_axis_log
 
 
@@ -168,8 +168,6 @@ def _whole(log: AnyLog) -> Log:
 def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
     """Least squares or instrumental variables."""
     settings = axis.settings
-    declared = (axis.axis.drive.signal,) if axis.axis.drive.held else ()
-    preparation = settings.preparation.with_held((*settings.held, *declared), log.sampling_period)
     if settings.method == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
         from symid.simulation import ClosedLoop
@@ -179,7 +177,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
             model,
             _whole(log),
             loop,
-            preparation=preparation,
+            preparation=settings.preparation,
             nominal=settings.nominal,
             examine=settings.examine,
         )
@@ -187,7 +185,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
         model,
         log,
         method="ols" if settings.method == "ols" else "wls",
-        preparation=preparation,
+        preparation=settings.preparation,
         ddof=settings.ddof,
         nominal=settings.nominal,
         examine=settings.examine,
@@ -229,7 +227,6 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
         declared,
         model,
         log,
-        held=True if declared.drive.signal in settings.held else None,
         loop=loop,
         preparation=settings.preparation,
         nominal=settings.nominal,
@@ -252,10 +249,9 @@ def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:
     """Columns of the diagnosis; what keeps it from being made is added to the message."""
     from symid.diagnosis import diagnose  # sympy takes half a second to load
 
-    settings: BatchSettings = axis.settings
-    late = settings.preparation.with_held(settings.held, log.sampling_period)
+    settings, prepared = axis.settings, axis.settings.preparation
     try:
-        found = diagnose(axis.axis, log, nominal=settings.nominal, late=late.late)
+        found = diagnose(axis.axis, log, nominal=settings.nominal, late=prepared.late, held=prepared.held)
     except (Exception, PanicException) as error:  # noqa: BLE001  the identification stands whatever happens here
         cause = str(trouble(log.source, error)["message"])
         return {"message": "; ".join(part for part in (message, f"no diagnosis: {cause}") if part)}

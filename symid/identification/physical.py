@@ -50,9 +50,13 @@ class PhysicalEstimate:
         """Of the parameters, shape (n_physical,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
+    def propagated(self, covariance: FloatArray) -> FloatArray:
+        """Covariance that another one of the minimal parameters would give, shape (n_physical, n_physical)."""
+        return np.asarray(self.sensitivity @ covariance @ self.sensitivity.T)
+
     def propagated_deviations(self, covariance: FloatArray) -> FloatArray:
         """Standard deviations that another covariance of the minimal parameters would give, shape (n_physical,)."""
-        return np.asarray(np.sqrt(np.diag(self.sensitivity @ covariance @ self.sensitivity.T)))
+        return np.asarray(np.sqrt(np.diag(self.propagated(covariance))))
 
     @property
     def disagreement_probability(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -48,7 +48,10 @@ class Preparation:
         Speed below which rows do not enter equations with a law that jumps at standstill; 0 keeps all rows.
     late : mapping of str to float
         Seconds by which signals were recorded later than the others; they are moved back by so much. A force that acts
-        later than it is recorded has a negative value; one that is held from sample to sample, minus half a period.
+        later than it is recorded has a negative value.
+    held : bool, optional
+        Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
+        the axis declares it if not given.
     """
 
     cutoff_hz: float | None = None
@@ -58,6 +61,7 @@ class Preparation:
     trim: tuple[int, int] | None = None
     standstill: float | None = None
     late: Mapping[str, float] = field(default_factory=dict)
+    held: bool | None = None
 
     def __post_init__(self) -> None:
         if self.cutoff_hz is not None:
@@ -68,18 +72,34 @@ class Preparation:
         if self.trim is not None and min(self.trim) < 0:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
 
-    def with_held(self, signals: Iterable[str], sampling_period: float) -> Preparation:
-        """Settings under which forces that are held from sample to sample act half a sample later.
+    def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
+        """Seconds by which the signals of a log were recorded late, a hold of the force included."""
+        held = model.held if self.held is None else self.held
+        return with_hold(self.late, model.force, held=held, sampling_period=sampling_period)
 
-        Examples
-        --------
-        >>> Preparation(late={"F": 1e-3}).with_held(["F"], 1e-3).late
-        {'F': 0.0005}
-        """
-        late = dict(self.late)
-        for signal in signals:
-            late[signal] = late.get(signal, 0.0) - sampling_period / 2
-        return replace(self, late=late)
+
+def with_hold(
+    late: Mapping[str, float], force: str, *, held: bool, sampling_period: float
+) -> dict[str, float]:
+    """Seconds by which signals were recorded late; a force that is held acts half a sample after it is recorded.
+
+    Parameters
+    ----------
+    late : mapping of str to float
+        The same without the hold, s.
+    force : str
+        Signal of the drive.
+    held : bool
+        Whether it is held from sample to sample.
+    sampling_period : float
+        Of the log, s.
+
+    Examples
+    --------
+    >>> with_hold({"F": 1e-3}, "F", held=True, sampling_period=1e-3)
+    {'F': 0.0005}
+    """
+    return {**late, force: late.get(force, 0.0) - sampling_period / 2} if held else dict(late)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +208,7 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
 
     The cutoff is the lowest of 1.5 times the coherent band, the quiet band, and the faithful band; the decimation keeps
     the cutoff below 0.8 of the new Nyquist frequency; trimming leaves out three periods of the cutoff frequency, the
-    time in which a Butterworth filter forgets its start to a thousandth.
+    time in which a Butterworth filter forgets its start to a thousandth. A hold of the force stands in `late`.
     """
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
@@ -203,4 +223,5 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
     edge = min(math.ceil(3 * rate / cutoff) + max(model.highest_derivatives.values()), log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
-    return replace(given, cutoff_hz=cutoff, decimation=decimation, trim=trim)
+    late = given.with_hold(model, log.sampling_period)
+    return replace(given, cutoff_hz=cutoff, decimation=decimation, trim=trim, late=late, held=False)

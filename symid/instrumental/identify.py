@@ -75,7 +75,7 @@ def identify_by_instruments(
     >>> reference = chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3)
     >>> noisy = axis.with_signal("q", noise=1e-5)
     >>> log = simulate(noisy, values, reference, tuned_cascade(plant_of(axis, values), "q")).log
-    >>> settings = Preparation(cutoff_hz=40.0, late={"F": -5e-4})
+    >>> settings = Preparation(cutoff_hz=40.0, held=True)
     >>> found = identify_by_instruments(load_generated("rigid_1m"), log, ClosedLoop(axis), preparation=settings)
     >>> round(found.physical_parameters["M"], 2)
     5.0

@@ -22,7 +22,6 @@ from symid.estimation import (
     triangular_factors,
 )
 from symid.identification.physical import jacobian
-from symid.output_error.modes import highest_mode
 from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics
 
@@ -90,7 +89,7 @@ def fit_errors(
     if not all(error.has_motion for error in errors):
         raise np.linalg.LinAlgError("a run holds no motion")
     excerpts = [error.excerpt() for error in errors]
-    limit = nyquist if any(highest_mode(dynamics, start) < nyquist for start in starts) else math.inf
+    limit = nyquist if any(dynamics.at(start).highest_mode < nyquist for start in starts) else math.inf
     beginnings = [Search.at(dynamics, excerpts, _seen(model, start), start, limit) for start in starts]
     trials = [search for search in beginnings if np.isfinite(search.cost)]
     if not trials:

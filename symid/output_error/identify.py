@@ -42,13 +42,15 @@ def identify_output_error(
     logs : Log or sequence of Log
         Runs of one axis.
     held : bool, optional
-        Whether the force is held from each sample to the next. If not given, the declaration of the drive, and if that
-        is silent, the likelihood decides between a held force and a smooth one whose timing is estimated.
+        Whether the force is held from each sample to the next. If not given, the preparation says so, or the
+        declaration of the drive; if both are silent, the likelihood decides between a held force and a smooth one whose
+        timing is estimated.
     loop : ClosedLoop, optional
         The axis under its known controller, along the reference of the log: what readings and force are compared with,
         instead of predicting each reading from earlier ones. The force between its samples need not be known then.
     preparation : Preparation, optional
-        `late` and `standstill` are respected; a `late` of the force fixes its timing. There is nothing else to choose.
+        `late`, `held` and `standstill` are respected; a `late` of the force fixes its timing. There is nothing else to
+        choose.
     nominal : mapping of str to float, optional
         Nominal physical parameters to begin with; otherwise those of weighted least squares, and rough ones.
 
@@ -81,16 +83,13 @@ def identify_output_error(
     if loop is not None:
         for log in runs:
             loop.check(log)
-    declared = (
-        held
-        if held is not None
-        else axis.drive.held or (False if axis.drive.signal in prepared.late else None)
-    )
-    comparisons = _comparisons(model, forward_dynamics(axis), prepared, declared, loop)
+    held = prepared.held if held is None else held
+    if held is None:
+        held = axis.drive.held or (False if axis.drive.signal in prepared.late else None)
+    comparisons = _comparisons(model, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
-        starts = _starts(
-            model, comparisons[0].dynamics, runs, _for_least_squares(axis, prepared, runs, declared), nominal
-        )
+        to_begin_with = replace(prepared, held=bool(held))
+        starts = _starts(model, comparisons[0].dynamics, runs, to_begin_with, nominal)
         fits: list[tuple[Fit, Comparison]] = []
         for comparison in comparisons:
             fit = comparison.fit(runs, [*starts, *(fit.search.parameters for fit, _ in fits)])
@@ -124,17 +123,6 @@ def _comparisons(
         smooth = Comparison(model, dynamics, preparation, "smooth", free_timing=True)
         return [smooth, Comparison(model, dynamics, preparation, "held")]
     return [Comparison(model, dynamics, preparation, "held" if held else "smooth")]
-
-
-def _for_least_squares(
-    axis: Axis, preparation: Preparation, logs: Sequence[Log], held: bool | None
-) -> Preparation:
-    """Settings of least squares, to which a held force is one that acts half a sample later than it is recorded."""
-    if not held:
-        return preparation
-    force = axis.drive.signal
-    late = preparation.late.get(force, 0.0) - logs[0].sampling_period / 2
-    return replace(preparation, late={**preparation.late, force: late})
 
 
 def _starts(

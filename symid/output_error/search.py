@@ -12,7 +12,6 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.errors import SymidError
 from symid.output_error.levenberg_marquardt import Minimum, central_slope, minimise
-from symid.output_error.modes import highest_mode
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.simulation import ForwardDynamics
 
@@ -136,7 +135,7 @@ class Search:
         numpy.linalg.LinAlgError
             If a mode is too high, or an error is not defined.
         """
-        if highest_mode(self.dynamics, self._physical(x)) >= self.highest:
+        if self.dynamics.at(self._physical(x)).highest_mode >= self.highest:
             raise np.linalg.LinAlgError(f"a mode lies above {self.highest:g} Hz")
         return np.concatenate(self._parts(x))
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, derivatives
-from symid.output_error.modes import highest_mode
 from symid.simulation import ForwardDynamics
 
 _MODES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33, 0.43)
@@ -33,7 +32,7 @@ def spread(
         Of the log, Hz.
     """
     springs = dynamics.parameters_of("stiffness")
-    highest = highest_mode(dynamics, known)
+    highest = dynamics.at(known).highest_mode
     if not springs or highest == 0.0:
         return [dict(known)]
     scales = [(share * sampling_frequency / highest) ** 2 for share in _MODES]

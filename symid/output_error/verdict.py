@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from symid.identification.physical import negative_parameters
-from symid.output_error.modes import highest_mode
 from symid.output_error.result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0
@@ -58,7 +57,7 @@ def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
             "the innovations are correlated, as if the model or the timing did not fit quite: "
             f"{fit.linear.rows[0]} of them are worth {fit.correlated.effective_samples:.0f}"
         )
-    highest = highest_mode(fit.search.dynamics, fit.search.parameters)
+    highest = fit.search.dynamics.at(fit.search.parameters).highest_mode
     if highest:
         rate = found.logs[0].sampling_frequency
         remarks.append(

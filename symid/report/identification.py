@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from symid.arrays import FloatArray
@@ -104,8 +103,8 @@ def _covariances(found: Identification) -> dict[str, Any]:
     """Covariances of the minimal and of the physical parameters of the first branch, as `std_corrected` says."""
     if not found.physical:
         return {"minimal": found.covariance.tolist(), "physical": None}
-    slopes = found.physical[0].sensitivity
-    return {"minimal": found.covariance.tolist(), "physical": (slopes @ found.covariance @ slopes.T).tolist()}
+    physical = found.physical[0].propagated(found.covariance)
+    return {"minimal": found.covariance.tolist(), "physical": physical.tolist()}
 
 
 def _timing(found: Identification) -> dict[str, Any] | None:
@@ -156,9 +155,9 @@ def _distinct(names: list[str]) -> list[str]:
     return [name if names.index(name) == i else f"{name} (equation {i + 1})" for i, name in enumerate(names)]
 
 
-def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
+def print_identification(record: dict[str, Any]) -> None:
     """Print what `identification_record` holds."""
-    console = console or report_console()
+    console = report_console()
     console.print(
         f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",
         markup=True,

@@ -13,8 +13,8 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
+from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.loop import Loop
-from symid.simulation.plant import plant_of
 from symid.simulation.reading import Reader, in_steps
 from symid.simulation.record import Record
 from symid.simulation.run import Run

@@ -42,7 +42,7 @@ class Engine:
     Examples
     --------
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.plant import plant_of
+    >>> from symid.simulation.forward_dynamics import plant_of
     >>> plant = plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0})
     >>> engine = Engine(plant, np.array([0.0, 1.0]))
     >>> engine.advance(0.0, 0.75)

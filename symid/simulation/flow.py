@@ -32,7 +32,7 @@ class Flow:
     Examples
     --------
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.plant import plant_of
+    >>> from symid.simulation.forward_dynamics import plant_of
     >>> flow = Flow(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 0.0}), ())
     >>> flow.advance(np.array([1.0, 3.0]), np.array([4.0]), 0.5).tolist()
     [2.75, 4.0]

@@ -134,7 +134,7 @@ class Modes:
     Examples
     --------
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.plant import plant_of
+    >>> from symid.simulation.forward_dynamics import plant_of
     >>> modes = Modes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))
     >>> modes.of((1.0,)).constant.tolist(), modes.of((0.0,)).limits(np.zeros(2)).tolist()
     ([-4.0], [[-4.0, 4.0]])

@@ -11,11 +11,11 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
 from symid.simulation.limits import Limits
 from symid.simulation.sampling import MOST_SAMPLES, envelope, intervals, positive
-from symid.simulation.trajectory import Trajectory, read_only
+from symid.simulation.trajectory import Trajectory
 
 Quantity = Literal["position", "velocity", "acceleration"]
 """What an amplitude is the amplitude of."""

@@ -1,35 +1,19 @@
-"""The forward dynamics of an axis at given parameter values.
+"""An axis at given parameter values, as the simulation and the diagnosis see it.
 
 M x(2) + C x(1) + K x = B F + c - sum_j d_j f_j(d_j x, d_j x(1)), x being the absolute displacements of the free
-bodies, d_j the direction of a joint and f_j the nonlinear laws in it. All of it comes from the same balances and
-expressions as the regressors.
+bodies, d_j the direction of a joint and f_j the nonlinear laws in it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from math import prod
-from types import MappingProxyType
-from typing import Any, Literal
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
-import sympy as sp
-from sympy.polys.rings import PolyElement
 
 from symid.arrays import FloatArray
-from symid.axis import Axis, derivative_order
-from symid.codegen.lowering import code
-from symid.errors import SettingError
-from symid.simulation.scalar import Scalar
-from symid.symbolic.equations import by_power
-from symid.symbolic.lagrange import Kinematics, inverse_dynamics
-from symid.symbolic.operators import OperatorModel, operator_model
 
 LawFunction = Callable[[float, float], float]
-
-_MATRICES = ("stiffness", "damping", "mass")
 
 JUST_MOVING = 1e-300
 """A speed with a sign and nothing else: laws are evaluated at it to know their limits at rest."""
@@ -37,8 +21,6 @@ _FELT = 1e-200
 """A jump at rest: what a law without one makes of `JUST_MOVING` is far less."""
 _PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0, -1.0)))
 """Displacements at which a law is asked whether it holds: none, and four a decade from 1 um or urad to 10 m or rad."""
-_DERIVED = 32
-"""Declarations whose forward dynamics are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,270 +79,23 @@ class Plant:
     laws: tuple[JointLaw, ...]
     sensors: Mapping[str, tuple[FloatArray, int]]
 
+    @property
+    def natural_frequencies(self) -> tuple[float, ...]:
+        """Undamped natural frequencies without the rigid motions, rising, Hz.
 
-def plant_of(axis: Axis, parameters: Mapping[str, float]) -> Plant:
-    """Forward dynamics of an axis with parameter values.
+        Examples
+        --------
+        >>> from symid.axis import load_axis
+        >>> from symid.simulation import plant_of
+        >>> paper = {"Ms": 3899.0, "Fvs": 0.0, "Ks": 1e9, "Mm": 362.58, "Fvm": 0.0, "Fsm": 0.0}
+        >>> [round(f, 1) for f in plant_of(load_axis("direct_2m1s"), paper).natural_frequencies]
+        [80.6]
+        """
+        squares = np.linalg.eigvals(np.linalg.solve(self.mass, self.stiffness)).real
+        floor = 1e-9 * max(squares.max(initial=0.0), 1e-12)
+        return tuple(sorted(float(np.sqrt(w) / (2 * np.pi)) for w in squares if w > floor))
 
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    parameters : mapping of str to float
-        Value of every physical parameter, SI.
-
-    Raises
-    ------
-    SettingError
-        If a parameter is missing, or the mass matrix is not positive.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis
-    >>> plant = plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 3.0, "Fs": 4.0})
-    >>> plant.mass.tolist(), plant.damping.tolist(), plant.laws[0].limits(0.0)
-    ([[2.0]], [[3.0]], (-4.0, 4.0))
-    """
-    return forward_dynamics(axis).at(parameters)
-
-
-@dataclass(frozen=True, eq=False)
-class ForwardDynamics:
-    """The matrices of an axis as functions of its physical parameters, for any number of parameter values.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    parameters : tuple of str
-        Physical parameters, in order.
-    bodies : tuple of str
-        Free bodies.
-    motion : tuple of matrices of Polynomial
-        Stiffness, damping and mass.
-    drive, constant : tuple of Polynomial
-        Effect of the drive force and of constant forces on each body.
-    laws : tuple of (array, tuple of LawTerm)
-        Direction of each joint with nonlinear laws, and the laws.
-    sensors : mapping of str to (array, int)
-        As in `Plant`.
-    """
-
-    axis: Axis
-    parameters: tuple[str, ...]
-    bodies: tuple[str, ...]
-    motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
-    drive: tuple[Polynomial, ...]
-    constant: tuple[Polynomial, ...]
-    laws: tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]
-    sensors: Mapping[str, tuple[FloatArray, int]]
-
-    def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
-        """Physical parameters in a matrix, but for those that may be negative: masses, springs, dampers."""
-        entries = (entry for row in self.motion[_MATRICES.index(matrix)] for entry in row)
-        names = {name for entry in entries for name in self.names(entry)}
-        return names.difference(self.axis.signed_parameters)
-
-    def names(self, polynomial: Polynomial) -> set[str]:
-        """Physical parameters in a polynomial."""
-        return {
-            self.parameters[i] for _, powers in polynomial.terms for i, power in enumerate(powers) if power
-        }
-
-    def at(self, parameters: Mapping[str, float]) -> Plant:
-        """The plant at parameter values, as `plant_of`."""
-        missing = [name for name in self.parameters if name not in parameters]
-        if missing:
-            raise SettingError(
-                f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
-            )
-        values = np.array([float(parameters[name]) for name in self.parameters])
-        stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
-        if not np.all(np.linalg.eigvalsh(mass) > 0):
-            raise SettingError(
-                f"the masses of axis {self.axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
-            )
-        return Plant(
-            bodies=self.bodies,
-            mass=mass,
-            damping=damping,
-            stiffness=stiffness,
-            drive=np.array([p.at(values) for p in self.drive]),
-            constant=np.array([p.at(values) for p in self.constant]),
-            laws=tuple(
-                JointLaw(direction, tuple((term.parameter.at(values), term.force) for term in terms))
-                for direction, terms in self.laws
-            ),
-            sensors=self.sensors,
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class LawTerm:
-    """One nonlinear law of a joint: parameter times expression.
-
-    Parameters
-    ----------
-    parameter : Polynomial
-        What multiplies the expression.
-    force : callable
-        Expression as a function of displacement and velocity, two numbers.
-    forces : callable
-        The same for arrays.
-    """
-
-    parameter: Polynomial
-    force: LawFunction
-    forces: Callable[[FloatArray, FloatArray], FloatArray]
-
-
-@dataclass(frozen=True, eq=False)
-class Polynomial:
-    """A polynomial of the physical parameters as numbers.
-
-    Parameters
-    ----------
-    terms : tuple of (float, tuple of int)
-        Coefficient and exponents of each term.
-    """
-
-    terms: tuple[tuple[float, tuple[int, ...]], ...]
-
-    def at(self, values: FloatArray) -> float:
-        """Its value."""
-        return float(
-            sum(c * prod(x**p for x, p in zip(values, powers, strict=True) if p) for c, powers in self.terms)
-        )
-
-
-def forward_dynamics(axis: Axis) -> ForwardDynamics:
-    """Forward dynamics of an axis for any parameter values: derived once for a declaration, evaluated often.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis
-    >>> dynamics = forward_dynamics(load_axis("rigid_1m"))
-    >>> [dynamics.at({"M": m, "Fv": 3.0, "Fs": 4.0}).mass.item() for m in (1.0, 2.0)]
-    [1.0, 2.0]
-    """
-    return replace(_derived(_Declaration(axis.signature, axis)), axis=axis)
-
-
-@dataclass(frozen=True)
-class _Declaration:
-    """An axis that equals all others of its signature: those differ in the imperfections of their signals only."""
-
-    signature: str
-    axis: Axis = field(compare=False)
-
-
-@lru_cache(maxsize=_DERIVED)
-def _derived(declaration: _Declaration) -> ForwardDynamics:
-    axis = declaration.axis
-    model = inverse_dynamics(axis)
-    operators = operator_model(model)
-    numbers = _Numbers(operators)
-    bodies = tuple(operators.motion)
-    powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
-    ones = [str(w.symbol) for w in model.inputs if not w.expression.free_symbols]
-    return ForwardDynamics(
-        axis=axis,
-        parameters=tuple(axis.physical_parameters),
-        bodies=bodies,
-        motion=tuple(
-            tuple(tuple(numbers.polynomial(p.get(order)) for p in row) for row in powers)
-            for order in range(3)
-        ),
-        drive=tuple(numbers.polynomial(operators.force[b], -1.0) for b in bodies),
-        constant=tuple(
-            Polynomial(
-                tuple(t for one in ones for t in numbers.polynomial(operators.inputs[b].get(one), -1.0).terms)
-            )
-            for b in bodies
-        ),
-        laws=_laws(operators, numbers, bodies),
-        sensors=_sensors(operators, numbers, bodies),
-    )
-
-
-class _Numbers:
-    """Numbers for the field elements and polynomials of an operator model."""
-
-    def __init__(self, operators: OperatorModel) -> None:
-        self.field = operators.ring.domain
-        self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
-
-    def number(self, element: Any) -> float:
-        """Number of an element of the coefficient field."""
-        return float(self.field.to_sympy(self.field.convert(element)).xreplace(self.constants))
-
-    def polynomial(self, polynomial: PolyElement | None, factor: float = 1.0) -> Polynomial:
-        """A polynomial without s, times a factor."""
-        terms = polynomial.terms() if polynomial else ()
-        return Polynomial(tuple((factor * self.number(c), tuple(map(int, m[1:]))) for m, c in terms))
-
-    def row(self, functional: Mapping[str, Any], bodies: tuple[str, ...]) -> FloatArray:
-        """A function of displacements as a row."""
-        return _read_only(self.number(functional[b]) if b in functional else 0.0 for b in bodies)
-
-
-def _read_only(numbers: Iterable[float]) -> FloatArray:
-    row = np.array(tuple(numbers))
-    row.flags.writeable = False
-    return row
-
-
-def _laws(
-    operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
-) -> tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]:
-    kinematics = Kinematics(operators.source.axis)
-    joints: dict[tuple[float, ...], list[LawTerm]] = {}
-    for entry in operators.source.inputs:
-        if not entry.expression.free_symbols:
-            continue
-        functional = operators.functional(kinematics.displacement(entry.joint))
-        body = next(iter(functional))
-        lever = numbers.number(functional[body])
-        parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / lever)
-        direction = tuple(float(x) for x in numbers.row(functional, bodies))
-        term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
-        joints.setdefault(direction, []).append(term)
-    return tuple((_read_only(direction), tuple(terms)) for direction, terms in joints.items())
-
-
-def law_function(expression: sp.Expr) -> LawFunction:
-    """Law expression in q and v as a function of two numbers.
-
-    Examples
-    --------
-    >>> law_function(sp.sympify("v*q"))(2.0, 3.0)
-    6.0
-    """
-    function = eval(f"lambda q, v: float({code(expression)})", {"np": Scalar()})
-    return function  # type: ignore[no-any-return]  # eval is untyped
-
-
-def array_function(expression: sp.Expr) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Law expression in q and v as a function of two arrays.
-
-    Examples
-    --------
-    >>> array_function(sp.sympify("v*q"))(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
-    [6.0, 4.0]
-    """
-    function = eval(f"lambda q, v: {code(expression)} + 0 * q", {"np": np})
-    return function  # type: ignore[no-any-return]  # eval is untyped
-
-
-def _sensors(
-    operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
-) -> Mapping[str, tuple[FloatArray, int]]:
-    axis = operators.source.axis
-    kinematics = Kinematics(axis)
-    rows = {
-        sensor.signal: (
-            numbers.row(operators.functional(kinematics.reading(sensor)), bodies),
-            derivative_order(sensor),
-        )
-        for sensor in axis.sensors
-    }
-    return MappingProxyType(rows)
+    @property
+    def highest_mode(self) -> float:
+        """Highest natural frequency, Hz; 0 without springs."""
+        return max(self.natural_frequencies, default=0.0)

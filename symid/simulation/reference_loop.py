@@ -15,7 +15,7 @@ from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.closed_loop import simulate
 from symid.simulation.controller import Cascade, Controller, tuned_cascade
-from symid.simulation.plant import plant_of
+from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.trajectory import Trajectory
 
 _SPLINE = 5
@@ -85,7 +85,7 @@ class ClosedLoop:
     @property
     def position(self) -> str:
         """Signal of the controlled position: the first position sensor."""
-        return next(sensor.signal for sensor in self.axis.sensors if isinstance(sensor, Position))
+        return self.axis.controlled
 
     def tuned(self, parameters: Mapping[str, float]) -> ClosedLoop:
         """The loop with a cascade tuned to parameters."""

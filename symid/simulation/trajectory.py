@@ -8,9 +8,8 @@ from functools import partial
 from typing import Any, Final, Self
 
 import numpy as np
-import numpy.typing as npt
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.limits import Extremes, Limits
@@ -60,7 +59,7 @@ class Trajectory:
     def __post_init__(self) -> None:
         positive(self.sampling_period, f"{self.name}: sampling period", "s")
         for kind in ("position", "velocity", "acceleration"):
-            values = read_only(getattr(self, kind))
+            values = read_only(np.asarray(getattr(self, kind), dtype=np.float64))
             if values.ndim != 1 or values.size == 0 or values.size != np.size(self.position):
                 raise SettingError(
                     f"{self.name}: {kind} has shape {values.shape}: give vectors of one length for position, "
@@ -188,13 +187,6 @@ class Trajectory:
 
     def _named(self, name: str) -> Trajectory:
         return self._with(self.position, self.velocity, self.acceleration, name)
-
-
-def read_only(values: npt.ArrayLike) -> FloatArray:
-    """View of an array that cannot be written to."""
-    view = np.asarray(values, dtype=np.float64).view()
-    view.setflags(write=False)
-    return view
 
 
 def _greatest(values: FloatArray) -> float:

@@ -12,7 +12,7 @@ from symid.axis.laws import FUNCTIONS
 from symid.errors import SymidError
 
 
-class positive(sp.Function):  # type: ignore[misc]  # noqa: N801 - sympy has no types; the name is that of the law language
+class positive(sp.Function):  # type: ignore[misc]  # noqa: N801  sympy has no types; a name of the law language
     """1 for an argument above 0, else 0; its derivative is taken as zero, as that of sign."""
 
     nargs = 1

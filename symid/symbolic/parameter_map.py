@@ -132,7 +132,7 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
         - _convert(p.function.denominator, ring) * field.from_sympy(sp.Symbol(p.name))
         for p in model.parameters
     ]
-    solution = triangular_solution(system, ring, len(names))
+    solution = triangular_solution(system, len(names))
     return solution if _solves(solution, names, seen) else None
 
 
@@ -211,7 +211,7 @@ class _Point:
 
     def triangular(self) -> TriangularSolution:
         """Closed form at this point: the same steps exist for general minimal parameters."""
-        return triangular_solution(self.system(), self.ring, len(self.names))
+        return triangular_solution(self.system(), len(self.names))
 
     def with_several_values(self) -> tuple[set[str], bool]:
         """Parameters that take several values among all solutions, and whether these were counted.
@@ -219,7 +219,7 @@ class _Point:
         What monomial steps leave over is a core that only a Groebner basis can count; if it is too large, all its
         unknowns and those that depend on them are suspected.
         """
-        solution = triangular_solution(self.system(), self.ring, len(self.names), simple=True)
+        solution = triangular_solution(self.system(), len(self.names), simple=True)
         core = sorted({i for e in solution.left for i in range(len(self.names)) if e.degree(i) > 0})
         counted = len(core) <= _MOST_UNKNOWNS
         values = _count_values(solution.left, core, self.ring) if core and counted else dict.fromkeys(core, 2)

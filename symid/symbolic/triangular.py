@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sympy.polys.fields import FracElement
-from sympy.polys.rings import PolyElement, PolyRing
+from sympy.polys.rings import PolyElement
 
 MOST_TERMS = 400
 """A polynomial longer than this ends the search for a closed form."""
@@ -68,16 +68,14 @@ class TriangularSolution:
 
 
 def triangular_solution(
-    equations: Sequence[PolyElement], ring: PolyRing, unknowns: int, *, simple: bool = False
+    equations: Sequence[PolyElement], unknowns: int, *, simple: bool = False
 ) -> TriangularSolution:
     """Solve a polynomial system for non-zero unknowns, as far as linear and quadratic steps go.
 
     Parameters
     ----------
     equations : sequence of PolyElement
-        Polynomials that vanish.
-    ring : PolyRing
-        Over an exact field that holds the right-hand sides.
+        Polynomials that vanish, over an exact field that holds the right-hand sides.
     unknowns : int
         The first so many generators are unknown.
     simple : bool
@@ -87,9 +85,9 @@ def triangular_solution(
     Examples
     --------
     >>> from sympy import QQ
-    >>> ring = PolyRing(("x", "y"), QQ)
-    >>> x, y = ring.gens
-    >>> solution = triangular_solution([x * y - 6, x + y - 5], ring, 2)
+    >>> from sympy.polys.rings import PolyRing
+    >>> x, y = PolyRing(("x", "y"), QQ).gens
+    >>> solution = triangular_solution([x * y - 6, x + y - 5], 2)
     >>> solution.branches, [step.coefficients for step in solution.steps]
     (2, [(1, y - 5), (1, -5, 6)])
     """

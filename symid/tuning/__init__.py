@@ -2,12 +2,13 @@
 
 from symid.tuning.bound import BoundSearch, lowest_within
 from symid.tuning.exact_run import ExactRun, exact_run
-from symid.tuning.excitation import excited_band, modes_hz, tuning_chirp
+from symid.tuning.excitation import excited_band, tuning_chirp
 from symid.tuning.from_log import identified_and_tuned, run_of_log, runs_of_log
 from symid.tuning.low_pass import LowPassErrors
 from symid.tuning.noise import noise_levels, with_noise
 from symid.tuning.standard import StandardModel, standard_model
-from symid.tuning.total import TotalErrors, TotalTuning, tune_total
+from symid.tuning.total import TotalTuning, tune_total
+from symid.tuning.total_errors import TotalErrors
 from symid.tuning.tune import Tuning, first_sampling_frequency, noise_free_run, tune, without_jumps
 
 __all__ = [
@@ -23,7 +24,6 @@ __all__ = [
     "first_sampling_frequency",
     "identified_and_tuned",
     "lowest_within",
-    "modes_hz",
     "noise_free_run",
     "noise_levels",
     "run_of_log",

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
-import scipy
-
 from symid.simulation import Plant, Trajectory, chirp
 
 LOWEST_HZ = 0.1
@@ -17,26 +13,9 @@ _BEYOND_MODES = 1.25
 _UNIT = 1e-3
 
 
-def modes_hz(plant: Plant) -> tuple[float, ...]:
-    """Natural frequencies of the flexible modes without damping, rising, Hz.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis
-    >>> from symid.simulation import plant_of
-    >>> values = {"Ms": 3899, "Fvs": 3949, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146}
-    >>> [round(f, 1) for f in modes_hz(plant_of(load_axis("direct_2m1s"), values))]
-    [80.6]
-    """
-    squares = scipy.linalg.eigh(plant.stiffness, plant.mass, eigvals_only=True)
-    flexible = squares[squares > 1e-9 * max(squares[-1], 0.0)]
-    return tuple(float(math.sqrt(w) / (2 * math.pi)) for w in flexible)
-
-
 def excited_band(plant: Plant) -> tuple[float, float]:
     """Band of a chirp that excites every mode, Hz: 0.1 Hz to 1.25 times the highest mode; to 20 Hz if there is none."""
-    modes = modes_hz(plant)
-    return LOWEST_HZ, _BEYOND_MODES * modes[-1] if modes else _RIGID_HZ
+    return LOWEST_HZ, _BEYOND_MODES * plant.highest_mode or _RIGID_HZ
 
 
 def tuning_chirp(

@@ -97,8 +97,6 @@ def run_of_log(
     SettingError, LogError
         If the axis runs away, or the log lacks a signal.
     """
-    plant = plant_of(axis, parameters)
-    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
     rate = log.sampling_frequency
     low_pass = LowPass(min(_BEYOND_COHERENCE * coherent_band(log, model), _HIGHEST_SHARE * rate))
     finer = math.ceil(_LEAST_RATE / rate)
@@ -107,15 +105,15 @@ def run_of_log(
     delays = late or {}
     position, force = (
         scipy.interpolate.CubicSpline(samples, low_pass.apply(log[name], rate))
-        for name in (signal, model.force)
+        for name in (axis.controlled, model.force)
     )
-    at = time + delays.get(signal, 0.0)
+    at = time + delays.get(axis.controlled, 0.0)
     reference = Trajectory(
         position(at) - position(at[0]), position(at, 1), position(at, 2), period, log.source, log.start
     )
     # A force that is held acts as at the middle of its hold.
     forces = force(time + delays.get(model.force, 0.0) + 0.5 * period)
-    cascade = tuned_cascade(plant, signal, bandwidth_hz)
+    cascade = tuned_cascade(plant_of(axis, parameters), axis.controlled, bandwidth_hz)
     return exact_run(axis, parameters, reference, Replay(forces, cascade))
 
 
@@ -168,7 +166,7 @@ def identified_and_tuned(
     settings, tuned = base, None
     for last in [False] * (rounds - 1) + [True]:
         parameters = plausible_parameters(axis, model, log, settings)
-        runs = runs_of_log(axis, model, parameters, log, base.late)
+        runs = runs_of_log(axis, model, parameters, log, base.with_hold(model, log.sampling_period))
         tuned = tune_total(
             axis,
             model,
@@ -196,7 +194,8 @@ def plausible_parameters(
     for factor in (1.0, 0.7, 1.4, 0.5, 2.0, 0.3, 3.0):
         cutoff = min(first * factor, 0.4 * log.sampling_frequency)
         decimation = settings.decimation if factor == 1.0 else None
-        found = identify(model, log, preparation=replace(settings, cutoff_hz=cutoff, decimation=decimation))
+        chosen = replace(settings, cutoff_hz=cutoff, decimation=decimation)
+        found = identify(model, log, preparation=chosen, examine=False)
         parameters = found.physical_parameters
         if parameters and all(parameters[name] > 0.0 for name in _inertias_and_springs(axis)):
             return {

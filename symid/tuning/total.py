@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import cycle
 from typing import Literal
 
 import numpy as np
@@ -22,91 +20,19 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.estimation import estimate, triangular_factors
-from symid.identification import PhysicalEstimate, Preparation, observe, physical_estimates
+from symid.identification import Preparation
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun
-from symid.tuning.noise import with_noise
+from symid.tuning.total_errors import TotalErrors
 
 TotalStatus = Literal["ok", "not_determined"]
 
 _CUTOFFS = 32
-_SCAN_DRAWS = 3
-"""Draws of noise in the scan."""
 _CANDIDATES = 10
 """Settings of the scan that are judged by all draws."""
 _MOST_EVALUATIONS = 8
-_LOST = 1.0
-"""A relative error from which on a parameter is lost: larger ones count as this."""
 _HOPELESS = 0.8
 """A parameter whose error exceeds this at every cutoff does not decide."""
-
-
-@dataclass(frozen=True, eq=False)
-class TotalErrors:
-    """Errors of the parameters from noise-free data to which noise is added.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Model of the sensors.
-    runs : tuple of Log
-        Noise-free data of one or several simulations of the same motion.
-    noise : mapping of str to float
-        Standard deviation of each signal's noise.
-    parameters : mapping of str to float
-        True physical parameters.
-    draws : int
-        How many times noise is drawn, for one run after the other; all settings see the same noise.
-    """
-
-    model: GeneratedModel
-    runs: tuple[Log, ...]
-    noise: Mapping[str, float]
-    parameters: Mapping[str, float]
-    draws: int
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Physical parameters that have a relative error."""
-        return tuple(name for name in self.model.physical_units if self.parameters[name])
-
-    @cached_property
-    def noisy(self) -> tuple[Log, ...]:
-        """Logs with noise."""
-        pairs = zip(cycle(self.runs), range(self.draws), strict=False)
-        return tuple(with_noise(log, self.noise, seed) for log, seed in pairs)
-
-    @property
-    def clean(self) -> Log:
-        """Noise-free data of the first run."""
-        return self.runs[0]
-
-    def relative(self, log: Log, settings: Preparation) -> FloatArray:
-        """Relative error of each parameter of a log, at most 1 in magnitude, which counts as lost."""
-        seen = observe(self.model, log, settings)
-        fit = estimate(triangular_factors(seen.W, seen.y, seen.valid))
-        found: tuple[PhysicalEstimate, ...] = ()
-        if fit.status == "ok":
-            found = physical_estimates(self.model, fit.parameters, fit.covariance, self.parameters)
-        if not found:
-            return np.full(len(self.names), _LOST)
-        values = dict(zip(self.model.physical_units, found[0].parameters, strict=True))
-        errors = np.array([values[name] / self.parameters[name] - 1.0 for name in self.names])
-        return np.asarray(np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST), dtype=np.float64)
-
-    def rms(self, settings: Preparation) -> FloatArray:
-        """Root mean square error of each parameter over the draws, bias included."""
-        return self._over(self.noisy, settings)
-
-    def estimate_of_rms(self, settings: Preparation) -> FloatArray:
-        """The same from the first three draws."""
-        return self._over(self.noisy[:_SCAN_DRAWS], settings)
-
-    def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:
-        errors = np.array([self.relative(log, settings) for log in logs], dtype=np.float64)
-        squares: FloatArray = np.square(errors).mean(axis=0)
-        return np.asarray(np.sqrt(squares), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +150,7 @@ def tune_total(
     errors = TotalErrors(model, logs, levels, parameters, draws)
     base = preparation or Preparation()
     # The noise-free run is free of what a log may record late.
-    plain = replace(base, late={})
+    plain = replace(base, late={}, held=False)
     scan = _scan(errors, plain, track)
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
@@ -240,7 +166,7 @@ def tune_total(
         axis=axis.name,
         measured=model.measured,
         sampling_hz=sampling_hz,
-        preparation=replace(settings, late=base.late),
+        preparation=replace(settings, late=base.late, held=base.held),
         noise=levels,
         systematic=_percent(errors.names, errors.relative(errors.clean, settings)),
         total=_percent(errors.names, total),

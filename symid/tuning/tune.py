@@ -191,7 +191,7 @@ def tune(
     model = compiled(derive(tuned, measured))
     differences = max(model.highest_derivatives.values())
     first = first_sampling_frequency(cutoff.frequency_hz, differences)
-    settings = Preparation(cutoff_hz=cutoff.frequency_hz, order=order, decimation=1)
+    settings = Preparation(cutoff_hz=cutoff.frequency_hz, order=order, decimation=1, held=False)
     at = partial(sampling_errors, model, run, parameters, settings, kind)
     rates = np.geomspace(max(first / 20, 2.2 * cutoff.frequency_hz), 2 * first, _RATES)
     sampling = lowest_within(at, [float(rate) for rate in rates], max_sampling_error, track)
@@ -236,12 +236,11 @@ def noise_free_run(
 ) -> ExactRun:
     """Run along the trajectory under the controller, or along the default chirp under the default cascade."""
     plant = plant_of(axis, parameters)
-    signal = next((name for name, (_, order) in plant.sensors.items() if order == 0), axis.sensors[0].signal)
     return exact_run(
         axis,
         parameters,
         trajectory or tuning_chirp(plant, CONTROLLER_HZ),
-        controller or tuned_cascade(plant, signal, 10.0),
+        controller or tuned_cascade(plant, axis.controlled, 10.0),
     )
 
 
@@ -255,7 +254,7 @@ def sampling_errors(
 ) -> dict[str, float]:
     """Errors in percent of what `identify` finds in the run sampled at a frequency."""
     log = run.log(sampling_hz, model.measured)
-    found = identify(model, log, preparation=settings, nominal=parameters)
+    found = identify(model, log, preparation=settings, nominal=parameters, examine=False)
     errors = relative_errors(found, parameters, kind)
     # Parameters of a log, such as the unknown zero of an encoder, say nothing of the axis.
     of_log = {*run.axis.log_parameters, *model.per_log}

@@ -35,7 +35,7 @@ from symid.errors import DeclarationError, SettingError, SymidError
 
 def faults(*args: object, **kwargs: object) -> tuple[str, ...]:
     with pytest.raises(DeclarationError) as refused:
-        Axis(*args, **kwargs)  # type: ignore[arg-type]
+        Axis(*args, **kwargs)
     assert isinstance(refused.value, SymidError)
     assert "\n" not in str(refused.value)
     assert all(fault in str(refused.value) for fault in refused.value.faults)
@@ -92,8 +92,8 @@ def test_faults_of_types_are_reported_together() -> None:
     motor = Body("motor", mass="M")
     found = faults(
         "2m1s",
-        (motor, "spring", ViscousFriction("motor", "Fv"), Body("load", mass=3.0)),  # type: ignore[arg-type]
-        Drive("F", at=GROUND),  # type: ignore[arg-type]
+        (motor, "spring", ViscousFriction("motor", "Fv"), Body("load", mass=3.0)),
+        Drive("F", at=GROUND),
         ("q",),
     )
     expected = [
@@ -123,7 +123,7 @@ def test_what_is_missing_is_said(elements: object, sensors: object, fault: str) 
 
 def test_ends_of_a_between_must_be_bodies() -> None:
     motor = Body("motor", mass="M")
-    spring = Spring("spring", Between(first="motor", second=motor), stiffness="K")  # type: ignore[arg-type]
+    spring = Spring("spring", Between(first="motor", second=motor), stiffness="K")
     assert any(
         "'motor' must be the Body object itself" in f
         for f in faults("a", (motor, spring), Drive("F", motor), (Position("q", motor),))
@@ -132,7 +132,7 @@ def test_ends_of_a_between_must_be_bodies() -> None:
 
 def test_gears_are_checked() -> None:
     motor = Body("motor", inertia="J")
-    by_name = Body("table", mass="M", geared="motor")  # type: ignore[arg-type]
+    by_name = Body("table", mass="M", geared="motor")
     found = faults("a", (motor, by_name), Drive("T", motor), (Position("q", motor),))
     assert any("must be Geared(to=BODY, ratio=NUMBER)" in fault for fault in found)
     unmoved = Body("table", mass="M", geared=Geared(to=motor, ratio=0))
@@ -259,7 +259,7 @@ def test_an_effect_added_and_taken_away_leaves_the_axis_as_it_was() -> None:
 def test_an_axis_is_frozen_and_hashable() -> None:
     axis = load_axis("direct_2m1s")
     with pytest.raises(dataclasses.FrozenInstanceError):
-        axis.name = "other"  # type: ignore[misc]
+        axis.name = "other"
     assert hash(axis) == hash(load_axis("direct_2m1s"))
 
 

@@ -87,7 +87,7 @@ def test_all_faults_of_numbers_are_reported_at_once() -> None:
         Backlash(body, "K", gap=math.nan),
         SlopedFriction(body, "F2", "F3", low=0.5, high=0.5),
         SlopedFriction(body, "F4", "F5", low=-math.inf, high=0.5),
-        Cogging(body, "A5", "A6", pitch="30 mm"),  # type: ignore[arg-type]
+        Cogging(body, "A5", "A6", pitch="30 mm"),
         StribeckFriction(body, "F6", velocity=True),
         QuadraticDrag(body, "M"),
     )

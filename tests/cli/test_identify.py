@@ -157,7 +157,7 @@ def test_units_and_foreign_columns_give_the_same_parameters(folder: Path, argume
         ("identify rigid_1m good.csv --gain q", "NAME=VALUE"),
         ("identify rigid_1m good.csv --late q=1parsec", "parsec"),
         ("identify rigid_1m good.csv --late x=1us", "no signal 'x'"),
-        ("identify rigid_1m good.csv --held x", "no signal 'x'"),
+        ("identify rigid_1m good.csv --held x", "--held x is not the force"),
         ("identify rigid_1m good.csv --nominal p.json", "SI units"),
         ("identify rigid_1m good.csv --measured z", "choose from q"),
         ("identify rigid_1m good.csv --plot figure.doc", ".png"),

@@ -203,7 +203,7 @@ def test_a_damaged_module_is_refused_in_one_line_with_its_cure(
     damage: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = current(tmp_path, monkeypatch)
-    path.write_text(damage(path.read_text(encoding="utf-8")), encoding="utf-8")  # type: ignore[operator]
+    path.write_text(damage(path.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(GeneratedModuleError) as refused:
         load_generated("mine")
     assert "run: symid generate mine --measured q" in str(refused.value)
@@ -296,4 +296,4 @@ def test_an_axis_in_memory_is_read_from_a_given_folder(tmp_path: Path) -> None:
 def test_units_in_a_module_cannot_be_changed() -> None:
     model = compile_module(module_text(derive(load_axis("rigid_1m"))), "rigid")
     with pytest.raises(TypeError):
-        model.minimal_units["X1"] = "m"  # type: ignore[index]
+        model.minimal_units["X1"] = "m"

@@ -8,6 +8,8 @@ import pytest
 from command_line import run
 from hand_made import RIGID, rigid_log
 
+from symid import load_axis
+
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -23,9 +25,16 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_json_has_the_promised_keys(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("diagnose", "rigid_1m", "run.csv", "--nominal", "nominal.json", "--json", "-") == 0
-    record = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+def test_one_run_prints_a_table_and_writes_json_page_and_axis(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = ("--json", "gap.json", "--report", "gap.html", "--write-axis", "drag.py")
+    assert run("diagnose", "rigid_1m", "run.csv", "--nominal", "nominal.json", *files) == 0
+    shown = capsys.readouterr()
+    assert shown.out.startswith("The model lacks quadratic drag at motor")
+    assert shown.err == ""
+    assert "quadratic drag" in (folder / "gap.html").read_text(encoding="utf-8")
+    record = json.loads(Path("gap.json").read_text(), parse_constant=pytest.fail)
     assert set(record) >= {
         "axis", "measured", "verdict", "gap", "location", "effects", "alternatives", "probabilities", "next_experiment"
     }  # fmt: skip
@@ -39,14 +48,14 @@ def test_json_has_the_promised_keys(folder: Path, capsys: pytest.CaptureFixture[
     assert set(first["parameters"]["c"]) == {"value", "std", "unit"}
     assert set(record["probabilities"]) == {"no_gap", "parameters", "unexplained"}
     assert sum(place["share"] for place in record["location"]) == pytest.approx(1.0, abs=0.02)
-
-
-def test_table_and_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("diagnose", "rigid_1m", "run.csv", "--report", "gap.html") == 0
-    shown = capsys.readouterr()
-    assert shown.out.startswith("The model lacks quadratic drag at motor")
-    assert shown.err == ""
-    assert "quadratic drag" in (folder / "gap.html").read_text(encoding="utf-8")
+    values = json.loads(Path("drag.json").read_text())
+    assert values["motor_c"] == pytest.approx(300, rel=0.05)
+    assert set(load_axis("drag.py").physical_parameters) == set(values)
+    assert run("generate", "drag.py", "--measured", "q") == 0
+    capsys.readouterr()
+    assert run("identify", "drag.py", "run.csv", "--json", "-") == 0
+    identified = json.loads(capsys.readouterr().out)["physical"]
+    assert identified["motor_c"]["value"] == pytest.approx(300, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -61,6 +70,8 @@ def test_table_and_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> Non
         (("rigid_1m", "run.csv", "--validation", "short.csv"), "short.csv"),
         (("rigid_1m", "run.csv", "--report", "gap.pdf"), ".html"),
         (("rigid_1m", "run.csv", "--late", "F=soon"), "soon"),
+        (("rigid_1m", "run.csv", "--late", "Fm=1us"), "no signal 'Fm'"),
+        (("rigid_1m", "run.csv", "--held", "q"), "--held q is not the force"),
         (("rigid_1m", "run.csv", "--nonsense"), "--nonsense"),
     ],
 )

@@ -19,10 +19,11 @@ from symid.diagnosis.effects.friction import (
     ViscousFriction,
     dahl_state,
 )
-from symid.diagnosis.fit import derivatives, first_state, parameter_columns
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.response import response_of
 from symid.diagnosis.scene import scene_of
+from symid.diagnosis.sensitivity import derivatives, parameter_columns
+from symid.diagnosis.state import first_state
 from symid.errors import LogError
 from symid.simulation import forward_dynamics
 

@@ -1,11 +1,19 @@
-"""Logs written by hand with one effect: the verdict names it, its values are found, the gap closes."""
+"""Logs written by hand with one effect: the verdict names it, its values are found, the gap closes.
+
+The axis that a diagnosis writes is derived from its declaration; it leaves no more than the diagnosis left.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hand_made import RIGID, hung, plain_force, rigid_log
 
-from symid import load_axis
-from symid.diagnosis import diagnose
+from symid import Log, load_axis
+from symid.axis import Between, Body, Spring
+from symid.diagnosis import Diagnosis, diagnose, explained_axis
+from symid.errors import SettingError
+from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 
 SHIFT = 1e-3
 
@@ -26,7 +34,8 @@ EFFECTS = {
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_one_effect(effect: str) -> None:
     missing, values = EFFECTS[effect]
-    found = diagnose(load_axis("rigid_1m"), rigid_log(missing), validation=rigid_log(missing, seed=2))
+    log, other = rigid_log(missing), rigid_log(missing, seed=2)
+    found = diagnose(load_axis("rigid_1m"), log, validation=other)
     assert found.verdict == "effect"
     assert (found.effects[0].effect, found.alternatives[0].effect) == (effect, effect)
     assert found.effects[0].at == ("actuator" if effect == "delay" else "motor")
@@ -37,6 +46,50 @@ def test_one_effect(effect: str) -> None:
     for change in found.parameters:
         if not swings:
             assert change.explained == pytest.approx(RIGID[change.name], rel=0.05)
+    if effect == "delay":
+        with pytest.raises(SettingError, match=r"--late F=-(999|100)"):
+            explained_axis(replace(found, effects=found.effects[:1]))
+    elif not swings:
+        assert nominal_multiple(found, log, other) < 1.1 * max(explained_multiple(found), 1.0)
+
+
+def swinging() -> Log:
+    """The motor with 30 kg of its mass on a spring of 12 Hz."""
+    axis = load_axis("rigid_1m").with_signal("F", noise=2.0).with_signal("q", noise=2e-8)
+    hung = Body("hung", mass="m")
+    axis = axis.with_effect(
+        hung, Spring("tower", Between(first=axis.bodies[0], second=hung), stiffness="k", damping="c")
+    )
+    w = 2 * np.pi * 12
+    parameters = {"M": 70.0, "Fv": 150.0, "Fs": 8.0, "m": 30.0, "k": 30 * w**2, "c": 2 * 0.05 * w * 30}
+    reference = chirp(1.0, 25.0, 6.0, 2.0, quantity="acceleration", sampling_period=1 / 2000)
+    return simulate(
+        axis, parameters, reference, tuned_cascade(plant_of(axis, parameters), "q", 10.0), seed=1
+    ).log
+
+
+def explained_multiple(found: Diagnosis) -> float:
+    """Error with the effects, in multiples of the noise."""
+    return found.gap.explained.rms / found.gap.noise_floor.rms
+
+
+def nominal_multiple(found: Diagnosis, log: Log, validation: Log | None = None, **recorded: bool) -> float:
+    """The same of the axis that the diagnosis writes, with its values."""
+    explained = explained_axis(found)
+    assert set(explained.values) == set(explained.axis.physical_parameters)
+    assert explained.left_out == ()
+    again = diagnose(
+        explained.axis, log, validation=validation, nominal=explained.values, library=(), **recorded
+    )
+    assert again.gap.nominal is not None
+    return again.gap.nominal.rms / again.gap.noise_floor.rms
+
+
+def test_a_mode_is_written_as_a_body_on_a_spring() -> None:
+    log = swinging()
+    found = diagnose(load_axis("rigid_1m"), log, held=True)
+    assert found.effects[0].effect == "flexible_mode"
+    assert nominal_multiple(found, log, held=True) < 1.1 * max(explained_multiple(found), 1.0)
 
 
 def test_a_clean_log_has_no_gap() -> None:

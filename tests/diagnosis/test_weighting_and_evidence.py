@@ -9,8 +9,8 @@ from hand_made import RIGID, motion
 from symid import Log, load_axis
 from symid.diagnosis.comparison import closed_fraction
 from symid.diagnosis.evidence import outcome
-from symid.diagnosis.fit import first_state
 from symid.diagnosis.record import record_of
+from symid.diagnosis.state import first_state
 from symid.diagnosis.weighting import autoregression
 from symid.simulation import forward_dynamics
 
@@ -81,14 +81,6 @@ def test_autoregression_finds_the_known_one_and_whitens() -> None:
     assert white.size == x.size - 2 - 2000 - 2
     assert np.mean(white**2) == pytest.approx(1.0, rel=0.02)
     assert abs(np.mean(white[1:] * white[:-1])) < 0.03
-
-
-def test_back_is_the_adjoint_of_the_autoregression() -> None:
-    x = known_autoregression(500)
-    found, rng = autoregression(x[None], np.ones(500, dtype=bool), 2), np.random.default_rng(3)
-    rows, white = np.zeros((1, 500)), rng.standard_normal(498)
-    rows[0, :490] = rng.standard_normal(490)
-    assert found.apply(rows) @ white == pytest.approx(np.sum(rows * found.back(white)))
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,8 @@
 """Certified problems of NIST's Statistical Reference Datasets, with an exact check of the data themselves."""
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import pytest
 
-_PATH = Path(__file__).parents[2] / "benchmarks" / "nist_strd.py"
-_SPEC = importlib.util.spec_from_file_location("nist_strd", _PATH)
-nist_strd = importlib.util.module_from_spec(_SPEC)
-sys.modules["nist_strd"] = nist_strd
-_SPEC.loader.exec_module(nist_strd)
+from benchmarks import nist_strd
 
 # digits of the worst parameter that may not be fallen below: plain, refined
 FLOORS = {

@@ -1,26 +1,16 @@
 """Quick parts of the benchmarks of batches, spreads and charts."""
 
-import importlib.util
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import symid
-
-
-def benchmark(name: str) -> Any:
-    path = Path(__file__).parents[2] / "benchmarks" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(f"benchmark_{name}", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+from benchmarks import batch as batches
+from benchmarks import fleet_charts as charts
 
 
 def test_script_of_the_benchmark_finds_the_parameters_of_a_batch(tmp_path: Path) -> None:
-    batches = benchmark("batch")
     (path,) = batches.write_logs(tmp_path, 1, 20_000)
     batches.batch([path], jobs=1)
     (row,) = symid.identify_batch("emps", path, jobs=1).rows
@@ -32,7 +22,6 @@ def test_script_of_the_benchmark_finds_the_parameters_of_a_batch(tmp_path: Path)
 
 
 def test_a_few_draws_of_each_kind() -> None:
-    charts = benchmark("fleet_charts")
     assert charts.false_differences(20, 20) <= 0.1
     assert charts.false_changes(20, 3.0, 20) <= 0.2
     for kind in ("step", "drift"):

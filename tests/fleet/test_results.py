@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import polars as pl
@@ -138,6 +139,22 @@ def test_a_diagnosis_that_fails_leaves_the_identification(
     assert batch.statuses == {"ok": 6}
     assert batch.rows[0]["message"] == "no diagnosis: ArithmeticError: no way"
     assert batch.table["verdict"].null_count() == 6
+
+
+def test_a_hold_that_the_axis_declares_counts_as_in_python_and_the_command(logs: Path) -> None:
+    axis = symid.load_axis("rigid_1m")
+    symid.write_axis(replace(axis, name="holding", drive=replace(axis.drive, held=True)), "holding.py")
+    assert run("generate", "holding.py") == 0
+    log = symid.read_axis_log(axis, logs / "0.parquet")
+    (row,) = identify_batch("holding.py", logs / "0.parquet", jobs=1).rows
+    (given,) = identify_batch(
+        "rigid_1m", logs / "0.parquet", settings=BatchSettings(held=("F",)), jobs=1
+    ).rows
+    assert run("identify", "holding.py", "logs/0.parquet", "--json", "found.json") == 0
+    command = json.loads(Path("found.json").read_text())["physical"]["Fv"]["value"]
+    python = symid.identify(symid.load_generated("holding.py"), log).physical_parameters["Fv"]
+    assert row["Fv"] == given["Fv"] == command == python
+    assert python != symid.identify(symid.load_generated("rigid_1m"), log).physical_parameters["Fv"]
 
 
 @pytest.mark.parametrize("method", ["ols", "oe"])

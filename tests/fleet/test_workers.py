@@ -17,17 +17,18 @@ from symid.fleet.schedulers import Cluster, Processes, Scheduler
 N = 16
 
 
-def killing(*numbers: int, once: Path | None = None) -> Callable[[int], int]:
-    """A function that squares; a few numbers kill the process that works on them, always or the first time.
+def killing(*numbers: int, once: tuple[int, Path] | None = None) -> Callable[[int], int]:
+    """A function that squares; a few numbers kill the process that works on them, one of them the first time only.
 
     It is local, so that it is sent to other processes as it is: they need not know this file.
     """
 
     def work(task: int) -> int:
         time.sleep(0.01)
-        if task in numbers and not (once and once.exists()):
-            if once:
-                once.touch()
+        first = once is not None and task == once[0] and not once[1].exists()
+        if first:
+            once[1].touch()
+        if first or task in numbers:
             os.kill(os.getpid(), signal.SIGKILL)
         return task * task
 
@@ -43,12 +44,11 @@ def results(scheduler: Scheduler, work: Callable[[int], int]) -> dict[int, int |
 SQUARES = {task: task * task for task in range(N)}
 
 
-def test_processes_survive_the_death_of_a_worker(tmp_path: Path) -> None:
-    assert results(Processes(2), killing(7, once=tmp_path / "flag")) == SQUARES
-
-
-def test_a_task_that_kills_its_process_twice_has_no_result_and_spoils_no_other() -> None:
-    assert results(Processes(2), killing(5, 11)) == {**SQUARES, 5: None, 11: None}
+def test_a_task_that_kills_its_process_twice_has_no_result_and_one_that_does_it_once_has(
+    tmp_path: Path,
+) -> None:
+    work = killing(5, 11, once=(7, tmp_path / "flag"))
+    assert results(Processes(2), work) == {**SQUARES, 5: None, 11: None}
 
 
 @pytest.fixture(scope="module")

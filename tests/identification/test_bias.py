@@ -56,7 +56,7 @@ def test_the_noise_of_rows_is_that_of_rows_of_noise(
         {name: size * random.standard_normal(60_000) for name, size in signals.items()},
         sampling_period=1 / RATE,
     )
-    seen = observe(model, log, Preparation(cutoff_hz=80.0, standstill=0.0, **settings))  # type: ignore[arg-type]
+    seen = observe(model, log, Preparation(cutoff_hz=80.0, standstill=0.0, **settings))
     expected = noise_of_rows(model, log, seen.preparation, noise_levels(model, log))
     for j, (W, y) in enumerate(zip(seen.W, seen.y, strict=True)):
         rows = np.column_stack([W, y])

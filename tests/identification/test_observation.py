@@ -1,9 +1,11 @@
 """Preparation of logs: filter, timing, standstill, edges, on signals whose truth is known in closed form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from symid import Log, Preparation, identify, load_generated
+from symid import Log, Preparation, compiled, derive, identify, load_axis, load_generated
 from symid.errors import SettingError
 from symid.identification import observe
 
@@ -47,6 +49,24 @@ def test_a_declared_lateness_is_taken_out(late: float) -> None:
     log = rigid_log(late=late)
     assert relative_errors(log, Preparation())[1] > 5e-3
     assert relative_errors(log, Preparation(late={"F": late})).max() < 2e-3
+
+
+def test_a_declared_hold_is_half_a_sample_unless_the_settings_say_otherwise() -> None:
+    """The log is that of a force which acts half a sample after it is recorded."""
+    axis = load_axis("rigid_1m")
+    holding = compiled(derive(replace(axis, drive=replace(axis.drive, held=True))))
+    log, silent = rigid_log(late=-0.5 / RATE), load_generated("rigid_1m")
+    friction = {
+        (model.held, held): identify(model, log, preparation=Preparation(held=held)).physical_parameters["Fv"]
+        for model in (holding, silent)
+        for held in (None, True, False)
+    }
+    right = {(True, None), (True, True), (False, True)}
+    for key, found in friction.items():
+        assert (abs(found / VISCOUS - 1) < 2e-3) == (key in right), key
+    moved = Preparation(late={"F": -0.25 / RATE}, held=True)
+    chosen = observe(silent, log, moved).preparation
+    assert (chosen.late, chosen.held) == ({"F": -0.75 / RATE}, False)
 
 
 def test_filtering_motion_alone_biases_what_the_force_shares_with_it() -> None:

@@ -41,7 +41,7 @@ def test_propagated_deviations_are_those_of_monte_carlo(
 
 
 def _nearest(model: object, minimal: np.ndarray, covariance: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    branches = physical_estimates(model, minimal, covariance)  # type: ignore[arg-type]  # typed loosely to stay short
+    branches = physical_estimates(model, minimal, covariance)
     return min((b.parameters for b in branches), key=lambda p: float(np.linalg.norm(p / truth - 1)))
 
 

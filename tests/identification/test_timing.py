@@ -44,7 +44,7 @@ def rigid_log(
 
 
 def identified(log: Log, **settings: object) -> Identification:
-    return identify(load_generated("rigid_1m"), log, preparation=Preparation(**settings))  # type: ignore[arg-type]
+    return identify(load_generated("rigid_1m"), log, preparation=Preparation(**settings))
 
 
 @pytest.mark.parametrize("late", [1.0, -1.0, 0.4, -1.7, 3.0])

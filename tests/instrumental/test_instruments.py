@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from command_line import run
 
 from symid import Log, Preparation, identify, load_axis, load_generated
-from symid.cli import main
 from symid.errors import SettingError
 from symid.estimation import ObservationBlock, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification import Identification, Observation
@@ -61,7 +61,7 @@ def test_the_corrected_covariance_of_instruments_is_the_spread_of_estimates() ->
         start = estimate(triangular_factors(W[None], y[None]))
         fit = estimate_by_instruments([observation(W, y)], [z[None]], start).fit
         block = ObservationBlock(W[None], y[None], instruments=z[None])
-        covariance = corrected_covariance_of_blocks(lambda block=block: [block], fit)  # type: ignore[misc]
+        covariance = corrected_covariance_of_blocks(lambda block=block: [block], fit)
         estimates.append(fit.parameters[0])
         claimed.append(covariance.standard_deviations[0])
     assert np.mean(estimates) == pytest.approx(2.0, abs=0.05)
@@ -155,12 +155,6 @@ def test_mistakes_are_refused() -> None:
         identify_by_instruments(model, log, ClosedLoop(load_axis("rigid_1m"), rate_hz=1500.0))
     with pytest.raises(SettingError, match="positive"):
         ClosedLoop(load_axis("rigid_1m"), rate_hz=-1.0)
-
-
-def run(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as stop:
-        main(list(arguments))
-    return int(stop.value.code or 0)
 
 
 def test_the_command_takes_the_method(

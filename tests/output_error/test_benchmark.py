@@ -1,24 +1,9 @@
 """The quick part of benchmarks/output_error.py."""
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-_FILE = Path(__file__).parents[2] / "benchmarks" / "output_error.py"
-
-
-def _loaded():
-    spec = importlib.util.spec_from_file_location("benchmark_of_output_error", _FILE)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-benchmark = _loaded()
+from benchmarks import output_error as benchmark
 
 
 def test_at_250_hz_mass_and_spring_of_the_structure_are_within_5_percent() -> None:

@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from benchmarks import closed_loop as benchmark
 from symid import load_axis, load_generated
 from symid.errors import SettingError
 from symid.output_error import identify_output_error, predict_output_error
 from symid.output_error.closed_loop_error import Whitening
 from symid.simulation import ClosedLoop, from_log, plant_of, simulate, trapezoids, tuned_cascade
-
-FILE = Path(__file__).parents[2] / "benchmarks" / "closed_loop.py"
-spec = importlib.util.spec_from_file_location("closed_loop_benchmark", FILE)
-assert spec is not None
-assert spec.loader is not None
-benchmark = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(benchmark)
 
 RIGID = {"M": 40.0, "Fv": 30.0, "Fs": 12.0}
 

@@ -1,24 +1,8 @@
 """The quick part of benchmarks/simulation.py: the same motion by symid and by solve_ivp on equations by hand."""
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import pytest
 
-_FOLDER = Path(__file__).parents[2] / "benchmarks"
-
-
-def _loaded(name: str):
-    spec = importlib.util.spec_from_file_location(name, _FOLDER / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-peers = _loaded("simulation_peers")
-simulation = _loaded("simulation")
+from benchmarks import simulation
 
 
 @pytest.mark.parametrize("case", simulation.CASES, ids=lambda case: case.axis)

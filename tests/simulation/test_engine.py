@@ -20,7 +20,7 @@ from symid import (
     load_axis,
 )
 from symid.simulation.engine import Engine
-from symid.simulation.plant import forward_dynamics, plant_of
+from symid.simulation.forward_dynamics import forward_dynamics, plant_of
 
 STEP = 1 / 4000
 DIRECT = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}
@@ -196,7 +196,7 @@ def reference_run(M: float, K: float, Fv: float, Fs: float, forces: np.ndarray) 
             def rest(_: float, z: np.ndarray, s: float = sign) -> float:
                 return float(s * z[1] + (1e-18 if s * z[1] >= 0 else 0))
 
-            rest.terminal, rest.direction = True, -1  # type: ignore[attr-defined]  # how solve_ivp takes them
+            rest.terminal, rest.direction = True, -1
             run = solve_ivp(motion, (0, left), state, "DOP853", rtol=1e-12, atol=1e-15, events=rest)
             state = run.y[:, -1].copy()
             left -= run.t[-1]

@@ -1,24 +1,12 @@
 """The quick part of the benchmarks: the paper's tables, and one cell of the grid of tuned settings."""
 
-import importlib.util
-import sys
 from dataclasses import replace
-from pathlib import Path
-from types import ModuleType
 
 import pytest
 
+from benchmarks import paper_tables as tables
+from benchmarks import tuning_grid as grid
 
-def benchmark(name: str) -> ModuleType:
-    path = Path(__file__).parents[2] / "benchmarks" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-tables = benchmark("paper_tables")
 SHORT = replace(tables.DEFAULT, seconds=3.0, rate=10_000.0)
 
 
@@ -64,7 +52,6 @@ def test_rigid_model_is_within_the_errors_of_table_11():
 
 
 def test_tuned_setting_of_a_cell_is_near_the_best_with_hindsight(monkeypatch):
-    grid = benchmark("tuning_grid")
     monkeypatch.setattr(grid, "CUTOFFS", grid.CUTOFFS[::3])
     outcome = grid.evaluated(grid.cells(quick=True)[0])
     assert outcome.ratio < 1.1

@@ -14,7 +14,6 @@ from symid.tuning import (
     excited_band,
     first_sampling_frequency,
     lowest_within,
-    modes_hz,
     noise_free_run,
     standard_model,
     without_jumps,
@@ -133,7 +132,7 @@ def test_a_run_is_sampled_exactly_at_any_rate(rate):
 
 def test_modes_are_those_of_the_free_axis():
     # motor against structure without drive: the structure alone on its spring
-    assert modes_hz(plant_of(load_axis("direct_2m1s"), PAPER)) == pytest.approx(
+    assert plant_of(load_axis("direct_2m1s"), PAPER).natural_frequencies == pytest.approx(
         [math.sqrt(1e9 / 3899) / (2 * math.pi)]
     )
     assert excited_band(plant_of(load_axis("rigid_1m"), RIGID)) == (0.1, 20.0)

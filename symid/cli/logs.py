@@ -1,0 +1,153 @@
+"""Which logs a command reads, and how they are prepared: options that several commands share."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import click
+
+from symid.axis import Axis
+from symid.cli.options import (
+    assignments,
+    held_option,
+    late_option,
+    number,
+    seconds_of,
+    shared,
+    signal_list,
+)
+from symid.data import Log
+from symid.errors import SettingError
+from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping
+from symid.identification.mapping import require_known
+
+log_options = shared(
+    click.option(
+        "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."
+    ),
+    click.option(
+        "--unit", multiple=True, metavar="SIGNAL=UNIT", help="Unit of a signal's column, such as q2=mm."
+    ),
+    click.option(
+        "--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."
+    ),
+    click.option(
+        "--mapping",
+        metavar="FILE.json",
+        help="Columns, units, gains and layout of a foreign file, from symid import; other options override it.",
+    ),
+)
+
+preparation_options = shared(
+    click.option(
+        "--cutoff",
+        metavar="HZ",
+        help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log].",
+    ),
+    click.option("--order", default=4, show_default=True, help="Order of one pass of the filter."),
+    click.option(
+        "--filter",
+        "filtered",
+        type=click.Choice(["all", "motion"]),
+        default="all",
+        show_default=True,
+        help="Whether the force passes the filter too.",
+    ),
+    click.option(
+        "--decimation", type=int, metavar="N", help="One row for every N samples [chosen from the cutoff]."
+    ),
+    click.option(
+        "--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."
+    ),
+    click.option(
+        "--standstill",
+        metavar="SPEED",
+        help="Speed below which rows do not enter friction equations; 0 keeps all [1 % of the highest].",
+    ),
+    held_option,
+    late_option,
+)
+
+
+def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
+    """A log by the log options; what a mapping guessed is said on standard error and becomes notes of the log."""
+    log = read_axis_log(declared, file, **log_settings(declared, options))
+    return replace(log, notes=(*log.notes, *said_guesses(options)))
+
+
+def log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
+    """What the log options say of columns, and the sensors to read."""
+    require_known(mapping_of(options), declared)
+    return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
+
+
+def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
+    """What mapping and log options say of a foreign file."""
+    mapping, gains = mapping_of(options), assignments(options["gain"], "--gain")
+    return {
+        "columns": {**mapping.columns, **assignments(options["column"], "--column")},
+        "units": {**mapping.units, **assignments(options["unit"], "--unit")},
+        "gains": {**mapping.gains, **{name: number(text, f"--gain {name}") for name, text in gains.items()}},
+        "layout": mapping.layout,
+        "sampling_period": mapping.sampling_period,
+    }
+
+
+def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
+    """What a mapping guessed, as notes; said on standard error."""
+    guesses = mapping_of(options).guesses
+    if guesses:
+        click.echo(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
+    return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
+
+
+def mapping_of(options: dict[str, Any]) -> LogMapping:
+    """The mapping of ``--mapping``, an empty one without it."""
+    return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
+
+
+def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
+    """Preparation by the preparation options, but for ``--held``."""
+    return Preparation(
+        cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
+        order=options["order"],
+        filter_force=options["filtered"] == "all",
+        decimation=options["decimation"],
+        trim=_trim(options["trim"]),
+        standstill=standstill_of(options),
+        late=late,
+    )
+
+
+def known_late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
+    """Seconds by which signals of an axis were recorded late, as given."""
+    late = late_of(options)
+    if unknown := [name for name in late if name not in declared.signal_units]:
+        raise SettingError(
+            f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
+        )
+    return late
+
+
+def late_of(options: dict[str, Any]) -> dict[str, float]:
+    """Seconds by which signals were recorded late, by ``--late`` and the mapping."""
+    given = assignments(options["late"], "--late")
+    return {
+        **mapping_of(options).late,
+        **{name: seconds_of(text, f"--late {name}") for name, text in given.items()},
+    }
+
+
+def standstill_of(options: dict[str, Any]) -> float | None:
+    return None if options["standstill"] is None else number(options["standstill"], "--standstill")
+
+
+def _trim(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    parts = text.split(",")
+    if len(parts) > 2 or not all(part.strip().isdigit() for part in parts):
+        raise SettingError(f"--trim {text!r} is not N or BEGIN,END in samples: write for example --trim 49,0")
+    begin, end = int(parts[0]), int(parts[-1])
+    return begin, end

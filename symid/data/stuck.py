@@ -1,0 +1,179 @@
+"""Spans in which a channel of a log is stuck or clipped.
+
+They are notes and no faults: whether they harm depends on what the log is used for. A machine at rest must not raise a
+note, so that a position counts as stuck only if something that follows it moves meanwhile, or if it jumps when it comes
+free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symid.arrays import FloatArray
+from symid.data.clock import describe
+from symid.data.columns import REFERENCE
+
+_STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called stuck
+_CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be called clipped
+_USUAL_RUNS: Final = 10  # times the median run: coarse encoders and slow controllers repeat values by nature
+_TRAVEL: Final = 0.05  # of its whole range, by which another position moves in a span that is not at rest
+_CLIPPED_SHARE: Final = 0.001  # of all samples, below which a clipped force is not worth a note
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """Runs of equal neighbouring samples: sample at which each starts, and number of its samples."""
+
+    start: npt.NDArray[np.intp]
+    length: npt.NDArray[np.intp]
+
+    @classmethod
+    def of(cls, x: FloatArray) -> _Runs:
+        start = np.concatenate(([0], np.flatnonzero(x[1:] != x[:-1]) + 1))
+        return cls(start, np.diff(start, append=x.size))
+
+    def longer(self, samples: float) -> _Runs:
+        """Runs of at least so many samples."""
+        keep = self.length >= samples
+        return _Runs(self.start[keep], self.length[keep])
+
+    def only(self, keep: npt.NDArray[np.bool_]) -> _Runs:
+        return _Runs(self.start[keep], self.length[keep])
+
+
+@np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
+def inspect_spans(
+    time: FloatArray,
+    signals: Mapping[str, FloatArray],
+    positions: Collection[str],
+) -> tuple[str, ...]:
+    """Notes on spans in which a channel is stuck at a value or clipped at the end of its range.
+
+    Parameters
+    ----------
+    time : array of shape (n_samples,)
+        Times, s.
+    signals : Mapping of str to array of shape (n_samples,)
+        Channels without missing values.
+    positions : Collection of str
+        Which of them are positions or angles: they rest when the machine rests. The commanded position is evidence that
+        it moves, and not checked itself.
+
+    Returns
+    -------
+    tuple of str
+        One sentence for each channel and kind of span.
+    """
+    moving = {name: signals[name] for name in (*positions, REFERENCE) if name in signals}
+    notes = []
+    for name, x in signals.items():
+        if name == REFERENCE:
+            continue
+        runs = _Runs.of(x)
+        if np.max(runs.length) < _CLIPPED_SAMPLES:
+            continue
+        usual = float(np.median(runs.length))
+        extreme = _extreme(x, runs)
+        clipped = runs.only(extreme).longer(max(_CLIPPED_SAMPLES, 3.0 * usual))
+        long = runs.only(~extreme).longer(max(_STUCK_SAMPLES, _USUAL_RUNS * usual))
+        if name in positions:
+            clipped = _cut_in_motion(x, clipped)
+            long = runs.longer(max(_STUCK_SAMPLES, _USUAL_RUNS * usual)) if not clipped.start.size else long
+            stuck = _left_behind(x, long, [y for other, y in moving.items() if other != name])
+        else:
+            clipped = _worth_telling(x, clipped)
+            stuck = _still_in_motion(long, x.size, list(moving.values()))
+        notes += _told(time, name, clipped, "is clipped at the end of its range")
+        notes += _told(time, name, stuck, "keeps exactly one value while the machine moves")
+    return tuple(notes)
+
+
+def cut_in_motion(x: FloatArray) -> int:
+    """Samples in which a signal of motion is clipped at the end of its range, which it reached at speed.
+
+    Examples
+    --------
+    >>> cut_in_motion(np.clip(np.sin(np.arange(200) / 10), -0.8, 1.0))
+    39
+    """
+    runs = _Runs.of(x)
+    long = runs.only(_extreme(x, runs)).longer(max(_CLIPPED_SAMPLES, 3.0 * float(np.median(runs.length))))
+    return int(np.sum(_cut_in_motion(x, long).length))
+
+
+def _extreme(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:
+    """Whether runs have the largest or the smallest value."""
+    return np.asarray((x[runs.start] == x.max()) | (x[runs.start] == x.min()))
+
+
+def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
+    """Runs that a position enters and leaves at speed: it did not come to rest, its range ended."""
+    if not runs.start.size:
+        return runs
+    step = np.abs(np.diff(x))
+    fast = 0.3 * float(np.quantile(step, 0.95))
+    stop = runs.start + runs.length
+    # The step next to the run is cut short by the clipping itself: the one before it shows the speed.
+    entered = (runs.start > 1) & (step[np.maximum(runs.start - 2, 0)] > fast)
+    left = np.where(stop + 1 < x.size, step[np.minimum(stop, step.size - 1)] > fast, True)
+    return runs.only(entered & left)
+
+
+def _left_behind(x: FloatArray, runs: _Runs, others: list[FloatArray]) -> _Runs:
+    """Runs of a position during which another position travels, or at whose end it jumps."""
+    if not runs.start.size:
+        return runs
+    stop = runs.start + runs.length
+    step = np.abs(np.diff(x))
+    inner = stop[stop < x.size] - 1
+    jumps = np.zeros(runs.start.size, dtype=np.bool_)
+    usual = step.copy()
+    usual[inner] = 0.0
+    jumps[stop < x.size] = step[inner] > 2.0 * float(usual.max())
+    return runs.only(jumps | _others_travel(runs, others))
+
+
+def _still_in_motion(runs: _Runs, n_samples: int, positions: list[FloatArray]) -> _Runs:
+    """Runs of a force or acceleration while a position travels, unless most of the channel is like that."""
+    if 2 * int(np.sum(runs.length)) > n_samples:
+        return runs.only(np.zeros(runs.start.size, dtype=np.bool_))
+    return runs.only(_others_travel(runs, positions))
+
+
+def _others_travel(runs: _Runs, others: list[FloatArray]) -> npt.NDArray[np.bool_]:
+    ranges = [float(np.ptp(y)) for y in others]
+    return np.array(
+        [
+            any(
+                np.ptp(y[start : start + length]) > _TRAVEL * whole
+                for y, whole in zip(others, ranges, strict=True)
+                if whole > 0.0
+            )
+            for start, length in zip(runs.start, runs.length, strict=True)
+        ],
+        dtype=np.bool_,
+    )
+
+
+def _worth_telling(x: FloatArray, runs: _Runs) -> _Runs:
+    """Clipped runs of a force or acceleration; zero is the value of a drive at rest and no limit."""
+    kept = runs.only(x[runs.start] != 0.0)
+    enough = int(np.sum(kept.length)) >= max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size)
+    return kept if enough else kept.only(np.zeros(kept.start.size, dtype=np.bool_))
+
+
+def _told(time: FloatArray, name: str, runs: _Runs, what: str) -> list[str]:
+    if not runs.start.size:
+        return []
+    longest = int(np.argmax(runs.length))
+    first = int(runs.start[longest])
+    last = first + int(runs.length[longest]) - 1
+    span = f"from t = {time[first]:.7g} s to {time[last]:.7g} s"
+    times = f" ({runs.start.size} times, longest {span})" if runs.start.size > 1 else f" {span}"
+    samples = int(np.sum(runs.length))
+    return [f"{name!r} {what}{times}, {describe(samples, 'sample')} in all"]

@@ -1,0 +1,226 @@
+"""What follows from a search: verdict, effects with their values, what else was considered, parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data import Log
+from symid.diagnosis.comparison import Comparison
+from symid.diagnosis.evidence import INDISTINGUISHABLE, Outcome, is_there, odds, outcome
+from symid.diagnosis.faults import recording_faults
+from symid.diagnosis.fit import Fit
+from symid.diagnosis.location import located, maps
+from symid.diagnosis.record import Record
+from symid.diagnosis.result import (
+    Alternative,
+    Diagnosis,
+    EffectParameter,
+    FoundEffect,
+    Level,
+    ParameterChange,
+    Verdict,
+)
+from symid.diagnosis.screening import AR_ORDER
+from symid.diagnosis.search import Turn
+from symid.diagnosis.weighting import autoregression
+from symid.diagnosis.wording import next_experiment, sentence
+
+_ABSORBED_DEVIATIONS = 3.0
+_ABSORBED_SHARE = 0.01
+_LISTED = 20
+
+
+def concluded(
+    comparison: Comparison,
+    turns: Sequence[Turn],
+    fits: Sequence[Fit],
+    nominal: Mapping[str, float] | None,
+    logs: tuple[Log, Log | None],
+) -> Diagnosis:
+    """The diagnosis that follows from a search.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The nominal model and `fits` on the validation data.
+    turns : sequence of Turn
+        Of the search.
+    fits : sequence of Fit
+        The re-identified model, and those with effects accepted one by one.
+    nominal : mapping of str to float or None
+        Nominal values.
+    logs : tuple of Log
+        What was identified from, and the validation log if there is one.
+    """
+    upheld = comparison.upheld
+    comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
+    gap, found = comparison.gap(), maps(comparison)
+    floor = gap.noise_floor.rms
+    chances = outcome(
+        turns,
+        upheld,
+        gap.nominal.rms / floor if gap.nominal else None,
+        gap.reidentified.rms / floor,
+        gap.explained.rms / floor,
+    )
+    verdict: Verdict = chances.verdict  # type: ignore[assignment]  # one of its four names
+    accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict == "effect" else []
+    if not accepted:
+        comparison, fits = comparison.with_effects(0), fits[:1]
+        gap, found = comparison.gap(), maps(comparison)
+    effects = _effects(comparison, accepted, fits, chances)
+    alternatives = _alternatives(comparison, turns[0], chances)
+    faults = recording_faults(comparison, logs[0], accepted)
+    axis = comparison.record.dynamics.axis
+    return Diagnosis(
+        axis=axis,
+        measured=comparison.record.signals,
+        logs=tuple(log.source for log in logs if log is not None),
+        verdict=verdict,
+        sentence=sentence(verdict, gap, effects, alternatives),
+        gap=gap,
+        location=located(found, _shares(comparison, accepted, turns)),
+        maps=found,
+        effects=effects,
+        alternatives=alternatives,
+        probabilities={k: v for k, v in chances.as_mapping.items() if k != "effect"},
+        parameters=_parameters(fits, nominal),
+        faults=faults,
+        assumptions=_assumptions(comparison, logs[1]),
+        next_experiment=next_experiment(verdict, effects, alternatives),
+        signals=comparison.signals(),
+        spectrum=comparison.spectrum(),
+        search=tuple(turns),
+    )
+
+
+def driven(record: Record) -> str:
+    """Body that the drive moves."""
+    return next(
+        body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.drive.at
+    )
+
+
+def _effects(
+    comparison: Comparison, accepted: Sequence[Turn], fits: Sequence[Fit], chances: Outcome
+) -> tuple[FoundEffect, ...]:
+    last, known = fits[-1], len(fits[0].state.placed)
+    values = effect_values(last)[known:]
+    found = []
+    for i, turn in enumerate(accepted):
+        chance = odds(turn, driven(comparison.record))
+        item = last.state.placed[known + i]
+        best, rivals = item.key, [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != item.key]
+        there = chances.effect if i == 0 else is_there(turn)
+        found.append(
+            FoundEffect(
+                effect=best[0],
+                at=best[1],
+                probability=there * chance[best],
+                parameters=values[i],
+                gap_after=comparison.level(i + 2),
+                indistinguishable_from=tuple(rivals),
+            )
+        )
+    return tuple(found)
+
+
+def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
+    """Values of each effect with standard deviations, nan for those that are not free."""
+    deviations = standard_deviations(fit)[len(fit.parameters) :]
+    found, place = [], 0
+    for item in fit.state.placed:
+        n_amplitudes = 0 if item.effect.fixed else len(item.amplitudes)
+        own = deviations[place : place + n_amplitudes + len(item.shape)]
+        place += own.size
+        stds = np.concatenate([np.full(len(item.amplitudes) - n_amplitudes, np.nan), own])
+        values = zip(item.values(fit.state.scene), stds, strict=True)
+        found.append({name: EffectParameter(value, float(std), unit) for (name, value, unit), std in values})
+    return found
+
+
+def standard_deviations(fit: Fit) -> FloatArray:
+    """Of parameters and effects' values: errors taken as autoregressive."""
+    noise = autoregression(fit.left, fit.weighting.kept, AR_ORDER)
+    columns = noise.apply(fit.base)
+    scale = np.linalg.norm(columns, axis=1)
+    scale = np.where(scale > 0, scale, 1.0)
+    unit = columns / scale[:, None]
+    inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-13, hermitian=True)
+    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) / scale)[: len(fit.columns)]
+
+
+def _alternatives(comparison: Comparison, turn: Turn, chances: Outcome) -> tuple[Alternative, ...]:
+    chance = odds(turn, driven(comparison.record))
+    confirmed = {c.key: c for c in turn.confirmed}
+    gains = {c.placed.key: c.gain for c in turn.screened}
+    found = []
+    for key, probability in list(chance.items())[:_LISTED]:
+        own = confirmed.get(key)
+        level: Level | None = None
+        if own is not None:
+            fit = own.fit
+            level = Comparison(fit.weighting, (fit.state,), (fit.left,)).level(0)
+        gain = gains[key] if own is None else own.gain
+        found.append(Alternative(key[0], key[1], chances.effect * probability, gain, level))
+    return tuple(found)
+
+
+def _shares(comparison: Comparison, accepted: Sequence[Turn], turns: Sequence[Turn]) -> dict[str, float]:
+    """Share of the excess error by place: what its effects take away; without effects, what they could."""
+    shares: dict[str, float] = {}
+    if not accepted:
+        chance = odds(turns[0], driven(comparison.record)) if turns else {}
+        for (_, place), probability in chance.items():
+            shares[place] = shares.get(place, 0.0) + probability
+        return shares
+    powers = [max(float(np.mean(comparison.squares(i))) - 1, 0.0) for i in range(1, len(comparison.errors))]
+    for turn, before, after in zip(accepted, powers[:-1], powers[1:], strict=True):
+        place = turn.confirmed[0].key[1]
+        shares[place] = shares.get(place, 0.0) + max(before - after, 0.0) / max(powers[0], 1e-12)
+    left = 1 - sum(shares.values())
+    if left > 0.005:
+        shares["unexplained"] = left
+    return shares
+
+
+def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tuple[ParameterChange, ...]:
+    base, last = fits[0], fits[-1]
+    before, after = standard_deviations(base), standard_deviations(last)
+    units = base.state.scene.axis.physical_parameters
+    found = []
+    for i, name in enumerate(base.parameters):
+        old, new = base.parameters[name], last.parameters[name]
+        limit = max(_ABSORBED_DEVIATIONS * before[i], _ABSORBED_SHARE * abs(new))
+        found.append(
+            ParameterChange(
+                name=name,
+                unit=str(units[name]),
+                nominal=float(nominal[name]) if nominal and name in nominal else float("nan"),
+                reidentified=old,
+                reidentified_std=float(before[i]),
+                explained=new,
+                explained_std=float(after[i]),
+                absorbed=len(fits) > 1 and bool(abs(new - old) > limit),
+            )
+        )
+    return tuple(found)
+
+
+def _assumptions(comparison: Comparison, validation: Log | None) -> tuple[str, ...]:
+    record = comparison.record
+    return (
+        "Each sample is the value at its time; the force is compared as it is recorded.",
+        f"Noise is white up to the Nyquist frequency, at the level found above {record.noise_from_hz:.0f} Hz.",
+        "Standstills and 15 ms around them are left out: no model tells friction at rest.",
+        "The gap is measured on "
+        + (
+            "parts of the log that took no part in the identification."
+            if validation is None
+            else "the validation log."
+        )
+        + " What belongs to a log (phases of disturbances in time, moments of changes) is fitted to it.",
+    )

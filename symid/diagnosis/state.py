@@ -1,0 +1,147 @@
+"""A model with values under a record: physical parameters, effects, and the errors that they leave.
+
+Hidden motion follows from the measured one and from the forces of the state before, so that a law in a joint that
+no sensor sees is evaluated at the motion that the model itself implies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
+from symid.diagnosis.record import Record
+from symid.diagnosis.scene import Joint, Scene, scene_of
+from symid.diagnosis.weighting import Weighting, starting_pulses, weighting_of
+from symid.errors import LogError
+
+_TAKES_PART = 0.2
+_LEAST_ROWS = 100
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A model with values, under a record.
+
+    Parameters
+    ----------
+    scene : Scene
+        Motion and prediction.
+    placed : tuple of Placed
+        Effects with values.
+    errors : array of shape (n_outputs, n_bins)
+        Measured less predicted outputs.
+    rows : array of shape (n_outputs, n_rows)
+        The same, weighted.
+    beginning : array of shape (n_starts, n_outputs, n_rows)
+        What an unknown state at the beginning of the log makes of them.
+    """
+
+    scene: Scene
+    placed: tuple[Placed, ...]
+    errors: ComplexArray
+    rows: FloatArray
+    beginning: FloatArray
+
+    def weighted(self, weighting: Weighting) -> State:
+        """The same with other weights."""
+        beginning = weighting.rows(starting_pulses(self.scene.record, self.scene.hidden))
+        return replace(self, rows=weighting.rows(self.errors), beginning=beginning)
+
+
+def first_state(
+    record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
+) -> tuple[State, Weighting]:
+    """The axis at given parameters, and the weighting that goes with them.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    """
+    scene = scene_of(record, parameters)
+    scene = scene_of(record, parameters, before=scene)
+    weighting = weighting_in(scene, allowed)
+    if weighting.kept.sum() < _LEAST_ROWS:
+        raise LogError(
+            f"log {record.log.source!r} has {weighting.kept.sum()} rows of motion: a diagnosis needs {_LEAST_ROWS}; "
+            "take a log in which the axis moves"
+        )
+    return _state(scene, (), record.measured - scene.predicted, weighting), weighting
+
+
+def _state(scene: Scene, placed: tuple[Placed, ...], errors: ComplexArray, weighting: Weighting) -> State:
+    nothing = np.zeros((0, 0, 0))
+    return State(scene, placed, errors, nothing, nothing).weighted(weighting)
+
+
+def weighting_in(scene: Scene, allowed: BoolArray | None) -> Weighting:
+    """Weights of a scene: all joints that take part in the drive's motion must move."""
+    driven = scene.record.fine(scene.record.motion)[scene.record.in_log]
+    least = _TAKES_PART * np.ptp(driven)
+    speeds = [joint.v for joint in scene.joints.values() if joint.stroke > least]
+    return weighting_of(scene.record, scene.density, speeds, allowed)
+
+
+def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State:
+    """The same parameters with other effects."""
+    return evaluated(state, weighting, state.scene.parameters, placed)
+
+
+def evaluated(
+    state: State, weighting: Weighting, parameters: Mapping[str, float], placed: tuple[Placed, ...]
+) -> State:
+    """Other parameters with other effects, whose forces act on the motion of the state before."""
+    before, record = state.scene, state.scene.record
+    forces = np.zeros_like(before.forces)
+    impedances, marching = [], []
+    for item in placed:
+        if not isinstance(item.effect, JointEffect):
+            continue
+        joint = item.effect.joint(before, item.at)
+        if isinstance(item.effect, LinearEffect):
+            stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
+            impedances.append((joint.direction, stiffness))
+            continue
+        force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.marched else None
+        if law is None:
+            forces -= np.multiply.outer(force, joint.direction)
+        else:
+            impedances.append((joint.direction, _equivalent(force, joint)))
+            marching.append((joint.direction, law))
+    scene = scene_of(
+        record, parameters, before=before, forces=forces, impedances=impedances, marching=marching
+    )
+    errors = record.measured - scene.predicted
+    for item in placed:
+        if not isinstance(item.effect, JointEffect):
+            errors = errors - item.change(scene)
+    return _state(scene, placed, errors, weighting)
+
+
+def is_hidden(scene: Scene, joint: Joint) -> bool:
+    """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
+    if len(scene.response.plant.bodies) != 2:
+        return False
+    row = scene.response.plant.sensors[scene.record.signals[0]][0]
+    driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
+    return not driven and np.array_equal(joint.spectrum, joint.modelled)
+
+
+def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
+    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
+    s = 1j * joint.record.omega
+    motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
+    scale = np.linalg.norm(motion, axis=1)
+    unit = motion / np.where(scale > 0, scale, 1.0)[:, None]
+    share = np.linalg.lstsq((unit.conj() @ unit.T).real, (unit.conj() @ force).real, rcond=1e-10)[0]
+    k, c, m = share / np.where(scale > 0, scale, 1.0)
+    return np.asarray(k + c * s + m * s**2)

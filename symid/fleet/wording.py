@@ -1,0 +1,75 @@
+"""What a fleet review says in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import polars as pl
+
+from symid.fleet.effects import EffectCount
+from symid.fleet.results import UNKNOWN
+
+if TYPE_CHECKING:
+    from symid.fleet.review import AxisReview
+
+
+def sentence(
+    table: pl.DataFrame,
+    axes: Sequence[AxisReview],
+    statuses: Mapping[str, int],
+    effects: Sequence[EffectCount],
+) -> str:
+    """Counts, axes that differ, changes and the most frequent effect."""
+    if not table.height:
+        return "No log."
+    known = sum(one.axis != UNKNOWN for one in axes)
+    parts = [f"{_plural(table.height, 'log')} of {_plural(known, 'axis', 'axes')}, {_ok(table, statuses)}."]
+    told = [one for one in axes if one.verdict.probabilities]
+    differing = [one for one in told if one.verdict.differs]
+    if differing:
+        worst = max(differing, key=_largest_share)
+        which = ", ".join(worst.verdict.parameters[:3])
+        parts.append(
+            f"{len(differing)} of {_plural(len(told), 'axis', 'axes')} really "
+            f"{'differs' if len(differing) == 1 else 'differ'} from run to run"
+            f"{', most of all' if len(differing) > 1 else ':'} {worst.name} in {which}."
+        )
+    elif told:
+        parts.append("No axis differs from run to run beyond its intervals.")
+    changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
+    if changed:
+        parts.append(f"Parameters of {_plural(len(changed), 'axis', 'axes')} step or drift: {_few(changed)}.")
+    if effects:
+        first = effects[0]
+        place = f" at {first.at}" if first.at else ""
+        parts.append(
+            f"Most frequent effect: {first.effect.replace('_', ' ')}{place}, in {_plural(first.logs, 'log')} of "
+            f"{_plural(len(first.axes), 'axis', 'axes')}."
+        )
+    return " ".join(parts)
+
+
+def _ok(table: pl.DataFrame, statuses: Mapping[str, int]) -> str:
+    good = statuses.get("ok", 0)
+    if good == table.height:
+        return "all ok"
+    others = ", ".join(
+        f"{count} {name.replace('_', ' ')}" for name, count in statuses.items() if name != "ok"
+    )
+    return f"{good} ok ({others})"
+
+
+def _largest_share(axis: AxisReview) -> float:
+    return max(
+        (one.spread.share for one in axis.parameters if math.isfinite(one.spread.between)), default=0.0
+    )
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _plural(count: int, one: str, many: str = "") -> str:
+    return f"{count} {one if count == 1 else many or one + 's'}"

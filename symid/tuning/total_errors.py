@@ -1,0 +1,89 @@
+"""Errors of identified parameters, of bias and noise together: noise-free data to which noise is added many times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import cycle
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.estimation import estimate, triangular_factors
+from symid.identification import PhysicalEstimate, Preparation, observe, physical_estimates
+from symid.tuning.noise import with_noise
+
+_SCAN_DRAWS = 3
+"""Draws of noise in the scan."""
+_LOST = 1.0
+"""A relative error from which on a parameter is lost: larger ones count as this."""
+
+
+@dataclass(frozen=True, eq=False)
+class TotalErrors:
+    """Errors of the parameters from noise-free data to which noise is added.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Model of the sensors.
+    runs : tuple of Log
+        Noise-free data of one or several simulations of the same motion.
+    noise : mapping of str to float
+        Standard deviation of each signal's noise.
+    parameters : mapping of str to float
+        True physical parameters.
+    draws : int
+        How many times noise is drawn, for one run after the other; all settings see the same noise.
+    """
+
+    model: GeneratedModel
+    runs: tuple[Log, ...]
+    noise: Mapping[str, float]
+    parameters: Mapping[str, float]
+    draws: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Physical parameters that have a relative error."""
+        return tuple(name for name in self.model.physical_units if self.parameters[name])
+
+    @cached_property
+    def noisy(self) -> tuple[Log, ...]:
+        """Logs with noise."""
+        pairs = zip(cycle(self.runs), range(self.draws), strict=False)
+        return tuple(with_noise(log, self.noise, seed) for log, seed in pairs)
+
+    @property
+    def clean(self) -> Log:
+        """Noise-free data of the first run."""
+        return self.runs[0]
+
+    def relative(self, log: Log, settings: Preparation) -> FloatArray:
+        """Relative error of each parameter of a log, at most 1 in magnitude, which counts as lost."""
+        seen = observe(self.model, log, settings)
+        fit = estimate(triangular_factors(seen.W, seen.y, seen.valid))
+        found: tuple[PhysicalEstimate, ...] = ()
+        if fit.status == "ok":
+            found = physical_estimates(self.model, fit.parameters, fit.covariance, self.parameters)
+        if not found:
+            return np.full(len(self.names), _LOST)
+        values = dict(zip(self.model.physical_units, found[0].parameters, strict=True))
+        errors = np.array([values[name] / self.parameters[name] - 1.0 for name in self.names])
+        return np.asarray(np.clip(np.nan_to_num(errors, nan=_LOST), -_LOST, _LOST), dtype=np.float64)
+
+    def rms(self, settings: Preparation) -> FloatArray:
+        """Root mean square error of each parameter over the draws, bias included."""
+        return self._over(self.noisy, settings)
+
+    def estimate_of_rms(self, settings: Preparation) -> FloatArray:
+        """The same from the first three draws."""
+        return self._over(self.noisy[:_SCAN_DRAWS], settings)
+
+    def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:
+        errors = np.array([self.relative(log, settings) for log in logs], dtype=np.float64)
+        squares: FloatArray = np.square(errors).mean(axis=0)
+        return np.asarray(np.sqrt(squares), dtype=np.float64)
