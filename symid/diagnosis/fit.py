@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects import DriveEffect, Placed
 from symid.diagnosis.sensitivity import derivatives
 from symid.diagnosis.state import State, evaluated, weighting_in
 from symid.diagnosis.weighting import Weighting, with_restarts
@@ -66,7 +66,8 @@ class Fit:
         """Logarithm of the likelihood of the kept rows, but for a constant: white errors of unknown level.
 
         Where the model lets less of the position's noise through than the weights allow for, its own noise counts:
-        otherwise a model would gain by not following the motion where it is small.
+        otherwise a model would gain by not following the motion where it is small. Errors of the force are relative to
+        the force that acts: otherwise a drive that is taken to give next to none would leave next to no error.
 
         Parameters
         ----------
@@ -75,13 +76,29 @@ class Fit:
         """
         weighting, beginning = self.weighting, self.state.beginning
         own = replace(weighting, density=np.maximum(density, self.state.scene.density))
+        relative = np.ones((len(self.state.errors), 1))
+        relative[0] /= self._acting
         columns, rows = (
-            weighting.known(self.columns, beginning),
-            own.known(own.rows(self.state.errors), beginning),
+            weighting.known(self.columns * relative, beginning * relative),
+            own.known(own.rows(self.state.errors * relative), beginning * relative),
         )
         rows = rows - columns.T @ solved(columns.T, rows)
         n = rows.size * weighting.record.freedom
         return float(-0.5 * n * np.log(rows @ rows / rows.size))
+
+    @property
+    def _acting(self) -> float:
+        """Share of the logged force that acts on the axis if an effect of the drive keeps some of it back, in rms."""
+        scene = self.state.scene
+        changes = [
+            item.change(scene)[0] for item in self.state.placed if isinstance(item.effect, DriveEffect)
+        ]
+        if not changes:
+            return 1.0
+        logged = np.stack([scene.record.measured[0], scene.record.measured[0] - np.sum(changes, axis=0)])
+        rows = self.weighting.rows(logged[:, None])[:, 0, self.weighting.kept]
+        whole, acting = np.linalg.norm(rows, axis=1)
+        return float(min(acting / whole, 1.0))
 
     @property
     def mean_square(self) -> float:

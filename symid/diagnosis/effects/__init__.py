@@ -27,6 +27,7 @@ from symid.diagnosis.effects.friction import (
 from symid.diagnosis.effects.signals import (
     ActuatorLag,
     Delay,
+    DriveEffect,
     EncoderRipple,
     GainAsymmetry,
     GainNonlinearity,
@@ -70,6 +71,7 @@ LIBRARY: tuple[Effect, ...] = (
 __all__ = [
     "ACTUATOR",
     "LIBRARY",
+    "DriveEffect",
     "Effect",
     "JointEffect",
     "LinearEffect",
