@@ -23,6 +23,7 @@ from contextlib import ExitStack
 from importlib.util import find_spec
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -58,12 +59,11 @@ def batch(
     assert done.statuses == {"ok": len(paths)}, done.statuses
 
 
-def plain(paths: list[Path], job: str, settings: dict[str, float | int]) -> None:
+def plain(paths: list[Path], job: str, settings: dict[str, float | int]) -> list[dict[str, Any]]:
     """Read each log and do a job of `identify_speed` with it."""
     run = JOBS[job]
-    for path in paths:
-        frame = pl.read_parquet(path)
-        run("emps", {name: frame[name].to_numpy() for name in ("q", "F")}, settings)
+    frames = map(pl.read_parquet, paths)
+    return [run("emps", {name: frame[name].to_numpy() for name in ("q", "F")}, settings) for frame in frames]
 
 
 def chosen(path: Path) -> dict[str, float | int]:
@@ -72,10 +72,10 @@ def chosen(path: Path) -> dict[str, float | int]:
     return {"cutoff": row["cutoff_hz"], "factor": row["decimation"]}
 
 
-def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], None]]:
+def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], object]]:
     """What is compared, by name."""
     other = stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn")))
-    found: dict[str, Callable[[list[Path]], None]] = {
+    found: dict[str, Callable[[list[Path]], object]] = {
         "one core": lambda paths: batch(paths, jobs=1),
         "two cores": lambda paths: batch(paths, jobs=2),
         "unexamined, one core": lambda paths: batch(paths, jobs=1, examine=False),

@@ -36,7 +36,7 @@ def flexible_log(seed: int) -> Log:
 
 
 def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    data = data_of(load_axis("direct_2m1s"), flexible_log(1), None, None)
+    data = data_of(load_axis("direct_2m1s"), flexible_log(1), None)
     begin = first_state(data.record, FAR, data.training)
     found = start.fitted_axis(*begin)
     assert found.mean_square < start.NOISE_ALONE

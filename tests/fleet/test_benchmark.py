@@ -1,7 +1,6 @@
 """Quick parts of the benchmarks of batches, spreads and charts."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,11 +13,10 @@ def test_script_of_the_benchmark_finds_the_parameters_of_a_batch(tmp_path: Path)
     (path,) = batches.write_logs(tmp_path, 1, 20_000)
     batches.batch([path], jobs=1)
     (row,) = symid.identify_batch("emps", path, jobs=1).rows
-    found: list[Any] = []
-    batches.plain([path], lambda log, s: found.append(batches.run_script("emps", log, s)))
+    (found,) = batches.plain([path], "script", batches.chosen(path))
     wanted = [row[name] for name in ("M", "Fv", "Fc", "OF")]  # the script keeps rows at standstill
-    assert found[0]["parameters"][:3] == pytest.approx(wanted[:3], rel=0.03)
-    assert found[0]["parameters"][3] == pytest.approx(wanted[3], rel=0.1)
+    assert found["parameters"][:3] == pytest.approx(wanted[:3], rel=0.03)
+    assert found["parameters"][3] == pytest.approx(wanted[3], rel=0.1)
 
 
 def test_a_few_draws_of_each_kind() -> None:
