@@ -110,10 +110,10 @@ _KEPT = 128 * 2**20
 
 @lru_cache(maxsize=1)
 def _keep_freed_memory() -> None:
-    """Make glibc keep what it would give back to the system after each array: a fifth of the time of a log.
+    """Make glibc keep what it would give back to the system after each array, only to ask for it again.
 
-    It would give back from 128 kB on and, in a worker of Dask, which sets the threshold, for ever: half of the time.
-    Other C libraries have no mallopt.
+    It would give back from 128 kB on and, in a worker of Dask, which sets the threshold, for ever. Other C libraries
+    have no mallopt.
     """
     with contextlib.suppress(AttributeError, OSError, TypeError):
         mallopt = ctypes.CDLL(None).mallopt
