@@ -197,6 +197,31 @@ class SlopedFriction(Law):
 
 
 @dataclass(frozen=True)
+class SlopedViscousFriction(Law):
+    """A viscous coefficient that changes along the stroke: v (Fv1 q + Fv2 q^2), beside `ViscousFriction`.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    linear, quadratic : str
+        Parameters Fv1 in N s/m^2 or N m s/rad^2, Fv2 in N s/m^3 or N m s/rad^3; both may be negative.
+
+    Examples
+    --------
+    >>> from symid import Body, SlopedViscousFriction
+    >>> SlopedViscousFriction(Body("motor", mass="M"), "Fv1", "Fv2").terms()[1].expression
+    'v*q**2'
+    """
+
+    linear: str
+    quadratic: str
+
+    def terms(self) -> tuple[Term, ...]:
+        return Term(self.linear, "v*q", 2, 1, signed=True), Term(self.quadratic, "v*q**2", 3, 1, signed=True)
+
+
+@dataclass(frozen=True)
 class StiffnessNonlinearity(Law):
     """A spring that becomes harder with its deflection, or softer: k3 q^3, beside a `Spring` in the same joint.
 

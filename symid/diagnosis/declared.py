@@ -19,6 +19,7 @@ from symid.axis import (
     PositionStiffness,
     QuadraticDrag,
     SlopedFriction,
+    SlopedViscousFriction,
     Spring,
     StiffnessNonlinearity,
     StribeckFriction,
@@ -29,6 +30,7 @@ from symid.axis.axis import Element
 from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.effects.friction import SlopedFriction as Sloped
+from symid.diagnosis.effects.friction import SlopedViscousFriction as SlopedViscous
 from symid.diagnosis.effects.friction import WavyFriction as Wavy
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.scene import Scene, place_of
@@ -116,7 +118,10 @@ def _left_out(scene: Scene, item: Placed) -> str:
 
 def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values] | None:
     """Elements of an effect and the values of their parameters; None if it is no element."""
-    if not (item.effect.name in (*_SIMPLE, "asymmetric_friction") or isinstance(item.effect, (Wavy, Sloped))):
+    if not (
+        item.effect.name in (*_SIMPLE, "asymmetric_friction")
+        or isinstance(item.effect, (Wavy, Sloped, SlopedViscous))
+    ):
         return None
     place = _place(scene.axis, item.at)
     values = item.values(scene)
@@ -128,15 +133,19 @@ def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values] | None
     if item.effect.name == "asymmetric_friction":
         names, numbers = [*names, f"{item.at}_dFv"][:2], [*numbers, 0.0][:2]
         return [OneSidedFriction(place, *names)], dict(zip(names, numbers, strict=True))
+    if isinstance(item.effect, SlopedViscous):
+        varying: list[Element] = [SlopedViscousFriction(place, names[-2], names[-1])]
+        if item.effect.coulomb:
+            varying.append(SlopedFriction(place, names[0], names[1], low=0.0, high=1.0))
+        return varying, dict(zip(names, numbers, strict=True))
     assert isinstance(item.effect, (Wavy, Sloped))
     mean = int(item.effect.level)
     level: list[Element] = [CoulombFriction(place, names[0])] if mean else []
     first, second = names[mean : mean + 2]
-    low, high = scene.joints[item.at].range
     if isinstance(item.effect, Wavy):
         level.append(WavyFriction(place, first, second, item.shape[0]))
     else:
-        level.append(SlopedFriction(place, first, second, low, high))
+        level.append(SlopedFriction(place, first, second, low=0.0, high=1.0))
     return level, dict(zip(names[: mean + 2], numbers, strict=False))
 
 

@@ -13,6 +13,7 @@ from symid import (
     PositionStiffness,
     QuadraticDrag,
     SlopedFriction,
+    SlopedViscousFriction,
     StiffnessNonlinearity,
     StribeckFriction,
     WavyFriction,
@@ -65,6 +66,12 @@ EFFECTS = {
         {"Fs1": -12.0, "Fs2": 9.0},
         {(-0.1, 1.0): 0.0, (0.3, 1.0): -3.0, (0.1, -1.0): 6 - 2.25},
         ("N", "N"),
+    ),
+    "sloped_viscous": Effect(
+        lambda at: SlopedViscousFriction(at, "Fv1", "Fv2"),
+        {"Fv1": -120.0, "Fv2": 900.0},
+        {(0.0, 1.0): 0.0, (2.0, 3.0): 10080.0, (-1.0, 2.0): 2040.0},
+        ("kg/m/s", "kg/m^2/s"),
     ),
     "one_sided": Effect(
         lambda at: OneSidedFriction(at, "dFs", "dFv"),

@@ -15,6 +15,7 @@ from symid.diagnosis.effects.friction import (
     LoadDependentFriction,
     QuadraticDrag,
     SlopedFriction,
+    SlopedViscousFriction,
     StribeckFriction,
     ViscousFriction,
     dahl_state,
@@ -143,7 +144,9 @@ def test_columns_are_finite_differences_of_the_prediction(axis: str, values: dic
         (QuadraticDrag(), (), lambda q, v, F: v * np.abs(v)),
         (StribeckFriction(), (0.3,), lambda q, v, F: np.sign(v) * np.exp(-((v / 0.3) ** 2))),
         (LoadDependentFriction(), (), lambda q, v, F: np.abs(F) * np.sign(v)),
-        (SlopedFriction(level=False), (), lambda q, v, F: np.sign(v) * (q - q.min()) / (q.max() - q.min())),
+        (SlopedFriction(level=False), (), lambda q, v, F: np.sign(v) * q),
+        (SlopedViscousFriction(coulomb=True), (), lambda q, v, F: np.sign(v) * q),
+        (SlopedViscousFriction(coulomb=False), (), lambda q, v, F: v * q),
     ],
 )
 def test_forces_of_effects(effect, shape, force) -> None:

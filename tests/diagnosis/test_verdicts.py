@@ -25,6 +25,7 @@ EFFECTS = {
     ),
     "quadratic_drag": (lambda t, q, v, a, path: 300 * v * np.abs(v), {"c": 300.0}),
     "position_stiffness": (lambda t, q, v, a, path: 500 * q, {"k": 500.0}),
+    "position_dependent_friction": (lambda t, q, v, a, path: 9000 * q**2 * v, {"dFv2": 9000.0}),
     "cogging": (lambda t, q, v, a, path: 12 * np.sin(2 * np.pi * q / 0.024), {"As": 12.0, "pitch": 0.024}),
     "flexible_mode": (lambda t, q, v, a, path: hung(path, t), {"m": 30.0, "f": 12.0}),
     "delay": (lambda t, q, v, a, path: plain_force(path, t + SHIFT) - plain_force(path, t), {"T": SHIFT}),

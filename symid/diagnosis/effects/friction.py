@@ -220,17 +220,54 @@ class _AlongStroke(JointEffect):
 
 
 class SlopedFriction(_AlongStroke):
-    """sign(v) (dF1 x + dF2 x^2), x from 0 to 1 over the stroke."""
+    """sign(v) (dF1 q + dF2 q^2)."""
 
     varying = ("dF1", "dF2")
 
     def variation(self, joint: Joint, shape: Shape) -> tuple[FloatArray, FloatArray]:
-        low, high = joint.range
-        x = (joint.q - low) / (high - low)
-        return x, x**2
+        return joint.q, joint.q**2
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return (str(joint_units(scene, place)[0]),) * len(self.amplitudes)
+        force, length = joint_units(scene, place)
+        return (*[str(force)] * self.level, str(force / length), str(force / length**2))
+
+
+class SlopedViscousFriction(JointEffect):
+    """v (dFv1 q + dFv2 q^2), with sign(v) (dFs1 q + dFs2 q^2) if all friction varies along the stroke.
+
+    Parameters
+    ----------
+    coulomb : bool
+        Whether the level of declared Coulomb friction varies too.
+    """
+
+    name = "position_dependent_friction"
+
+    def __init__(self, *, coulomb: bool) -> None:
+        self.coulomb = coulomb
+        self.amplitudes = ("dFs1", "dFs2") * coulomb + ("dFv1", "dFv2")
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        viscous, level = _declared(scene, DeclaredViscous), _declared(scene, DeclaredCoulomb)
+        return [name for name in scene.joints if name in viscous and (name in level or not self.coulomb)]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        parts = [np.sign(joint.v)] * self.coulomb + [joint.v]
+        return sampled(scene, *(part * joint.q**power for part in parts for power in (1, 2)))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        level = amplitudes[:2] if self.coulomb else (0.0, 0.0)
+        viscous = amplitudes[-2:]
+
+        def force(k: int, q: float, v: float) -> float:
+            return q * (math.copysign(1.0, v) * (level[0] + level[1] * q) + v * (viscous[0] + viscous[1] * q))
+
+        return Pointwise(force)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        parts = [force] * self.coulomb + [force * Unit.of("s") / length]
+        return tuple(str(unit / length**power) for unit in parts for power in (1, 2))
 
 
 class WavyFriction(_AlongStroke):
