@@ -140,6 +140,7 @@ def late_of(options: dict[str, Any]) -> dict[str, float]:
 
 
 def standstill_of(options: dict[str, Any]) -> float | None:
+    """Speed of ``--standstill`` in SI, None if it is left to the log."""
     return None if options["standstill"] is None else number(options["standstill"], "--standstill")
 
 

@@ -21,7 +21,7 @@ from symid.diagnosis.comparison import applied, compared
 from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
 from symid.diagnosis.diagnose import data_of, fits_of, late_in
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
-from symid.diagnosis.fit import Fit, fitted, refitted, unfitted
+from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted, unfitted
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
@@ -34,7 +34,7 @@ from symid.diagnosis.result import (
 )
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, search
-from symid.diagnosis.start import ITERATIONS, fitted_axis, starting_parameters
+from symid.diagnosis.start import fitted_axis, starting_parameters
 from symid.diagnosis.state import State, first_state, with_effects
 from symid.diagnosis.weighting import Weighting
 from symid.diagnosis.wording import sentence_against
@@ -152,7 +152,7 @@ def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
 
 def _machine(state: State, weighting: Weighting) -> Fit:
     """The simulator's model identified from the machine's log, without the effects that this log does not ask for."""
-    model = refitted(fitted(state, weighting, ITERATIONS))
+    model = converged(state, weighting)
     for item in model.state.placed:
         others = tuple(other for other in model.state.placed if other.key != item.key)
         without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)

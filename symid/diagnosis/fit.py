@@ -19,6 +19,8 @@ _LARGEST_SHAPE_STEP = 0.3
 _HALVINGS = 5
 _SETTLED = 1e-6
 _RANK = 1e-10
+ITERATIONS = 10
+"""Of a fit that may begin far off, at most."""
 _CREDIBLE = 16.0
 
 
@@ -158,6 +160,11 @@ def refitted(fit: Fit, iterations: int = 3) -> Fit:
         weighting = weighting_in(scene, weighting.allowed)
     weighting = with_restarts(weighting, scene.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
+
+
+def converged(state: State, weighting: Weighting) -> Fit:
+    """Fitted from a state, and then with the weights that belong to what was found, see `refitted`."""
+    return refitted(fitted(state, weighting, ITERATIONS))
 
 
 def _cost(state: State, weighting: Weighting) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.axis import Axis, Spring
 from symid.codegen import load_generated
-from symid.diagnosis.fit import Fit, fitted, refitted
+from symid.diagnosis.fit import Fit, converged
 from symid.diagnosis.record import Record
 from symid.diagnosis.state import State, first_state
 from symid.diagnosis.weighting import Weighting
@@ -38,8 +38,6 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     return {name: float(found[name]) for name in axis.physical_parameters}
 
 
-ITERATIONS = 10
-"""Of a fit without effects, at most."""
 NOISE_ALONE = 1.5
 """Mean square of weighted rows up to which noise is what is left."""
 _STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
@@ -61,23 +59,29 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     weighting : Weighting
         Of the errors.
     """
-    first = refitted(fitted(state, weighting, ITERATIONS))
-    springs = [e.stiffness for e in state.scene.axis.elements if isinstance(e, Spring)]
+    first = converged(state, weighting)
+    springs, values = _stiffnesses(state.scene.axis), state.scene.parameters
     if not springs or first.mean_square < NOISE_ALONE:
         return first
-    values = state.scene.parameters
     others = []
     for factor in _STIFFNESSES:
         moved = dict(values) | {name: factor * values[name] for name in springs}
-        other, weights = first_state(state.scene.record, moved, weighting.allowed)
-        others.append(refitted(fitted(other, weights, ITERATIONS)))
+        others.append(converged(*first_state(state.scene.record, moved, weighting.allowed)))
     tame = [fit for fit in others if not _ran_away(fit, values)]
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
     return best if best.mean_square < NOISE_ALONE or _ran_away(first, values) else first
 
 
+def _stiffnesses(axis: Axis) -> list[str]:
+    """Parameters of the springs."""
+    return [element.stiffness for element in axis.elements if isinstance(element, Spring)]
+
+
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
     axis = fit.state.scene.axis
-    names = [e.stiffness for e in axis.elements if isinstance(e, Spring)]
-    names += [name for body in axis.free_bodies if (name := body.mass or body.inertia) is not None]
-    return any(not 1 / _RUN_AWAY < fit.parameters[name] / start[name] < _RUN_AWAY for name in names)
+    inertias = [name for body in axis.free_bodies if (name := body.mass or body.inertia) is not None]
+    for name in (*_stiffnesses(axis), *inertias):
+        low, high = sorted((start[name] / _RUN_AWAY, start[name] * _RUN_AWAY))
+        if not low < fit.parameters[name] < high:
+            return True
+    return False

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from symid.arrays import ComplexArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects.base import ACTUATOR, Effect, Pull, Shape
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.scene import Joint, Scene
@@ -170,11 +170,15 @@ def _drive_unit(scene: Scene) -> str:
 
 
 def _least_limit(scene: Scene) -> float:
-    force = np.abs(scene.record.whole_force[: scene.record.log.n_samples])
-    return min(_USUAL_LIMIT * _top_force(scene), float(np.quantile(force, _MOSTLY_BELOW)))
+    """Lowest limit of the force that is worth a trial."""
+    return min(_USUAL_LIMIT * _top_force(scene), float(np.quantile(_force_size(scene), _MOSTLY_BELOW)))
 
 
 def _top_force(scene: Scene) -> float:
     """Largest force of the log; its last samples, where a log may end in the middle of a blow, do not count."""
-    force = np.abs(scene.record.whole_force[: scene.record.log.n_samples])
+    force = _force_size(scene)
     return float(force[: -max(1, force.size // 100)].max())
+
+
+def _force_size(scene: Scene) -> FloatArray:
+    return np.asarray(np.abs(scene.record.whole_force[: scene.record.log.n_samples]))
