@@ -30,7 +30,7 @@ _SEGMENT = 4096
 _END_SECONDS = 0.01
 _LEAST_SAMPLES = 400
 _FLAT = 0.65
-_FINE_HZ = 2000.0
+_FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
 _FINEST = 8
 _BINS_OF_MOTION = 5

@@ -217,8 +217,16 @@ class Scene:
         return -self.response.of_force(joint.direction) * force[..., None, :]
 
     def _joint(self, name: str, direction: FloatArray) -> Joint:
-        observed, modelled = direction @ self.observed, direction @ self.displacements
+        observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
         return Joint(name, direction, observed, modelled, self.record)
+
+
+def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:
+    """Displacement along a direction over the bodies."""
+    found = np.zeros(displacements.shape[1], dtype=complex)
+    for i in np.flatnonzero(direction):
+        found += direction[i] * displacements[i]
+    return found
 
 
 def place_of(spring: Spring) -> str:
