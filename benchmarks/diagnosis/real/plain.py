@@ -11,7 +11,7 @@ log that was held out, after the same filter.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -77,7 +77,8 @@ class Motion:
         share = 2.0 * self.recording.period * self.band / (np.sqrt(2.0) - 1.0) ** (0.5 / _ORDER)
         if share > 0.98:
             return x
-        return np.asarray(signal.sosfiltfilt(signal.butter(_ORDER, share, output="sos"), x))
+        sections = signal.butter(_ORDER, share, output="sos")
+        return np.asarray(signal.sosfiltfilt(sections, x), dtype=np.float64)
 
     @cached_property
     def time(self) -> FloatArray:
@@ -169,7 +170,7 @@ class Model:
     def error(self, motion: Motion) -> FloatArray:
         """Measured less predicted force."""
         columns = matrix(motion, self.names, self.shape)[1]
-        return motion.force - columns @ np.array(list(self.values.values()))
+        return np.asarray(motion.force - columns @ np.array(list(self.values.values())))
 
 
 def fitted(motions: Sequence[Motion], names: Sequence[str]) -> Model:
@@ -226,19 +227,12 @@ class Plain:
         Of the base model, and with the published effect.
     base, best : Model
         Both.
-    time, left : array of shape (n,)
-        Times of the held-out log as recorded, and the error of `best`.
-    rows : bool array of shape (n,)
-        Those that count.
     """
 
     before: Error
     after: Error
     base: Model
     best: Model
-    time: FloatArray = field(repr=False)
-    left: FloatArray = field(repr=False)
-    rows: NDArray[np.bool_] = field(repr=False)
 
     @property
     def removed(self) -> float:
@@ -268,9 +262,6 @@ def plain(script: Script, training: Sequence[Recording], held_out: Recording, ba
         after=_measured(best, other),
         base=base,
         best=best,
-        time=other.time + held_out.start,
-        left=best.error(other),
-        rows=other.rows,
     )
 
 

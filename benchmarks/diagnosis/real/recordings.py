@@ -73,7 +73,8 @@ def emps(file: str = "DATA_EMPS") -> Recording:
     """The electro-mechanical positioning system, force made of the controller's volts."""
     found = loadmat(DATA / "emps" / f"{file}.mat", variable_names=("t", "qm", "vir"))
     t, q, volts = (np.asarray(found[name], dtype=float).ravel() for name in ("t", "qm", "vir"))
-    return Recording(f"emps/{file}.mat", float(t[0]), float(t[1] - t[0]), {"q": q, "F": EMPS_GAIN * volts})
+    period = round(float(t[-1] - t[0]) / (t.size - 1), 9)  # the times are rounded to some nanoseconds
+    return Recording(f"emps/{file}.mat", float(t[0]), period, {"q": q, "F": EMPS_GAIN * volts})
 
 
 def bench(which: str) -> Recording:
