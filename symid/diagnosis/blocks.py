@@ -21,7 +21,9 @@ from symid.arrays import FloatArray, IntArray
 from symid.diagnosis.fit import Fit
 
 N_BLOCKS = 16
+"""Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
 _RANK = 1e-9
+_DRAWS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +93,26 @@ def blocks_of(fit: Fit, n_blocks: int = N_BLOCKS) -> Blocks:
         errors.reshape(n_outputs, n_kept),
         np.array_split(np.arange(n_kept), n_blocks),
     )
+
+
+def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
+    """Probability that one model predicts better than another, from blocks drawn anew (paired bootstrap).
+
+    Parameters
+    ----------
+    before, after : array of shape (n_outputs, n_blocks)
+        Sums of squares of blocks left out.
+    n_rows : float
+        Independent rows of an output.
+    """
+    rng = np.random.default_rng(0)
+    n = before.shape[1]
+    drawn = rng.integers(n, size=(_DRAWS, n))
+    gains = [
+        log_likelihood(after[:, blocks], n_rows) - log_likelihood(before[:, blocks], n_rows)
+        for blocks in drawn
+    ]
+    return float(np.mean(np.array(gains) > 0))
 
 
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:

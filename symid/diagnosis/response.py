@@ -53,12 +53,17 @@ class Response:
 
     def of_forces(self, forces: ComplexArray) -> ComplexArray:
         """Outputs for forces on the bodies of shape (n_bins, n_bodies)."""
-        return np.asarray(np.einsum("okj,kj->ok", self.outputs[:, :, :-1], forces))
+        found = np.zeros(self.outputs.shape[:2], dtype=complex)
+        for j in range(forces.shape[1]):
+            found += self.outputs[:, :, j] * forces[:, j]
+        return found
 
     def displacements(self, position: ComplexArray, forces: ComplexArray) -> ComplexArray:
         """Displacements of shape (n_bodies, n_bins) for the driven position and forces on the bodies."""
         moved = self.motion[:, :, -1] * position[:, None]
-        return np.asarray((moved + np.einsum("kij,kj->ki", self.motion[:, :, :-1], forces)).T)
+        for j in range(forces.shape[1]):
+            moved += self.motion[:, :, j] * forces[:, j, None]
+        return np.asarray(moved.T)
 
 
 def response_of(

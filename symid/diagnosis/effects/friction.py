@@ -11,7 +11,15 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import ViscousFriction as DeclaredViscous
-from symid.diagnosis.effects.base import JointEffect, LinearEffect, Pull, Shape, joint_units, sampled
+from symid.diagnosis.effects.base import (
+    JointEffect,
+    LinearEffect,
+    Placed,
+    Pull,
+    Shape,
+    joint_units,
+    sampled,
+)
 from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
@@ -19,7 +27,9 @@ from symid.units import Unit
 _SPEEDS = np.geomspace(0.006, 0.6, 12)
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 _STROKES = np.geomspace(0.15, 2.0, 12)
-_WARM_UPS = (0.08, 0.2, 0.5, 3.0)
+_WARM_UPS = (0.08, 0.2, 0.5, 2.0)
+_SLOWEST_WARM_UP = 3.0
+"""Times of a drift relative to the log: slower ones show no course."""
 
 
 def _declared(scene: Scene, kind: type) -> set[str]:
@@ -330,6 +340,9 @@ class FrictionDrift(JointEffect):
     shape_names = ("T",)
     per_log = True
 
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        return placed.shape[0] < 0.99 * _SLOWEST_WARM_UP * scene.record.duration
+
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous
         self.amplitudes = ("dFs",) * coulomb + ("dFv",) * viscous
@@ -343,7 +356,7 @@ class FrictionDrift(JointEffect):
         return [(x * scene.record.duration,) for x in _WARM_UPS]
 
     def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
-        return (float(np.clip(shape[0], 0.02 * scene.record.duration, 20 * scene.record.duration)),)
+        return (float(np.clip(shape[0], 0.02 * scene.record.duration, _SLOWEST_WARM_UP * scene.record.duration)),)
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         fading = _fading(scene, shape[0])
