@@ -71,6 +71,14 @@ class Blocks:
             found[:, b] = np.sum(errors**2, axis=1)
         return found
 
+    def least_seen(self, n: int) -> float:
+        """Square of what is left of the last columns, of any combination of unit size, when the others are taken out."""
+        whole = self._normal.sum(axis=0)
+        others, last = slice(None, -n), slice(-n, None)
+        taken = np.linalg.pinv(whole[others, others], rcond=_RANK, hermitian=True)
+        left = whole[last, last] - whole[last, others] @ taken @ whole[others, last]
+        return float(np.linalg.eigvalsh(left)[0])
+
     @cached_property
     def covariance(self) -> FloatArray:
         """Covariance of the free values, errors of a block correlated in any way."""
@@ -113,6 +121,21 @@ def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
         for blocks in drawn
     ]
     return float(np.mean(np.array(gains) > 0))
+
+
+def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
+    """Standard deviation of the gain of one model over another, from the scatter of the blocks.
+
+    Parameters
+    ----------
+    one, other : array of shape (n_outputs, n_blocks)
+        Sums of squares of blocks left out.
+    n_rows : float
+        Independent rows of an output.
+    """
+    mean = (one.sum(axis=1) + other.sum(axis=1)) / 2
+    gains = 0.5 * n_rows * np.sum((one - other) / np.maximum(mean, np.finfo(float).tiny)[:, None], axis=0)
+    return float(np.std(gains) * np.sqrt(gains.size))
 
 
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:

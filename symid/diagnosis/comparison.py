@@ -15,7 +15,7 @@ from symid.diagnosis.fit import Fit, solved
 from symid.diagnosis.record import Record
 from symid.diagnosis.result import Gap, Level, Removed, Reversal, Signals, Spectrum
 from symid.diagnosis.sensitivity import derivatives
-from symid.diagnosis.state import State, first_state, with_effects
+from symid.diagnosis.state import State, first_state, leveled, with_effects
 from symid.diagnosis.weighting import Weighting, with_restarts
 
 _BLOCKS = 24
@@ -72,7 +72,7 @@ class Comparison:
         last = self.states[-1]
         if last is None:
             return 1.0
-        ratio = (self.weighting.density[0] / last.scene.density[0]) ** 2
+        ratio = (self.weighting.density[0] / last.scene.noise_density[0]) ** 2
         taper = self.record.taper**2
         return float(np.sqrt(np.sum(ratio * taper) / np.sum(taper)))
 
@@ -264,12 +264,20 @@ def applied(
     """
     effects = model.placed if placed is None else tuple(placed)
     state, weighting = first_state(record, model.scene.parameters, allowed)
+    if model.scene.levels:
+        state, weighting = leveled(state, allowed, _levels_on(record, model))
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
         state = _timed(state, weighting)
     weighting = with_restarts(weighting, state.scene.hidden)
     return state.weighted(weighting), weighting
+
+
+def _levels_on(record: Record, model: State) -> FloatArray:
+    """Errors of a model that weights allow for, in multiples of the noise of another record."""
+    noise = model.scene.record.noise[1:]
+    return np.asarray(np.maximum(np.array(model.scene.levels) * noise / record.noise[1:], 1.0))
 
 
 def _timed(state: State, weighting: Weighting) -> State:

@@ -13,10 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symid.diagnosis.blocks import deviation
 from symid.diagnosis.result import Verdict
 from symid.diagnosis.search import LEAST_WORTH, Turn
 
 _TEMPERED_SHARE = 0.004
+_DOUBT = 0.5
+"""Share of the deviation of a difference in gain by which differences are tempered."""
 _DRIVEN_BONUS = 0.3
 _PRIOR = {"asymmetric_friction": -1.0}
 """An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
@@ -47,12 +50,24 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     if not worth:
         return {}
     best = max(worth.values())
+    doubt = _doubts(turn)
     logits = {
-        key: (value - best) / temperature(best) + _DRIVEN_BONUS * (key[1] == driven) + _PRIOR.get(key[0], 0.0)
+        key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
+        + _DRIVEN_BONUS * (key[1] == driven)
+        + _PRIOR.get(key[0], 0.0)
         for key, value in worth.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
+
+
+def _doubts(turn: Turn) -> dict[Key, float]:
+    """Deviation of what each candidate that was fitted gains less than the best: blocks of a log disagree."""
+    if not turn.confirmed:
+        return {}
+    best = max(turn.confirmed, key=lambda c: c.worth)
+    n = float(turn.before.weighting.kept.sum()) * turn.before.state.scene.record.freedom
+    return {c.key: _DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
 
 
 def temperature(best: float) -> float:

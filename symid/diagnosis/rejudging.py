@@ -48,7 +48,7 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
         if chain and not turn.is_worth_another(accepted[0].before.mean_square):
             break
         chain.append(turn)
-        before = found.fit
+        before = replace(found.fit, begun=before.begun)
     return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood
 from symid.diagnosis.effects import DriveEffect, Effect, Placed
 from symid.diagnosis.effects.friction import SlopedFriction, WavyFriction
-from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted
+from symid.arrays import FloatArray
+from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -26,6 +27,8 @@ LEAST_CERTAINTY = 0.95
 _LEAST_POWER = 0.06
 _LEAST_OF_FIRST = 0.006
 """Share of the mean square of the first model that a further effect must take away."""
+_SEEN = 1e-8
+"""Share of a column, squared, that others must leave of it."""
 _DEVIATIONS = 2.0
 """A value within so many deviations of nothing is no finding."""
 _EXPLAINED = 1.4
@@ -63,11 +66,14 @@ class Confirmed:
         Of the logarithm of the likelihood over the model without it, on blocks left out.
     certainty : float
         Probability that it predicts such blocks better than the model without it.
+    squares : array of shape (n_outputs, n_blocks)
+        Sums of squares of its errors of each of these blocks.
     """
 
     fit: Fit
     gain: float
-    certainty: float = 1.0
+    certainty: float
+    squares: FloatArray
 
     @property
     def worth(self) -> float:
@@ -136,7 +142,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         turns.append(turn)
         if not turn.accepts:
             break
-        current = turn.confirmed[0].fit
+        current = replace(refitted(settled(turn.confirmed[0].fit)), begun=fit.begun)
         if current.state.placed[-1].effect.name in _LATE:
             library = [effect for effect in library if effect.name not in _LATE]
     return tuple(turns)
@@ -257,7 +263,7 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     n = float(found.weighting.kept.sum()) * fit.state.scene.record.freedom
     own, before = blocks.squares, blocks_of(fit).squares
     gain = log_likelihood(own, n) - log_likelihood(before, n)
-    return Confirmed(found, gain, certainty(before, own, n))
+    return Confirmed(found, gain, certainty(before, own, n), own)
 
 
 def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
@@ -265,14 +271,29 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     item, scene = found.state.placed[-1], found.state.scene
     if not item.effect.is_possible(scene, item.amplitudes) or not item.effect.is_plausible(scene, item):
         return False
-    if item.effect.name not in _OF_MASSES and not keeps_inertia(found.parameters, fit.state):
+    if item.effect.name not in _OF_MASSES and not _same_masses(fit, found, blocks):
         return False
     return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
 
 
+def _same_masses(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether the masses are those of the model without the effect, or those that the axis was given."""
+    plain = fit.state.masses
+    given = {name: fit.begun.get(name, value) for name, value in plain.items()}
+    spread = np.sqrt(np.diag(blocks.covariance))
+    doubts = {
+        name: _DEVIATIONS * float(s) for name, s in zip(found.parameters, spread, strict=False) if name in plain
+    }
+    return keeps_inertia(found.state.masses, plain, given, deviations=doubts)
+
+
 def is_determined(item: Placed, blocks: Blocks) -> bool:
-    """Whether the values of the last effect exceed their deviations, amplitudes taken together."""
-    covariance = blocks.covariance[-item.n_free :, -item.n_free :] if item.n_free else np.zeros((0, 0))
+    """Whether the log tells the last effect from the others, and its values exceed their deviations."""
+    if not item.n_free:
+        return True
+    if blocks.least_seen(item.n_free) < _SEEN:
+        return False
+    covariance = blocks.covariance[-item.n_free :, -item.n_free :]
     n = item.n_free - len(item.shape)
     amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
     if np.any(np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)):

@@ -22,6 +22,7 @@ from symid.diagnosis.effects.friction import (
     SlopedFriction,
     SlopedViscousFriction,
     StribeckFriction,
+    ViscousAsymmetry,
     ViscousFriction,
     WavyFriction,
 )
@@ -33,6 +34,7 @@ from symid.diagnosis.effects.signals import (
     GainAsymmetry,
     GainNonlinearity,
     Saturation,
+    SensorDelay,
 )
 
 LIBRARY: tuple[Effect, ...] = (
@@ -41,6 +43,7 @@ LIBRARY: tuple[Effect, ...] = (
     StribeckFriction(),
     AsymmetricFriction(),
     CoulombAsymmetry(),
+    ViscousAsymmetry(),
     PreslidingFriction(),
     LoadDependentFriction(),
     SlopedFriction(level=False),
@@ -68,6 +71,7 @@ LIBRARY: tuple[Effect, ...] = (
     GainNonlinearity(3),
     GainAsymmetry(),
     EncoderRipple(),
+    SensorDelay(),
 )
 """Everything that a diagnosis considers, unless told otherwise."""
 

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.axis import OffsetForce as DeclaredOffset
 from symid.axis.axis import length_unit
 from symid.diagnosis.effects.base import (
     Effect,
@@ -53,6 +54,10 @@ class OffsetForce(JointEffect):
 
     name = "offset_force"
     amplitudes = ("F0",)
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        declared = {law.at for law in scene.axis.laws if isinstance(law, DeclaredOffset)}
+        return [body.name for body in scene.axis.free_bodies if body not in declared]
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, scene.record.in_log.astype(float))

@@ -10,6 +10,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
+from symid.axis import OffsetForce as DeclaredOffset
 from symid.axis import ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.base import (
     JointEffect,
@@ -104,6 +105,9 @@ class AsymmetricFriction(JointEffect):
     name = "asymmetric_friction"
     amplitudes: tuple[str, ...] = ("dFs", "dFv")
 
+    def places(self, scene: Scene) -> Iterable[str]:
+        return [name for name in scene.joints if name not in _declared(scene, DeclaredOffset)]
+
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         return sampled(scene, scene.record.in_log.astype(float), np.abs(joint.v))
 
@@ -130,6 +134,26 @@ class CoulombAsymmetry(AsymmetricFriction):
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return (str(joint_units(scene, place)[0]),)
+
+
+class ViscousAsymmetry(AsymmetricFriction):
+    """Half the difference of the viscous coefficients of both directions, where a constant force is declared."""
+
+    amplitudes: tuple[str, ...] = ("dFv",)
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return [name for name in scene.joints if name in _declared(scene, DeclaredOffset)]
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        return sampled(scene, np.abs(joint.v))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        (viscous,) = amplitudes
+        return Pointwise(lambda k, q, v: viscous * abs(v))
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        return (str(force * Unit.of("s") / length),)
 
 
 class PreslidingFriction(JointEffect):

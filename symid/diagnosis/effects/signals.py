@@ -174,6 +174,34 @@ class EncoderRipple(Effect):
         return (str(scene.axis.signal_units[place]),) * 3
 
 
+class SensorDelay(Effect):
+    """A reading is late against the position from which everything is predicted: y(t - T); early where T is negative."""
+
+    name = "sensor_delay"
+    amplitudes = ("share",)
+    shape_names = ("T",)
+    fixed = True
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        return abs(placed.shape[0]) < _LONGEST_DELAY
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return scene.record.signals[1:]
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        period = scene.record.log.sampling_period
+        return [(float(x * period),) for x in _DELAYS if abs(x * period) < _LONGEST_DELAY]
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        at = scene.record.signals.index(place)
+        columns = np.zeros((1, *scene.record.measured.shape), dtype=complex)
+        columns[0, at] = np.expm1(-1j * scene.record.omega * shape[0]) * scene.predicted[at]
+        return columns
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return "1", "s"
+
+
 def _reading(scene: Scene, signal: str) -> Joint:
     record = scene.record
     place = record.signals.index(signal)
