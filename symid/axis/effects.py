@@ -7,11 +7,10 @@ q and v are displacement and velocity of the joint, forces count against the pos
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from symid.axis.laws import Law, Term, is_finite, written
+from symid.axis.laws import Law, Term, written
 
 
 @dataclass(frozen=True)
@@ -123,7 +122,7 @@ class Cogging(Law):
 
 
 @dataclass(frozen=True)
-class WavyFriction(Law):
+class PeriodicFriction(Law):
     """A Coulomb level that repeats along the stroke: sign(v) (Fss sin(2 pi q/pitch) + Fsc cos(2 pi q/pitch)).
 
     Declare it beside Coulomb friction, so that the level stays above 0 everywhere.
@@ -139,8 +138,8 @@ class WavyFriction(Law):
 
     Examples
     --------
-    >>> from symid import Body, WavyFriction
-    >>> WavyFriction(Body("motor", mass="M"), "Fss", "Fsc", pitch=0.5).terms()[0].expression
+    >>> from symid import Body, PeriodicFriction
+    >>> PeriodicFriction(Body("motor", mass="M"), "Fss", "Fsc", pitch=0.5).terms()[0].expression
     'sign(v)*sin(6.283185307179586*q/0.5)'
     """
 
@@ -155,49 +154,36 @@ class WavyFriction(Law):
 
 
 @dataclass(frozen=True)
-class SlopedFriction(Law):
-    """A Coulomb level that changes along the stroke: sign(v) (Fs1 x + Fs2 x^2), x = (q - low)/(high - low).
+class PositionDependentFriction(Law):
+    """A Coulomb level that changes along the stroke: sign(v) (Fs1 q + Fs2 q^2).
 
-    Declare it beside Coulomb friction, which is then the level at `low`.
+    Declare it beside Coulomb friction, which is then the level at q = 0.
 
     Parameters
     ----------
     at : Body or Between
         The joint.
     linear, quadratic : str
-        Parameters Fs1 and Fs2 in N or N m; both may be negative.
-    low, high : float
-        Ends of the stroke in m or rad.
+        Parameters Fs1 in N/m or N m/rad, Fs2 in N/m^2 or N m/rad^2; both may be negative.
 
     Examples
     --------
-    >>> from symid import Body, SlopedFriction
-    >>> law = SlopedFriction(Body("motor", mass="M"), "Fs1", "Fs2", low=-0.1, high=0.3)
-    >>> law.terms()[0].expression
-    'sign(v)*((q - (-0.1))/(0.3 - (-0.1)))'
+    >>> from symid import Body, PositionDependentFriction
+    >>> PositionDependentFriction(Body("motor", mass="M"), "Fs1", "Fs2").terms()[1].expression
+    'sign(v)*q**2'
     """
 
     linear: str
     quadratic: str
-    low: float
-    high: float
 
     def terms(self) -> tuple[Term, ...]:
-        low, high = written(self.low), written(self.high)
-        x = f"((q - ({low}))/({high} - ({low})))"
-        return (
-            Term(self.linear, f"sign(v)*{x}", signed=True),
-            Term(self.quadratic, f"sign(v)*{x}**2", signed=True),
+        return Term(self.linear, "sign(v)*q", 1, signed=True), Term(
+            self.quadratic, "sign(v)*q**2", 2, signed=True
         )
-
-    def faults(self) -> Iterator[str]:
-        ends = (self.low, self.high)
-        if not all(map(is_finite, ends)) or not self.low < self.high:
-            yield f"the stroke runs from low={self.low!r} to high={self.high!r}: give finite numbers, low below high"
 
 
 @dataclass(frozen=True)
-class SlopedViscousFriction(Law):
+class PositionDependentViscousFriction(Law):
     """A viscous coefficient that changes along the stroke: v (Fv1 q + Fv2 q^2), beside `ViscousFriction`.
 
     Parameters
@@ -209,8 +195,8 @@ class SlopedViscousFriction(Law):
 
     Examples
     --------
-    >>> from symid import Body, SlopedViscousFriction
-    >>> SlopedViscousFriction(Body("motor", mass="M"), "Fv1", "Fv2").terms()[1].expression
+    >>> from symid import Body, PositionDependentViscousFriction
+    >>> PositionDependentViscousFriction(Body("motor", mass="M"), "Fv1", "Fv2").terms()[1].expression
     'v*q**2'
     """
 
@@ -280,7 +266,7 @@ class Backlash(Law):
 
 
 @dataclass(frozen=True)
-class OneSidedFriction(Law):
+class FrictionAsymmetry(Law):
     """What friction in both directions differs by: dFs + dFv abs(v), beside Coulomb and viscous friction.
 
     The parameters are half the differences of the levels and coefficients of both directions, forward less backward.
@@ -295,8 +281,8 @@ class OneSidedFriction(Law):
 
     Examples
     --------
-    >>> from symid import Body, OneSidedFriction
-    >>> [term.expression for term in OneSidedFriction(Body("motor", mass="M"), "dFs", "dFv").terms()]
+    >>> from symid import Body, FrictionAsymmetry
+    >>> [term.expression for term in FrictionAsymmetry(Body("motor", mass="M"), "dFs", "dFv").terms()]
     ['1', 'abs(v)']
     """
 

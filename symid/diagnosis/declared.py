@@ -14,17 +14,17 @@ from symid.axis import (
     Body,
     Cogging,
     CoulombFriction,
+    FrictionAsymmetry,
     OffsetForce,
-    OneSidedFriction,
+    PeriodicFriction,
+    PositionDependentFriction,
+    PositionDependentViscousFriction,
     PositionStiffness,
     QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
     Spring,
     StiffnessNonlinearity,
     StribeckFriction,
     ViscousFriction,
-    WavyFriction,
 )
 from symid.axis.axis import Element
 from symid.axis.elements import Joint as Place
@@ -132,20 +132,20 @@ def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values] | None
         return [make(place, *names[:n], *numbers[n:])], dict(zip(names[:n], numbers, strict=False))
     if item.effect.name == "asymmetric_friction":
         names, numbers = [*names, f"{item.at}_dFv"][:2], [*numbers, 0.0][:2]
-        return [OneSidedFriction(place, *names)], dict(zip(names, numbers, strict=True))
+        return [FrictionAsymmetry(place, *names)], dict(zip(names, numbers, strict=True))
     if isinstance(item.effect, SlopedViscous):
-        varying: list[Element] = [SlopedViscousFriction(place, names[-2], names[-1])]
+        varying: list[Element] = [PositionDependentViscousFriction(place, names[-2], names[-1])]
         if item.effect.coulomb:
-            varying.append(SlopedFriction(place, names[0], names[1], low=0.0, high=1.0))
+            varying.append(PositionDependentFriction(place, names[0], names[1]))
         return varying, dict(zip(names, numbers, strict=True))
     assert isinstance(item.effect, (Wavy, Sloped))
     mean = int(item.effect.level)
     level: list[Element] = [CoulombFriction(place, names[0])] if mean else []
     first, second = names[mean : mean + 2]
     if isinstance(item.effect, Wavy):
-        level.append(WavyFriction(place, first, second, item.shape[0]))
+        level.append(PeriodicFriction(place, first, second, item.shape[0]))
     else:
-        level.append(SlopedFriction(place, first, second, low=0.0, high=1.0))
+        level.append(PositionDependentFriction(place, first, second))
     return level, dict(zip(names[: mean + 2], numbers, strict=False))
 
 
