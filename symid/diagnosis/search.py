@@ -8,8 +8,7 @@ from itertools import islice
 
 import numpy as np
 
-from symid.diagnosis.effects import Effect, Placed
-from symid.diagnosis.effects.friction import SlopedFriction, WavyFriction
+from symid.diagnosis.effects import Effect, LawEffect, Placed
 from symid.diagnosis.fit import Fit, fitted, refitted
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
@@ -177,11 +176,10 @@ def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
 def _is_nearly_constant(scene: Scene, item: Placed) -> bool:
     """Whether a friction level that varies along the stroke varies by less than some tens of percent."""
     effect = item.effect
-    if not isinstance(effect, (SlopedFriction, WavyFriction)):
+    if not (isinstance(effect, LawEffect) and effect.varies_along_stroke):
         return False
-    level, *varying = item.amplitudes
-    joint = scene.joints[item.at]
-    course = np.tensordot(varying, effect.variation(joint, item.shape), 1)[scene.record.in_log] + level
+    level = effect.level(scene.joints[item.at], item.shape, item.amplitudes)
+    course = level[scene.record.in_log]
     return bool(np.ptp(course) / 2 < _VARIES * abs(course.mean()))
 
 
