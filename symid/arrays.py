@@ -11,6 +11,9 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 """Array of truth values of any shape."""
 
+IntArray = npt.NDArray[np.intp]
+"""Array of indices of any shape."""
+
 ComplexArray = npt.NDArray[np.complex128]
 """Array of complex numbers of any shape."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from symid.arrays import BoolArray
 from symid.axis import Axis
@@ -85,10 +86,23 @@ def diagnose(
     >>> found.verdict, found.effects[0].effect
     ('effect', 'offset_force')
     """
-    found = _diagnosed(axis, (log, validation), nominal, (late, held), library)
+    with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
+        return _either_way(axis, (log, validation), nominal, (late, held), library)
+
+
+def _either_way(
+    axis: Axis,
+    logs: tuple[Log, Log | None],
+    nominal: Mapping[str, float] | None,
+    recorded: Recorded,
+    library: Sequence[Effect],
+) -> Diagnosis:
+    """Identified from the log, or from the validation log where that alone shows the effect."""
+    log, validation = logs
+    found = _diagnosed(axis, logs, nominal, recorded, library)
     if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
         return found
-    other = _diagnosed(axis, (validation, None), nominal, (late, held), library)
+    other = _diagnosed(axis, (validation, None), nominal, recorded, library)
     if other.verdict != "effect":
         return found
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))

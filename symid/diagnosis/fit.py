@@ -9,19 +9,22 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects import DriveEffect, Placed
+from symid.diagnosis.effects import Placed
 from symid.diagnosis.sensitivity import derivatives
 from symid.diagnosis.state import State, evaluated, weighting_in
 from symid.diagnosis.weighting import Weighting, with_restarts
 from symid.errors import SettingError
 
 _LARGEST_SHAPE_STEP = 0.3
-_HALVINGS = 5
+_SHORTENINGS = 5
+_SHORTER = 3.0
 _SETTLED = 1e-6
 _RANK = 1e-10
 ITERATIONS = 10
 """Of a fit that may begin far off, at most."""
 _CREDIBLE = 16.0
+LEAST_INERTIA = 2.0
+"""Factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,55 +55,19 @@ class Fit:
 
     @cached_property
     def left(self) -> FloatArray:
-        """Weighted rows that columns and starts do not explain, zero where none are kept; shape (n_outputs, n_rows)."""
-        beginning = self.state.beginning
-        columns, error = (self.weighting.known(x, beginning) for x in (self.columns, self.state.rows))
+        """Weighted rows without what unknown starts explain, zero where none are kept; shape (n_outputs, n_rows).
+
+        What the columns could still explain stays in them: a value at its bound is no perfect fit.
+        """
         rows = np.zeros_like(self.state.rows)
-        rows[:, self.weighting.kept] = (error - columns.T @ solved(columns.T, error)).reshape(len(rows), -1)
+        error = self.weighting.known(self.state.rows, self.state.beginning)
+        rows[:, self.weighting.kept] = error.reshape(len(rows), -1)
         return rows
 
     @property
     def base(self) -> FloatArray:
         """All columns, with those of unknown starts, of shape (n, n_outputs, n_rows)."""
         return np.concatenate([self.columns, self.state.beginning, self.weighting.restarts])
-
-    def log_likelihood(self, density: FloatArray) -> float:
-        """Logarithm of the likelihood of the kept rows, but for a constant: white errors of unknown level.
-
-        Where the model lets less of the position's noise through than the weights allow for, its own noise counts:
-        otherwise a model would gain by not following the motion where it is small. Errors of the force are relative to
-        the force that acts: otherwise a drive that is taken to give next to none would leave next to no error.
-
-        Parameters
-        ----------
-        density : array of shape (n_outputs, n_bins)
-            Weights that are allowed for.
-        """
-        weighting, beginning = self.weighting, self.state.beginning
-        own = replace(weighting, density=np.maximum(density, self.state.scene.density))
-        relative = np.ones((len(self.state.errors), 1))
-        relative[0] /= self._acting
-        columns, rows = (
-            weighting.known(self.columns * relative, beginning * relative),
-            own.known(own.rows(self.state.errors * relative), beginning * relative),
-        )
-        rows = rows - columns.T @ solved(columns.T, rows)
-        n = rows.size * weighting.record.freedom
-        return float(-0.5 * n * np.log(rows @ rows / rows.size))
-
-    @property
-    def _acting(self) -> float:
-        """Share of the logged force that acts on the axis if an effect of the drive keeps some of it back, in rms."""
-        scene = self.state.scene
-        changes = [
-            item.change(scene)[0] for item in self.state.placed if isinstance(item.effect, DriveEffect)
-        ]
-        if not changes:
-            return 1.0
-        logged = np.stack([scene.record.measured[0], scene.record.measured[0] - np.sum(changes, axis=0)])
-        rows = self.weighting.rows(logged[:, None])[:, 0, self.weighting.kept]
-        whole, acting = np.linalg.norm(rows, axis=1)
-        return float(min(acting / whole, 1.0))
 
     @property
     def mean_square(self) -> float:
@@ -150,21 +117,31 @@ def unfitted(state: State, weighting: Weighting) -> Fit:
 
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
-    """The same with unknown states after each standstill, and weights that belong to the parameters found.
-
-    Where noise is not most of what is left, the parameters may be far off, and weights that follow them would hide the
-    error: they stay as they are.
-    """
-    scene, weighting = fit.state.scene, fit.weighting
-    if fit.mean_square < _CREDIBLE:
-        weighting = weighting_in(scene, weighting.allowed)
-    weighting = with_restarts(weighting, scene.hidden)
+    """The same with unknown states after each standstill."""
+    weighting = with_restarts(fit.weighting, fit.state.scene.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 
 
 def converged(state: State, weighting: Weighting) -> Fit:
-    """Fitted from a state, and then with the weights that belong to what was found, see `refitted`."""
-    return refitted(fitted(state, weighting, ITERATIONS))
+    """Fitted from a state, and then with the weights that belong to what was found.
+
+    The weights follow the fit once, and only where it has kept its inertia: weights that belong to a smaller one let
+    more of the noise of the position through, which lowers the inertia further, until nothing of it is left.
+    """
+    first = fitted(state, weighting, ITERATIONS)
+    if first.mean_square < _CREDIBLE and keeps_inertia(first.parameters, state):
+        weighting = weighting_in(first.state.scene, weighting.allowed)
+    return refitted(Fit(first.state.weighted(weighting), weighting, first.spectra, weighting.rows(first.spectra)))
+
+
+def keeps_inertia(parameters: Mapping[str, float], plain: State, factor: float = LEAST_INERTIA) -> bool:
+    """Whether all masses and inertias are within a factor of those of another model."""
+    dynamics = plain.scene.record.dynamics
+    for name in dynamics.parameters_of("mass"):
+        share = parameters[name] / plain.scene.parameters[name]
+        if not 1 / factor < share < factor:
+            return False
+    return True
 
 
 def _cost(state: State, weighting: Weighting) -> float:
@@ -183,7 +160,7 @@ def _searched(
 ) -> tuple[State | None, float]:
     """The longest of the step and its fractions that lowers the cost; None if none does."""
     share = 1.0
-    for _ in range(_HALVINGS):
+    for _ in range(_SHORTENINGS):
         try:
             found = evaluated(state, weighting, *_moved(state, share * step))
             after = _cost(found, weighting)
@@ -191,7 +168,7 @@ def _searched(
             after = np.inf
         if after < cost:
             return found, after
-        share /= 3
+        share /= _SHORTER
     return None, cost
 
 

@@ -7,6 +7,7 @@ that holds the band and nothing else. Laws, which are not linear, are evaluated 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -29,6 +30,11 @@ _SEGMENT = 4096
 _END_SECONDS = 0.01
 _LEAST_SAMPLES = 400
 _FLAT = 0.65
+_FINE_HZ = 1000.0
+"""Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
+_FINEST = 8
+_BINS_OF_MOTION = 5
+"""Neighbouring frequencies of which most must stand out of the noise where the axis moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +97,16 @@ class Record:
         """Rows of a period."""
         return scipy.fft.next_fast_len(2 * self.n_bins, real=True)
 
+    @cached_property
+    def fine_per_row(self) -> int:
+        """Points of the fine grid for each row."""
+        wanted = math.ceil(_FINE_HZ * self.period / self.n_rows)
+        return min(max(wanted, 2), _FINEST)
+
     @property
     def n_fine(self) -> int:
         """Points of the grid on which laws are evaluated."""
-        return 2 * self.n_rows
+        return self.fine_per_row * self.n_rows
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -158,8 +170,7 @@ class Record:
         Of the force, the least density of that band counts: a controller makes forces out of the noise of the encoder,
         more the higher the frequency, and these act on the axis.
         """
-        names = (self.signals[0], *self.signals[1:])
-        found = [_high_noise(self.log[name], self.log.sampling_frequency) for name in names]
+        found = [_high_noise(self.log[name], self.log.sampling_frequency) for name in self.signals]
         force = self.log[self.dynamics.axis.drive.signal]
         return np.array(
             [found[0], _least_noise(force, self.log.sampling_frequency, self.band_hz), *found[1:]]
@@ -269,7 +280,8 @@ def _motion_band(position: FloatArray, sampling_frequency: float) -> float:
     frequency, density = _density(np.diff(position), sampling_frequency)
     density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
     floor = np.median(density[frequency > _HIGH * sampling_frequency])
-    above = frequency[(density > _ABOVE_NOISE * floor) & (frequency < _WIDEST * sampling_frequency)]
+    stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
+    above = frequency[stands_out & (frequency < _WIDEST * sampling_frequency)]
     return float(max(above.max(initial=0.0), 8 * frequency[1]))
 
 

@@ -46,7 +46,10 @@ class Response:
 
     def of_force(self, direction: FloatArray) -> ComplexArray:
         """Outputs for a force along a direction over the bodies, of shape (n_outputs, n_bins)."""
-        return np.asarray(self.outputs[:, :, :-1] @ direction)
+        found = np.zeros(self.outputs.shape[:2], dtype=complex)
+        for i in np.flatnonzero(direction):
+            found += direction[i] * self.outputs[:, :, i]
+        return found
 
     def of_forces(self, forces: ComplexArray) -> ComplexArray:
         """Outputs for forces on the bodies of shape (n_bins, n_bodies)."""

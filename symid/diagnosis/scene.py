@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, IntArray
 from symid.axis import Axis, Between, Body, Spring
 from symid.diagnosis.march import Pointwise, marched
 from symid.diagnosis.record import Record
@@ -59,6 +59,25 @@ class Joint:
     def a(self) -> FloatArray:
         """Acceleration, as it follows from the driven position: readings would bring their noise."""
         return self.record.fine(-(self.record.omega**2) * self.modelled)
+
+    @cached_property
+    def _crossings(self) -> tuple[IntArray, FloatArray]:
+        """Points after which the velocity changes its sign, and how much of the step to the next has passed then."""
+        before = np.flatnonzero(np.signbit(self.v[:-1]) != np.signbit(self.v[1:]))
+        return before, self.v[before] / (self.v[before] - self.v[before + 1])
+
+    def averaged(self, force: FloatArray) -> FloatArray:
+        """A force on the fine grid, which may jump where the velocity changes its sign, as its mean over each step.
+
+        A jump between two points belongs to the one or the other in part: sampled as it is, it would be off by up to
+        half a step.
+        """
+        k, passed = self._crossings
+        found = np.array(force)
+        jump = force[..., k + 1] - force[..., k]
+        np.add.at(found, (..., k), np.maximum(0.5 - passed, 0.0) * jump)
+        np.add.at(found, (..., k + 1), -np.maximum(passed - 0.5, 0.0) * jump)
+        return found
 
     @cached_property
     def range(self) -> tuple[float, float]:
@@ -120,7 +139,9 @@ class Scene:
         found = []
         for direction, terms in self.record.dynamics.laws:
             joint = self._joint("", direction)
-            spectra = tuple(self.record.from_fine(term.forces(joint.q, joint.v)) for term in terms)
+            spectra = tuple(
+                self.record.from_fine(joint.averaged(term.forces(joint.q, joint.v))) for term in terms
+            )
             found.append((direction, spectra))
         return tuple(found)
 
@@ -196,8 +217,16 @@ class Scene:
         return -self.response.of_force(joint.direction) * force[..., None, :]
 
     def _joint(self, name: str, direction: FloatArray) -> Joint:
-        observed, modelled = direction @ self.observed, direction @ self.displacements
+        observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
         return Joint(name, direction, observed, modelled, self.record)
+
+
+def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:
+    """Displacement along a direction over the bodies."""
+    found = np.zeros(displacements.shape[1], dtype=complex)
+    for i in np.flatnonzero(direction):
+        found += direction[i] * displacements[i]
+    return found
 
 
 def place_of(spring: Spring) -> str:

@@ -8,8 +8,9 @@ from itertools import islice
 
 import numpy as np
 
-from symid.diagnosis.effects import Effect, LawEffect, Placed
-from symid.diagnosis.fit import Fit, fitted, refitted
+from symid.diagnosis.blocks import blocks_of, log_likelihood
+from symid.diagnosis.effects import DriveEffect, Effect, LawEffect, Placed
+from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -33,6 +34,9 @@ _VARIES = 0.4
 _HARDLY = 0.1
 """With more of the mean square left, no candidate has explained it."""
 _TIE = 2.0
+_OF_MASSES = ("flexible_mode", "payload_change")
+_LEAST_ACTING = 0.5
+"""Share of the logged force that must act on the axis: with less, the drive has been explained away."""
 _MOST_EFFECTS = 3
 _DIRECT = (6, 3)
 _MARCHING = (12, 8)
@@ -230,13 +234,32 @@ def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
 
 
 def _judged(fit: Fit, found: Fit) -> Confirmed | None:
-    """The gain of a model over that without its last effect, on the same rows."""
-    item = found.state.placed[-1]
-    if not np.isfinite(found.mean_square) or not item.effect.is_possible(found.state.scene, item.amplitudes):
+    """The gain of a model over that without its last effect, on blocks that are left out."""
+    if not np.isfinite(found.mean_square) or not is_credible(fit, found):
         return None
-    before = replace(found.weighting, density=fit.weighting.density)
-    without = replace(
-        fit, state=fit.state.weighted(before), weighting=before, columns=before.rows(fit.spectra)
-    )
-    allowed = np.maximum(found.weighting.density, before.density)
-    return Confirmed(found, found.log_likelihood(allowed) - without.log_likelihood(before.density))
+    record = fit.state.scene.record
+    n = float(found.weighting.kept.sum()) * record.freedom
+    own, before = (blocks_of(f).squares for f in (found, fit))
+    return Confirmed(found, log_likelihood(own, n) - log_likelihood(before, n))
+
+
+def is_credible(fit: Fit, found: Fit) -> bool:
+    """Whether a machine can be as a model with one more effect says."""
+    item = found.state.placed[-1]
+    if not item.effect.is_possible(found.state.scene, item.amplitudes):
+        return False
+    if item.effect.name not in _OF_MASSES and not keeps_inertia(found.parameters, fit.state):
+        return False
+    return acting_share(found) > _LEAST_ACTING
+
+
+def acting_share(fit: Fit) -> float:
+    """Share of the logged force that acts on the axis if an effect of the drive keeps some of it back, in rms."""
+    scene = fit.state.scene
+    changes = [item.change(scene)[0] for item in fit.state.placed if isinstance(item.effect, DriveEffect)]
+    if not changes:
+        return 1.0
+    logged = np.stack([scene.record.measured[0], scene.record.measured[0] - np.sum(changes, axis=0)])
+    rows = fit.weighting.rows(logged[:, None])[:, 0, fit.weighting.kept]
+    whole, acting = np.linalg.norm(rows, axis=1)
+    return float(acting / whole)

@@ -20,8 +20,11 @@ from symid.diagnosis.record import Record
 
 _SLOW_SHARE = 0.004
 _NOISE_MARGIN = 6.0
-_MARGIN = 0.010
-_TAPER = 0.005
+_RESOLUTIONS = 0.5
+"""Margin around a rest, and shortest rest, in periods of the highest frequency used: what is shorter is a reversal."""
+_LONGEST_MARGIN = 0.010
+_SHORTEST_REST = 0.004
+_TAPER = 0.004
 _END = 0.02
 _UNSEEN = 1e-9
 _MOST_STARTS = 40
@@ -111,15 +114,16 @@ def weighting_of(
     share = np.sqrt(2 * record.n_bins / record.n_extended)
     moving = record.in_log & (True if allowed is None else allowed)
     velocity_noise = record.noise[0] * record.omega[-1] * share / np.sqrt(3)
+    step = record.fine_time[1]
+    resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
         least = max(_SLOW_SHARE * np.abs(speed[record.in_log]).max(), _NOISE_MARGIN * velocity_noise)
-        moving &= np.abs(speed) > least
-    step = record.fine_time[1]
+        moving &= ~_long(np.abs(speed) <= least, round(max(_SHORTEST_REST, resolution) / step))
     ends = max(1, round(_END / step))
     moving[:ends] = False
     last = int(np.flatnonzero(record.in_log)[-1])
     moving[last - ends :] = False
-    window = _window(moving, round(_MARGIN / step), max(2, round(_TAPER / step)))[::2]
+    window = _window(moving, round(resolution / step), max(2, round(_TAPER / step)))[:: record.fine_per_row]
     kept = np.asarray(window > 1 - 1e-9)
     return Weighting(record, window, kept, density, np.zeros((0, len(density), record.n_rows)), allowed)
 
@@ -163,6 +167,13 @@ def _orthonormal(columns: FloatArray) -> FloatArray:
     norms = np.linalg.norm(columns, axis=1)
     seen = norms > _UNSEEN * norms.max(initial=0.0)
     return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])
+
+
+def _long(still: BoolArray, least: int) -> BoolArray:
+    """Points that belong to a run of at least so many."""
+    labels, n = scipy.ndimage.label(still)
+    lengths = np.bincount(labels, minlength=n + 1)
+    return np.asarray(still & (lengths >= least)[labels])
 
 
 def _window(moving: BoolArray, margin: int, taper: int) -> FloatArray:

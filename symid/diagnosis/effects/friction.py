@@ -37,7 +37,7 @@ class PreslidingFriction(JointEffect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
         declared = joint.name in _declared(scene, DeclaredCoulomb)
-        return sampled(scene, state - np.sign(joint.v) if declared else state)
+        return sampled(scene, state - np.sign(joint.v) if declared else state, joint=joint)
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         (level,), (reach,) = amplitudes, shape
@@ -65,28 +65,47 @@ def dahl_state(q: FloatArray, reach: float) -> FloatArray:
     >>> dahl_state(np.array([0.0, 1.0, 2.0, 1.0]), 1.0).round(3).tolist()
     [0.0, 0.632, 0.865, -0.314]
     """
-    z, state = [], 0.0
-    decays = np.exp(-np.abs(np.diff(q, prepend=q[0])) / reach).tolist()
-    for forward, decay in zip((np.diff(q, prepend=q[0]) >= 0).tolist(), decays, strict=True):
-        state = 1 - (1 - state) * decay if forward else (1 + state) * decay - 1
-        z.append(state)
-    return np.array(z)
+    if not q.size:
+        return np.zeros(0)
+    path = np.diff(q, prepend=q[0])
+    forward = path >= 0
+    turns = np.flatnonzero(np.diff(forward.astype(np.int8), prepend=2))
+    travelled = np.add.reduceat(np.abs(path), turns)
+    beginnings, state = [], 0.0
+    for ahead, decay in zip(forward[turns].tolist(), np.exp(-travelled / reach).tolist(), strict=True):
+        beginnings.append(state)
+        state = 1 - (1 - state) * decay if ahead else (1 + state) * decay - 1
+    lengths = np.diff(turns, append=q.size)
+    since = np.cumsum(np.abs(path))
+    since -= np.repeat(since[turns] - np.abs(path)[turns], lengths)
+    sides = np.where(forward, 1.0, -1.0)
+    return np.asarray(sides * (1 - (1 - sides * np.repeat(beginnings, lengths)) * np.exp(-since / reach)))
+
+
+_LARGEST_COEFFICIENT = 0.5
 
 
 class LoadDependentFriction(JointEffect):
-    """mu abs(drive force) sign(v)."""
+    """mu abs(drive force) sign(v); the drive force is that of the model, which the same friction is part of.
+
+    The record of the drive, taken for the load, would explain itself: F = mu abs(F) sign(v) with mu = 1 wherever the
+    force follows the velocity. The balance is solved by iteration, which converges for mu < 1.
+    """
 
     name = "load_dependent_friction"
     amplitudes = ("mu",)
     positive = True
 
+    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+        return 0 <= amplitudes[0] < _LARGEST_COEFFICIENT
+
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        drive = scene.record.fine(scene.record.measured[0])
-        return sampled(scene, np.abs(drive) * np.sign(joint.v))
+        drive = scene.record.fine(scene.predicted[0])
+        return sampled(scene, np.abs(drive) * np.sign(joint.v), joint=joint)
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         (coefficient,) = amplitudes
-        levels = np.abs(coefficient * scene.record.fine(scene.record.measured[0])).tolist()
+        levels = np.abs(coefficient * scene.record.fine(scene.predicted[0])).tolist()
         return Pointwise(lambda k, q, v: levels[k], dry=True)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
@@ -124,7 +143,7 @@ class FrictionDrift(JointEffect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         fading = _fading(scene, shape[0])
         parts = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
-        return sampled(scene, *(part * fading for part in parts))
+        return sampled(scene, *(part * fading for part in parts), joint=joint)
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         fading = _fading(scene, shape[0]).tolist()

@@ -17,7 +17,7 @@ from symid.diagnosis.effects.base import JointEffect, LinearEffect, Pull, Shape,
 from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.simulation.law_functions import array_function, law_function
-from symid.symbolic.expressions import law_expression
+from symid.symbolic.expressions import is_smooth, law_expression
 from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
@@ -79,7 +79,9 @@ class LawEffect(JointEffect):
         )
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, *self.courses(joint, shape))
+        jumps = self.functions.jumps
+        courses = zip(self.courses(joint, shape), jumps, strict=True)
+        return sampled(scene, *(joint.averaged(force) if jump else force for force, jump in courses))
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise | None:
         return self.point_by_point(shape, amplitudes) if self.law.moves_hidden else None
@@ -161,11 +163,14 @@ class LawFunctions:
         The whole force for numbers.
     level : callable, optional
         Of dry friction what stands beside sign(v), for numbers.
+    jumps : tuple of bool
+        Whether each term jumps where the velocity changes its sign.
     """
 
     arrays: tuple[Callable[..., FloatArray], ...]
     scalar: Callable[..., float]
     level: Callable[..., float] | None
+    jumps: tuple[bool, ...]
 
 
 @cache
@@ -180,7 +185,8 @@ def _functions(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFuncti
         return law_function(total, (*numbers, *amplitudes))
 
     arrays = tuple(array_function(term, numbers) for term in terms)
-    return LawFunctions(arrays, whole(terms), whole(levels) if is_dry else None)
+    jumps = tuple(not is_smooth(term) for term in terms)
+    return LawFunctions(arrays, whole(terms), whole(levels) if is_dry else None, jumps)
 
 
 def effects_of(law: type[Law], kind: type[LawEffect] = LawEffect) -> tuple[LawEffect, ...]:
