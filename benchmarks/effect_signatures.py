@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 import symid
 from symid import Axis, Log
 from symid.data import LowPass, derivatives
+from symid.diagnosis import LIBRARY
 from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.diagnose import data_of
 from symid.diagnosis.start import fitted_axis
@@ -94,6 +95,11 @@ SIGNATURES = {
 }
 
 
+def signature_of(effect: str) -> Signature:
+    """Where and how an effect is shown: unless `SIGNATURES` knows better, in the motor over velocity and position."""
+    return SIGNATURES.get(effect, Signature("motor", ("velocity", "position")))
+
+
 @dataclass(frozen=True, eq=False)
 class Residual:
     """The force error of the re-identified plain axis, and what it may be drawn over, all of shape (n,)."""
@@ -161,7 +167,7 @@ def model(signature: Signature) -> Axis:
 
 def residual_of(effect: str) -> Residual:
     """What the re-identified plain axis leaves of a log with the effect."""
-    signature = SIGNATURES[effect]
+    signature = signature_of(effect)
     log, true = log_with(effect, signature)
     axis = model(signature)
     record = data_of(axis, log, None).record
@@ -287,7 +293,7 @@ def draw_panel(axes: Axes, found: Residual, panel: str) -> None:
 def picture(effect: str, file: Path) -> None:
     """Draw the signature of an effect."""
     found = residual_of(effect)
-    panels = SIGNATURES[effect].panels
+    panels = signature_of(effect).panels
     with mpl.rc_context({**PLOT_STYLE, "svg.hashsalt": "symid"}):
         figure = Figure(figsize=(8.0, 2.6), layout="constrained")
         for axes, panel in zip(figure.subplots(1, len(panels)), panels, strict=True):
@@ -298,7 +304,7 @@ def picture(effect: str, file: Path) -> None:
 
 def main() -> None:
     """Draw the signatures of the named effects, or of all."""
-    for effect in sys.argv[1:] or SIGNATURES:
+    for effect in sys.argv[1:] or dict.fromkeys(known.name for known in LIBRARY):
         picture(effect, FOLDER / f"{effect}.png")
         print(f"{effect}.png")
 

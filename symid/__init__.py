@@ -5,39 +5,27 @@ from typing import TYPE_CHECKING, Any
 from symid.axis import (
     GROUND,
     Acceleration,
-    AsymmetricFriction,
     Axis,
-    Backlash,
     Between,
     Body,
-    Cogging,
-    CoulombFriction,
     Damper,
     Drive,
     Geared,
-    Law,
-    OffsetForce,
-    OneSidedFriction,
     PendulumWeight,
     Position,
-    PositionStiffness,
-    QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
     Spring,
-    StiffnessNonlinearity,
-    StribeckFriction,
-    Term,
-    UnknownZero,
     Velocity,
-    ViscousFriction,
-    WavyFriction,
     Weight,
     axis_source,
     chain,
     load_axis,
     write_axis,
 )
+from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, constant, friction, spring
+from symid.axis.laws.along_stroke import *  # noqa: F403
+from symid.axis.laws.constant import *  # noqa: F403
+from symid.axis.laws.friction import *  # noqa: F403
+from symid.axis.laws.spring import *  # noqa: F403
 from symid.errors import SymidError
 
 if TYPE_CHECKING:
@@ -86,41 +74,28 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "GROUND",
     "Acceleration",
-    "AsymmetricFriction",
     "Axis",
-    "Backlash",
     "Batch",
     "BatchSettings",
     "Between",
     "Body",
-    "Cogging",
-    "CoulombFriction",
     "Damper",
     "DerivedModel",
     "Drive",
     "Geared",
+    "Hypothesis",
     "Identification",
     "Law",
     "Log",
-    "OffsetForce",
-    "OneSidedFriction",
     "PendulumWeight",
     "Position",
-    "PositionStiffness",
     "Preparation",
-    "QuadraticDrag",
-    "SlopedFriction",
-    "SlopedViscousFriction",
+    "ShapeParameter",
     "Spring",
-    "StiffnessNonlinearity",
-    "StribeckFriction",
     "SymidError",
     "Term",
     "Tuning",
-    "UnknownZero",
     "Velocity",
-    "ViscousFriction",
-    "WavyFriction",
     "Weight",
     "axis_source",
     "chain",
@@ -138,3 +113,7 @@ __all__ = [
     "tune",
     "write_axis",
 ]
+__all__ += along_stroke.__all__
+__all__ += constant.__all__
+__all__ += friction.__all__
+__all__ += spring.__all__

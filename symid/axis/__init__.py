@@ -2,18 +2,6 @@
 
 from symid.axis.axis import Axis, Element, length_unit
 from symid.axis.chain import chain
-from symid.axis.effects import (
-    Backlash,
-    Cogging,
-    OneSidedFriction,
-    PositionStiffness,
-    QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
-    StiffnessNonlinearity,
-    StribeckFriction,
-    WavyFriction,
-)
 from symid.axis.elements import (
     GROUND,
     STANDARD_GRAVITY,
@@ -33,15 +21,11 @@ from symid.axis.elements import (
     Weight,
     derivative_order,
 )
-from symid.axis.laws import (
-    AsymmetricFriction,
-    CoulombFriction,
-    Law,
-    OffsetForce,
-    Term,
-    UnknownZero,
-    ViscousFriction,
-)
+from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, constant, friction, spring
+from symid.axis.laws.along_stroke import *  # noqa: F403
+from symid.axis.laws.constant import *  # noqa: F403
+from symid.axis.laws.friction import *  # noqa: F403
+from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
 from symid.axis.sketch import sketch, sketch_source
 from symid.axis.source import axis_source, write_axis
@@ -50,37 +34,24 @@ __all__ = [
     "GROUND",
     "STANDARD_GRAVITY",
     "Acceleration",
-    "AsymmetricFriction",
     "Axis",
-    "Backlash",
     "Between",
     "Body",
-    "Cogging",
-    "CoulombFriction",
     "Damper",
     "Drive",
     "Element",
     "Geared",
     "Ground",
+    "Hypothesis",
     "Joint",
     "Law",
-    "OffsetForce",
-    "OneSidedFriction",
     "PendulumWeight",
     "Position",
-    "PositionStiffness",
-    "QuadraticDrag",
     "Sensor",
-    "SlopedFriction",
-    "SlopedViscousFriction",
+    "ShapeParameter",
     "Spring",
-    "StiffnessNonlinearity",
-    "StribeckFriction",
     "Term",
-    "UnknownZero",
     "Velocity",
-    "ViscousFriction",
-    "WavyFriction",
     "Weight",
     "axis_file",
     "axis_names",
@@ -94,3 +65,7 @@ __all__ = [
     "sketch_source",
     "write_axis",
 ]
+__all__ += along_stroke.__all__
+__all__ += constant.__all__
+__all__ += friction.__all__
+__all__ += spring.__all__

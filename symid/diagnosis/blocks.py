@@ -54,10 +54,7 @@ class Blocks:
     @cached_property
     def _gradients(self) -> FloatArray:
         return np.stack(
-            [
-                np.einsum("pok,ok->p", self.columns[:, :, rows], self.errors[:, rows])
-                for rows in self.members
-            ]
+            [np.einsum("pok,ok->p", self.columns[:, :, rows], self.errors[:, rows]) for rows in self.members]
         )
 
     @cached_property
@@ -72,7 +69,7 @@ class Blocks:
         return found
 
     def least_seen(self, n: int) -> float:
-        """Square of what is left of the last columns, of any combination of unit size, when the others are taken out."""
+        """Least square of a combination of the last columns, of unit size, without what the others explain."""
         whole = self._normal.sum(axis=0)
         others, last = slice(None, -n), slice(-n, None)
         taken = np.linalg.pinv(whole[others, others], rcond=_RANK, hermitian=True)
@@ -154,3 +151,13 @@ def log_likelihood(squares: FloatArray, n_rows: float) -> float:
 def _gram(columns: FloatArray) -> FloatArray:
     flat = columns.reshape(len(columns), -1)
     return np.asarray(flat @ flat.T)
+
+
+def rows_of(fit: Fit) -> float:
+    """Independent rows of an output of a fit."""
+    return float(fit.weighting.kept.sum()) * fit.state.scene.record.freedom
+
+
+def predicted(fit: Fit) -> float:
+    """Logarithm of the likelihood of the blocks of a fit when they are left out, but for a constant."""
+    return log_likelihood(blocks_of(fit).squares, rows_of(fit))

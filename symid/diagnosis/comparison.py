@@ -62,36 +62,57 @@ class Comparison:
     @property
     def upheld(self) -> int:
         """How many of the effects hold on these data: what follows makes the error grow."""
-        errors = [self.level(model).rms for model in range(1, len(self.states))]
+        errors = [self._misfit(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= _FALLS * min(errors[:n])]
         return max(held, default=0)
 
+    def _misfit(self, model: int) -> float:
+        """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""
+        outputs = range(len(self.weighting.density))
+        shares = [np.mean(self.squares(model, o)) / np.mean(self.squares(1, o)) for o in outputs]
+        return float(np.sqrt(np.mean(shares)))
+
     @cached_property
-    def floor(self) -> float:
-        """Weighted force error that noise alone would leave of the model with all effects."""
+    def floors(self) -> FloatArray:
+        """Weighted errors of the outputs that noise alone would leave of the model with all effects."""
         last = self.states[-1]
         if last is None:
-            return 1.0
-        ratio = (self.weighting.density[0] / last.scene.noise_density[0]) ** 2
+            return np.ones(len(self.weighting.density))
+        ratio = (self.weighting.density / last.scene.noise_density) ** 2
         taper = self.record.taper**2
-        return float(np.sqrt(np.sum(ratio * taper) / np.sum(taper)))
+        return np.asarray(np.sqrt(ratio @ taper / np.sum(taper)))
 
-    def excess(self, model: int) -> float:
-        """Mean square of the force error of a model above the floor, in the unit of the weights."""
-        return max(float(np.mean(self.squares(model))) - self.floor**2, 0.0)
+    @property
+    def floor(self) -> float:
+        """That of the force."""
+        return float(self.floors[0])
+
+    def excess(self, model: int, output: int = 0) -> float:
+        """Mean square of an error of a model above the floor, in the unit of the weights."""
+        return max(float(np.mean(self.squares(model, output))) - float(self.floors[output]) ** 2, 0.0)
 
     def removed(self, before: int, after: int) -> Removed:
-        """Share of the re-identified model's excess that goes from one model to another, with a 95 % interval."""
-        rows = np.stack([self.squares(i) for i in (1, before, after)])
-        return _removed(rows, self.floor**2)
+        """Share of the re-identified model's excess that goes from one model to another, with a 95 % interval.
 
-    def squares(self, model: int) -> FloatArray:
-        """Squares of the weighted force error in the kept rows."""
+        It is that of the force, and that of a further reading for an error of this reading.
+        """
+        output = self._output_of(after)
+        rows = np.stack([self.squares(i, output) for i in (1, before, after)])
+        return _removed(rows, float(self.floors[output]) ** 2)
+
+    def _output_of(self, model: int) -> int:
+        """Output in which the last effect of a model is felt: the force, but for errors of further readings."""
+        state = self.states[model]
+        place = state.placed[-1].at if state is not None and state.placed else ""
+        return self.record.signals.index(place) if place in self.record.signals else 0
+
+    def squares(self, model: int, output: int = 0) -> FloatArray:
+        """Squares of a weighted error in the kept rows: that of the force, or of a further reading."""
         errors = self.errors[model]
         return (
             np.full(int(self.weighting.kept.sum()), np.nan)
             if errors is None
-            else errors[0, self.weighting.kept] ** 2
+            else errors[output, self.weighting.kept] ** 2
         )
 
     @cached_property
@@ -133,10 +154,11 @@ class Comparison:
 
     @property
     def unexplained_share(self) -> float:
-        """Share of the re-identified model's excess that stays; nan if it has none."""
-        before = self.excess(1)
-        left = self.excess(len(self.errors) - 1)
-        return float(min(left / before, 1.0)) if before > _NO_EXCESS * self.floor**2 else float("nan")
+        """Share of the re-identified model's excess that stays, see `removed`; nan if it has none."""
+        output = self._output_of(2) if len(self.states) > 2 else 0
+        before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
+        least = _NO_EXCESS * float(self.floors[output]) ** 2
+        return min(left / before, 1.0) if before > least else float("nan")
 
     @cached_property
     def near_reversal(self) -> BoolArray:
@@ -147,7 +169,9 @@ class Comparison:
         slow = np.abs(velocity) < _SLOW * np.abs(velocity[inside]).max(initial=0.0)
         turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
         far = scipy.ndimage.distance_transform_edt(~(turns & inside)) if turns.any() else np.inf
-        return np.asarray((far / self.row_rate <= _AROUND_REVERSAL) & self.weighting.kept)[self.weighting.kept]
+        return np.asarray((far / self.row_rate <= _AROUND_REVERSAL) & self.weighting.kept)[
+            self.weighting.kept
+        ]
 
     def reversal(self) -> Reversal | None:
         """Force error near reversals; None where the log has none."""
@@ -158,7 +182,6 @@ class Comparison:
             self._level(float(np.sqrt(np.mean(self.squares(i)[near])))) for i in (1, len(self.errors) - 1)
         )
         return Reversal(re, explained)
-
 
     @cached_property
     def half_power_hz(self) -> float:
@@ -274,10 +297,10 @@ def applied(
     return state.weighted(weighting), weighting
 
 
-def _levels_on(record: Record, model: State) -> FloatArray:
+def _levels_on(record: Record, model: State) -> list[float]:
     """Errors of a model that weights allow for, in multiples of the noise of another record."""
     noise = model.scene.record.noise[1:]
-    return np.asarray(np.maximum(np.array(model.scene.levels) * noise / record.noise[1:], 1.0))
+    return [float(x) for x in np.maximum(np.array(model.scene.levels) * noise / record.noise[1:], 1.0)]
 
 
 def _timed(state: State, weighting: Weighting) -> State:
@@ -319,9 +342,7 @@ def _own_columns(state: State) -> ComplexArray:
 def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:
     """Share of the way from one error to the noise that another goes; nan where the first is no larger than noise."""
     first, last = np.sqrt(np.mean(before)), np.sqrt(np.mean(after))
-    return (
-        float(min((first - last) / (first - floor), 1.0)) if first > floor * (1 + 1e-6) else float("nan")
-    )
+    return float(min((first - last) / (first - floor), 1.0)) if first > floor * (1 + 1e-6) else float("nan")
 
 
 def _drawn(squares: FloatArray) -> FloatArray:

@@ -96,9 +96,7 @@ def concluded(
 def _errors(gap: Gap) -> Errors:
     floor = gap.noise_floor.rms
     nominal = gap.nominal.rms / floor if gap.nominal else None
-    return Errors(
-        nominal, gap.reidentified.rms / floor, gap.explained.rms / floor, gap.unexplained_share
-    )
+    return Errors(nominal, gap.reidentified.rms / floor, gap.explained.rms / floor, gap.unexplained_share)
 
 
 def _verdict(chances: Outcome, gap: Gap) -> Verdict:

@@ -3,54 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from symid.axis import (
-    Axis,
-    Backlash,
-    Between,
-    Body,
-    Cogging,
-    CoulombFriction,
-    OffsetForce,
-    OneSidedFriction,
-    PositionStiffness,
-    QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
-    Spring,
-    StiffnessNonlinearity,
-    StribeckFriction,
-    ViscousFriction,
-    WavyFriction,
-)
-from symid.axis.axis import Element
+from symid.axis import Axis, Between, Body, Spring
 from symid.axis.elements import Joint as Place
-from symid.diagnosis.effects import Placed
-from symid.diagnosis.effects.friction import SlopedFriction as Sloped
-from symid.diagnosis.effects.friction import SlopedViscousFriction as SlopedViscous
-from symid.diagnosis.effects.friction import WavyFriction as Wavy
+from symid.diagnosis.effects import LawEffect, Placed
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.scene import Scene, place_of
 from symid.errors import SettingError
 
 Values: TypeAlias = dict[str, float]
 """Value of each new parameter, SI."""
-
-_SIMPLE: dict[str, tuple[Callable[..., Element], int]] = {
-    "viscous_friction": (ViscousFriction, 1),
-    "coulomb_friction": (CoulombFriction, 1),
-    "stribeck_friction": (StribeckFriction, 1),
-    "quadratic_drag": (QuadraticDrag, 1),
-    "offset_force": (OffsetForce, 1),
-    "position_stiffness": (PositionStiffness, 1),
-    "cogging": (Cogging, 2),
-    "backlash": (Backlash, 1),
-    "stiffness_nonlinearity": (StiffnessNonlinearity, 1),
-}
-"""Element of an effect, and how many of its values are parameters; the rest are numbers of the declaration."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +60,11 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     for item in state.placed:
         if item.effect.name == "flexible_mode":
             axis = _with_mode(axis, item, values)
-        elif (added := _elements(state.scene, item)) is not None:
-            axis = axis.with_effect(*added[0])
-            values |= added[1]
+        elif isinstance(item.effect, LawEffect):
+            place = _place(state.scene.axis, item.at)
+            laws, added = item.effect.elements(place, item.at, item.shape, item.amplitudes)
+            axis = axis.with_effect(*laws)
+            values |= added
         else:
             left_out.append(_left_out(state.scene, item))
     if len(left_out) == len(state.placed):
@@ -114,39 +81,6 @@ def _left_out(scene: Scene, item: Placed) -> str:
         return f"{item.effect.name} ({numbers}) is no element of an axis: identify with {late}"
     where = "depends on time or force, or lies in a signal"
     return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis: it {where}"
-
-
-def _elements(scene: Scene, item: Placed) -> tuple[list[Element], Values] | None:
-    """Elements of an effect and the values of their parameters; None if it is no element."""
-    if not (
-        item.effect.name in (*_SIMPLE, "asymmetric_friction")
-        or isinstance(item.effect, (Wavy, Sloped, SlopedViscous))
-    ):
-        return None
-    place = _place(scene.axis, item.at)
-    values = item.values(scene)
-    names = [f"{item.at}_{name}" for name, _, _ in values]
-    numbers = [value for _, value, _ in values]
-    if item.effect.name in _SIMPLE:
-        make, n = _SIMPLE[item.effect.name]
-        return [make(place, *names[:n], *numbers[n:])], dict(zip(names[:n], numbers, strict=False))
-    if item.effect.name == "asymmetric_friction":
-        names, numbers = [*names, f"{item.at}_dFv"][:2], [*numbers, 0.0][:2]
-        return [OneSidedFriction(place, *names)], dict(zip(names, numbers, strict=True))
-    if isinstance(item.effect, SlopedViscous):
-        varying: list[Element] = [SlopedViscousFriction(place, names[-2], names[-1])]
-        if item.effect.coulomb:
-            varying.append(SlopedFriction(place, names[0], names[1], low=0.0, high=1.0))
-        return varying, dict(zip(names, numbers, strict=True))
-    assert isinstance(item.effect, (Wavy, Sloped))
-    mean = int(item.effect.level)
-    level: list[Element] = [CoulombFriction(place, names[0])] if mean else []
-    first, second = names[mean : mean + 2]
-    if isinstance(item.effect, Wavy):
-        level.append(WavyFriction(place, first, second, item.shape[0]))
-    else:
-        level.append(SlopedFriction(place, first, second, low=0.0, high=1.0))
-    return level, dict(zip(names[: mean + 2], numbers, strict=False))
 
 
 def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:

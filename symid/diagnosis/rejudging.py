@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from symid.diagnosis.blocks import blocks_of, log_likelihood
+from symid.diagnosis.blocks import predicted
 from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.hidden_starts import Start
 from symid.diagnosis.search import Confirmed, Turn, confirmed_from
@@ -34,7 +34,7 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
         return tuple(turns)
     whole = accepted[-1].confirmed[0].fit
     own = whole.state.placed[-len(accepted) :]
-    lost = [_predicted(_without(whole, len(own) - i)) for i in range(len(own))]
+    lost = [predicted(_without(whole, len(own) - i)) for i in range(len(own))]
     order = sorted(range(len(own)), key=lambda i: lost[i])
     if order == sorted(order):
         return tuple(turns)
@@ -50,12 +50,6 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
         chain.append(turn)
         before = replace(found.fit, begun=before.begun)
     return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)
-
-
-def _predicted(fit: Fit) -> float:
-    """Logarithm of the likelihood of blocks that are left out."""
-    n = float(fit.weighting.kept.sum()) * fit.state.scene.record.freedom
-    return log_likelihood(blocks_of(fit).squares, n)
 
 
 def _without(whole: Fit, from_end: int) -> Fit:

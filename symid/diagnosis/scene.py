@@ -73,11 +73,11 @@ class Joint:
         half a step.
         """
         k, passed = self._crossings
-        found = np.array(force)
         jump = force[..., k + 1] - force[..., k]
-        np.add.at(found, (..., k), np.maximum(0.5 - passed, 0.0) * jump)
-        np.add.at(found, (..., k + 1), -np.maximum(passed - 0.5, 0.0) * jump)
-        return found
+        shift = np.zeros_like(force)
+        shift[..., k] += np.maximum(0.5 - passed, 0.0) * jump
+        shift[..., k + 1] -= np.maximum(passed - 0.5, 0.0) * jump
+        return np.asarray(force + shift)
 
     @cached_property
     def range(self) -> tuple[float, float]:

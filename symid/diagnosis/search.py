@@ -8,10 +8,9 @@ from itertools import islice
 
 import numpy as np
 
-from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood
-from symid.diagnosis.effects import DriveEffect, Effect, Placed
-from symid.diagnosis.effects.friction import SlopedFriction, WavyFriction
 from symid.arrays import FloatArray
+from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood, rows_of
+from symid.diagnosis.effects import DriveEffect, Effect, LawEffect, Placed
 from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
@@ -197,11 +196,10 @@ def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
 def _is_nearly_constant(scene: Scene, item: Placed) -> bool:
     """Whether a friction level that varies along the stroke varies by less than some tens of percent."""
     effect = item.effect
-    if not isinstance(effect, (SlopedFriction, WavyFriction)):
+    if not (isinstance(effect, LawEffect) and effect.varies_along_stroke):
         return False
-    level, *varying = item.amplitudes
-    joint = scene.joints[item.at]
-    course = np.tensordot(varying, effect.variation(joint, item.shape), 1)[scene.record.in_log] + level
+    level = effect.level(scene.joints[item.at], item.shape, item.amplitudes)
+    course = level[scene.record.in_log]
     return bool(np.ptp(course) / 2 < _VARIES * abs(course.mean()))
 
 
@@ -260,7 +258,7 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     blocks = blocks_of(found)
     if not is_credible(fit, found, blocks):
         return None
-    n = float(found.weighting.kept.sum()) * fit.state.scene.record.freedom
+    n = rows_of(found)
     own, before = blocks.squares, blocks_of(fit).squares
     gain = log_likelihood(own, n) - log_likelihood(before, n)
     return Confirmed(found, gain, certainty(before, own, n), own)
@@ -282,7 +280,9 @@ def _same_masses(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     given = {name: fit.begun.get(name, value) for name, value in plain.items()}
     spread = np.sqrt(np.diag(blocks.covariance))
     doubts = {
-        name: _DEVIATIONS * float(s) for name, s in zip(found.parameters, spread, strict=False) if name in plain
+        name: _DEVIATIONS * float(s)
+        for name, s in zip(found.parameters, spread, strict=False)
+        if name in plain
     }
     return keeps_inertia(found.state.masses, plain, given, deviations=doubts)
 

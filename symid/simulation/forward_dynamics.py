@@ -18,10 +18,9 @@ from sympy.polys.rings import PolyElement
 
 from symid.arrays import FloatArray, read_only
 from symid.axis import Axis, derivative_order
-from symid.codegen.lowering import code
 from symid.errors import SettingError
+from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant
-from symid.simulation.scalar import Scalar
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
@@ -252,30 +251,6 @@ def _laws(
         term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
         joints.setdefault(direction, []).append(term)
     return tuple((read_only(np.array(direction)), tuple(terms)) for direction, terms in joints.items())
-
-
-def law_function(expression: sp.Expr) -> LawFunction:
-    """Law expression in q and v as a function of two numbers.
-
-    Examples
-    --------
-    >>> law_function(sp.sympify("v*q"))(2.0, 3.0)
-    6.0
-    """
-    function = eval(f"lambda q, v: float({code(expression)})", {"np": Scalar()})
-    return function  # type: ignore[no-any-return]  # eval is untyped
-
-
-def array_function(expression: sp.Expr) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Law expression in q and v as a function of two arrays.
-
-    Examples
-    --------
-    >>> array_function(sp.sympify("v*q"))(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
-    [6.0, 4.0]
-    """
-    function = eval(f"lambda q, v: {code(expression)} + 0 * q", {"np": np})
-    return function  # type: ignore[no-any-return]  # eval is untyped
 
 
 def _sensors(

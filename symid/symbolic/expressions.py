@@ -40,8 +40,15 @@ def parameter_symbol(name: str) -> sp.Symbol:
 
 
 @cache
-def law_expression(text: str) -> sp.Expr:
+def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
     """Expression of a law's term in the symbols q and v.
+
+    Parameters
+    ----------
+    text : str
+        The expression.
+    numbers : tuple of str
+        Names of shape parameters that the text may use besides, as the formula of a class does.
 
     Raises
     ------
@@ -58,7 +65,7 @@ def law_expression(text: str) -> sp.Expr:
         expression = parse_expr(
             text, local_dict=dict(_LANGUAGE), global_dict={name: getattr(sp, name) for name in functions}
         )
-        unknown = sorted(str(s) for s in expression.free_symbols if str(s) not in ("q", "v"))
+        unknown = sorted({str(s) for s in expression.free_symbols}.difference({"q", "v", *numbers}))
     except Exception as error:
         raise SymidError(
             f"law expression {text!r} cannot be read: use q, v, numbers and {', '.join(_LANGUAGE)}"

@@ -8,15 +8,15 @@ from symid import (
     Axis,
     Backlash,
     Cogging,
+    FrictionAsymmetry,
     Law,
-    OneSidedFriction,
+    PeriodicFriction,
+    PositionDependentFriction,
+    PositionDependentViscousFriction,
     PositionStiffness,
     QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
     StiffnessNonlinearity,
     StribeckFriction,
-    WavyFriction,
     load_axis,
 )
 from symid.axis import Joint
@@ -55,26 +55,26 @@ EFFECTS = {
         {(0.0, 1.0): -3.0, (0.0075, 0.0): 4.0, (0.0325, -1.0): 4 * sin(pi / 6) - 3 * cos(pi / 6)},
         ("N", "N"),
     ),
-    "wavy": Effect(
-        lambda at: WavyFriction(at, "Fss", "Fsc", pitch=0.16),
+    "periodic": Effect(
+        lambda at: PeriodicFriction(at, "Fss", "Fsc", pitch=0.16),
         {"Fss": 6.0, "Fsc": -5.0},
         {(0.04, 0.1): 6.0, (0.04, -0.1): -6.0, (0.08, -2.0): -5.0, (0.08, 0.0): 0.0},
         ("N", "N"),
     ),
-    "sloped": Effect(
-        lambda at: SlopedFriction(at, "Fs1", "Fs2", low=-0.1, high=0.3),
-        {"Fs1": -12.0, "Fs2": 9.0},
-        {(-0.1, 1.0): 0.0, (0.3, 1.0): -3.0, (0.1, -1.0): 6 - 2.25},
-        ("N", "N"),
+    "position_dependent": Effect(
+        lambda at: PositionDependentFriction(at, "Fs1", "Fs2"),
+        {"Fs1": -30.0, "Fs2": 50.0},
+        {(0.0, 1.0): 0.0, (0.3, 1.0): -4.5, (0.1, -1.0): 2.5, (-0.1, 2.0): 3.5},
+        ("N/m", "kg/m/s^2"),
     ),
-    "sloped_viscous": Effect(
-        lambda at: SlopedViscousFriction(at, "Fv1", "Fv2"),
+    "position_dependent_viscous": Effect(
+        lambda at: PositionDependentViscousFriction(at, "Fv1", "Fv2"),
         {"Fv1": -120.0, "Fv2": 900.0},
         {(0.0, 1.0): 0.0, (2.0, 3.0): 10080.0, (-1.0, 2.0): 2040.0},
         ("kg/m/s", "kg/m^2/s"),
     ),
-    "one_sided": Effect(
-        lambda at: OneSidedFriction(at, "dFs", "dFv"),
+    "asymmetry": Effect(
+        lambda at: FrictionAsymmetry(at, "dFs", "dFv"),
         {"dFs": 5.0, "dFv": -10.0},
         {(0.0, 0.2): 3.0, (0.0, -0.2): 3.0, (1.0, 0.0): 5.0},
         ("N", "N*s/m"),

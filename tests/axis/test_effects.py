@@ -14,16 +14,15 @@ from symid import (
     Cogging,
     CoulombFriction,
     Drive,
+    FrictionAsymmetry,
     Log,
-    OneSidedFriction,
+    PeriodicFriction,
     Position,
     Preparation,
     QuadraticDrag,
-    SlopedFriction,
     Spring,
     StribeckFriction,
     ViscousFriction,
-    WavyFriction,
     compiled,
     derive,
     identify,
@@ -83,10 +82,8 @@ def test_all_faults_of_numbers_are_reported_at_once() -> None:
     laws = (
         StribeckFriction(body, "F1", velocity=0.0),
         Cogging(body, "A1", "A2", pitch=-0.03),
-        WavyFriction(body, "A3", "A4", pitch=math.inf),
+        PeriodicFriction(body, "A3", "A4", pitch=math.inf),
         Backlash(body, "K", gap=math.nan),
-        SlopedFriction(body, "F2", "F3", low=0.5, high=0.5),
-        SlopedFriction(body, "F4", "F5", low=-math.inf, high=0.5),
         Cogging(body, "A5", "A6", pitch="30 mm"),
         StribeckFriction(body, "F6", velocity=True),
         QuadraticDrag(body, "M"),
@@ -97,10 +94,8 @@ def test_all_faults_of_numbers_are_reported_at_once() -> None:
         "parameter 'M' is used more than once: give each its own",
         "StribeckFriction at 'motor': velocity is 0.0: it must be a positive finite number",
         "Cogging at 'motor': pitch is -0.03: it must be a positive finite number",
-        "WavyFriction at 'motor': pitch is inf: it must be a positive finite number",
+        "PeriodicFriction at 'motor': pitch is inf: it must be a positive finite number",
         "Backlash at 'motor': gap is nan: it must be a positive finite number",
-        "SlopedFriction at 'motor': the stroke runs from low=0.5 to high=0.5: give finite numbers, low below high",
-        "SlopedFriction at 'motor': the stroke runs from low=-inf to high=0.5: give finite numbers, low below high",
         "Cogging at 'motor': pitch is '30 mm': it must be a positive finite number",
         "StribeckFriction at 'motor': velocity is True: it must be a positive finite number",
     }
@@ -139,11 +134,11 @@ def test_a_stiffness_needs_no_sensor_and_is_that_of_a_spring() -> None:
     ]
 
 
-def test_one_sided_friction_is_asymmetric_friction() -> None:
+def test_an_asymmetry_beside_friction_is_asymmetric_friction() -> None:
     """Levels 25 and 15, coefficients 90 and 110 are 20 -+ 5 and 100 +- 10."""
     body = Body("motor", mass="M")
     drive, sensors = Drive("F", body), (Position("q", body),)
-    halves = (ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs"), OneSidedFriction(body, "dFs", "dFv"))
+    halves = (ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs"), FrictionAsymmetry(body, "dFs", "dFv"))
     sides = AsymmetricFriction(body, viscous=("Fvp", "Fvn"), coulomb=("Fsp", "Fsn"))
     first = plant_of(
         Axis("halves", (body, *halves), drive, sensors),

@@ -6,8 +6,8 @@ from benchmarks.effect_signatures import SIGNATURES, picture, residual_of
 from symid.diagnosis import LIBRARY
 
 
-def test_every_effect_has_a_signature() -> None:
-    assert set(SIGNATURES) == {effect.name for effect in LIBRARY}
+def test_signatures_are_those_of_the_library() -> None:
+    assert set(SIGNATURES) <= {effect.name for effect in LIBRARY}
 
 
 def test_a_constant_force_is_left_as_a_constant(tmp_path) -> None:

@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 from hand_made import RIGID, rigid_log
 
-from symid import Log, load_axis
-from symid.diagnosis.effects import Placed
-from symid.diagnosis.effects.forces import Backlash, FlexibleMode
-from symid.diagnosis.effects.friction import (
-    LoadDependentFriction,
+from symid import (
+    Backlash,
+    Log,
+    PositionDependentFriction,
+    PositionDependentViscousFriction,
     QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
     StribeckFriction,
     ViscousFriction,
-    dahl_state,
+    load_axis,
 )
+from symid.diagnosis.effects import Placed, effects_of
+from symid.diagnosis.effects.forces import FlexibleMode
+from symid.diagnosis.effects.friction import LoadDependentFriction, dahl_state
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.response import response_of
 from symid.diagnosis.scene import scene_of
@@ -140,13 +141,13 @@ def test_columns_are_finite_differences_of_the_prediction(axis: str, values: dic
 @pytest.mark.parametrize(
     ("effect", "shape", "force"),
     [
-        (ViscousFriction(), (), lambda q, v, F: v),
-        (QuadraticDrag(), (), lambda q, v, F: v * np.abs(v)),
-        (StribeckFriction(), (0.3,), lambda q, v, F: np.sign(v) * np.exp(-((v / 0.3) ** 2))),
+        (effects_of(ViscousFriction)[0], (), lambda q, v, F: v),
+        (effects_of(QuadraticDrag)[0], (), lambda q, v, F: v * np.abs(v)),
+        (effects_of(StribeckFriction)[0], (0.3,), lambda q, v, F: np.sign(v) * np.exp(-((v / 0.3) ** 2))),
         (LoadDependentFriction(), (), lambda q, v, F: np.abs(F) * np.sign(v)),
-        (SlopedFriction(level=False), (), lambda q, v, F: np.sign(v) * q),
-        (SlopedViscousFriction(coulomb=True), (), lambda q, v, F: np.sign(v) * q),
-        (SlopedViscousFriction(coulomb=False), (), lambda q, v, F: v * q),
+        (effects_of(PositionDependentFriction)[0], (), lambda q, v, F: np.sign(v) * q),
+        (effects_of(PositionDependentViscousFriction)[1], (), lambda q, v, F: np.sign(v) * q),
+        (effects_of(PositionDependentViscousFriction)[0], (), lambda q, v, F: v * q),
     ],
 )
 def test_forces_of_effects(effect, shape, force) -> None:
@@ -177,7 +178,7 @@ def test_backlash_takes_the_force_away_inside_the_gap() -> None:
     _, q, F = waves()
     scene = scene_of(record("ballscrew_2m1s", qm=q, Fm=F), SCREW)
     joint = scene.springs["transmission"]
-    force = scene.record.fine(Backlash().forces(scene, joint, (joint.stroke / 4,))[0])
+    force = scene.record.fine(effects_of(Backlash)[0].forces(scene, joint, (joint.stroke / 4,))[0])
     rows, half = inner(scene.record, scene.record.fine_time), joint.stroke / 8
     left = joint.q + force
     assert np.abs(left[rows & (np.abs(joint.q) < 0.7 * half)]).max() < 0.05 * half
@@ -196,7 +197,7 @@ def test_dahl_state_is_an_exponential_between_reversals() -> None:
 
 def test_derivatives_by_amplitude_and_shape_are_finite_differences() -> None:
     state, _ = first_state(record_of(forward_dynamics(load_axis("rigid_1m")), rigid_log(seconds=4.0)), RIGID)
-    placed = Placed(StribeckFriction(), "motor", (0.05,), (20.0,))
+    placed = Placed(effects_of(StribeckFriction)[0], "motor", (0.05,), (20.0,))
     columns = derivatives(replace(state, placed=(placed,)))[-2:]
     for column, low, high, step in (
         (columns[0], replace(placed, amplitudes=(19.0,)), replace(placed, amplitudes=(21.0,)), 2.0),

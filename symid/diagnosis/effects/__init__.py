@@ -1,31 +1,10 @@
 """The library of effects: everything that a diagnosis considers."""
 
+from symid.axis import Cogging
 from symid.diagnosis.effects.base import ACTUATOR, Effect, JointEffect, LinearEffect, Placed, Pull, Shape
-from symid.diagnosis.effects.forces import (
-    Backlash,
-    Cogging,
-    FlexibleMode,
-    OffsetForce,
-    PayloadChange,
-    PeriodicDisturbance,
-    PositionStiffness,
-    StiffnessNonlinearity,
-)
-from symid.diagnosis.effects.friction import (
-    AsymmetricFriction,
-    CoulombAsymmetry,
-    CoulombFriction,
-    FrictionDrift,
-    LoadDependentFriction,
-    PreslidingFriction,
-    QuadraticDrag,
-    SlopedFriction,
-    SlopedViscousFriction,
-    StribeckFriction,
-    ViscousAsymmetry,
-    ViscousFriction,
-    WavyFriction,
-)
+from symid.diagnosis.effects.forces import CoggingEffect, FlexibleMode, PayloadChange, PeriodicDisturbance
+from symid.diagnosis.effects.friction import FrictionDrift, LoadDependentFriction, PreslidingFriction
+from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
 from symid.diagnosis.effects.signals import (
     ActuatorLag,
     Delay,
@@ -38,31 +17,14 @@ from symid.diagnosis.effects.signals import (
 )
 
 LIBRARY: tuple[Effect, ...] = (
-    ViscousFriction(),
-    CoulombFriction(),
-    StribeckFriction(),
-    AsymmetricFriction(),
-    CoulombAsymmetry(),
-    ViscousAsymmetry(),
+    *library_of_laws({Cogging: CoggingEffect}),
     PreslidingFriction(),
     LoadDependentFriction(),
-    SlopedFriction(level=False),
-    SlopedFriction(level=True),
-    SlopedViscousFriction(coulomb=False),
-    SlopedViscousFriction(coulomb=True),
-    WavyFriction(level=False),
-    WavyFriction(level=True),
     FrictionDrift(coulomb=True, viscous=False),
     FrictionDrift(coulomb=False, viscous=True),
     FrictionDrift(coulomb=True, viscous=True),
-    QuadraticDrag(),
-    OffsetForce(),
-    PositionStiffness(),
-    Cogging(),
     PeriodicDisturbance(),
     PayloadChange(),
-    Backlash(),
-    StiffnessNonlinearity(),
     FlexibleMode(),
     Delay(),
     ActuatorLag(),
@@ -81,8 +43,10 @@ __all__ = [
     "DriveEffect",
     "Effect",
     "JointEffect",
+    "LawEffect",
     "LinearEffect",
     "Placed",
     "Pull",
     "Shape",
+    "effects_of",
 ]

@@ -29,13 +29,13 @@ ACTUATOR = "actuator"
 class Effect(ABC):
     """An effect that a model may lack. It changes the predicted outputs by a sum of amplitude times column."""
 
-    name: ClassVar[str]
+    name: str
     """Name of the effect, see `symid.diagnosis.effects`."""
     amplitudes: tuple[str, ...]
     """Names of its amplitudes."""
-    shape_names: ClassVar[tuple[str, ...]] = ()
+    shape_names: tuple[str, ...] = ()
     """Names of its shape parameters."""
-    positive: ClassVar[bool] = False
+    positive: bool = False
     """Whether its first amplitude cannot be negative."""
     fixed: ClassVar[bool] = False
     """Whether its amplitude is 1, so that only the shape is free."""

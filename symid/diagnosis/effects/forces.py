@@ -9,7 +9,6 @@ import numpy as np
 import scipy
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import OffsetForce as DeclaredOffset
 from symid.axis.axis import length_unit
 from symid.diagnosis.effects.base import (
     Effect,
@@ -22,7 +21,7 @@ from symid.diagnosis.effects.base import (
     joint_units,
     sampled,
 )
-from symid.diagnosis.march import Pointwise
+from symid.diagnosis.effects.from_law import LawEffect
 from symid.diagnosis.record import Record
 from symid.diagnosis.response import response_of
 from symid.diagnosis.scene import Joint, Scene
@@ -36,9 +35,6 @@ _SPEEDS_OF_ENERGY = 48
 _WAVES_OF_ENERGY = 400
 _LEAST_STROKE = 5e-3
 _TRIALS = 4
-_DEPTHS = np.geomspace(0.02, 0.9, 10)
-_STRONG = (0.3, 1.0, 2.5, 5.0)
-"""Dead zones, and forces of a cubic spring, relative to those of the linear spring where it is deflected most."""
 _SHARE_OF_BAND = 0.6
 _LOWEST_MODE = 3.0
 _SHARE_OF_MOTION = 0.9
@@ -49,46 +45,8 @@ _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
 _DAMPINGS = (0.01, 0.05, 0.2)
 
 
-class OffsetForce(JointEffect):
-    """A constant force."""
-
-    name = "offset_force"
-    amplitudes = ("F0",)
-
-    def places(self, scene: Scene) -> Iterable[str]:
-        declared = {law.at for law in scene.axis.laws if isinstance(law, DeclaredOffset)}
-        return [body.name for body in scene.axis.free_bodies if body not in declared]
-
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, scene.record.in_log.astype(float))
-
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return (str(joint_units(scene, place)[0]),)
-
-
-class PositionStiffness(LinearEffect):
-    """k q: cable chain, bellows."""
-
-    name = "position_stiffness"
-    amplitudes = ("k",)
-
-    def places(self, scene: Scene) -> Iterable[str]:
-        return [name for name in scene.joints if name not in scene.springs]
-
-    def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
-        return np.ones(omega.size, dtype=complex)
-
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
-        return (str(force / length),)
-
-
-class Cogging(JointEffect):
-    """As sin(2 pi q/p) + Ac cos(2 pi q/p): force ripple along the stroke."""
-
-    name = "cogging"
-    amplitudes = ("As", "Ac")
-    shape_names = ("pitch",)
+class CoggingEffect(LawEffect):
+    """Force ripple along the stroke: its pitch is sought in what the model leaves."""
 
     def places(self, scene: Scene) -> Iterable[str]:
         return [name for name, joint in scene.joints.items() if joint.stroke > _LEAST_STROKE]
@@ -98,12 +56,10 @@ class Cogging(JointEffect):
         response = -scene.response.of_force(joint.direction)
         return repeating_pitches(scene, joint, pull(response), response)
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, *ripple(scene, joint, shape[0]))
-
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
-        return str(force), str(force), str(length)
+    def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
+        """Sine and cosine along the stroke, without what lies above the band."""
+        below = np.abs(joint.v) < 0.95 * shape[0] * joint.record.band_hz
+        return tuple(wave * below for wave in super().courses(joint, shape))
 
 
 def ripple(scene: Scene, joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
@@ -256,73 +212,6 @@ class PayloadChange(Effect):
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
-
-
-class Backlash(JointEffect):
-    """-Kb clip(d, -b/2, b/2): a dead zone of width b in a spring of stiffness Kb."""
-
-    name = "backlash"
-    amplitudes = ("Kb",)
-    shape_names = ("b",)
-    positive = True
-
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
-        """The spring leaves the dead zone at times."""
-        low, high = scene.springs[placed.at].range
-        return placed.shape[0] / 2 < max(abs(low), abs(high))
-
-    def joint(self, scene: Scene, place: str) -> Joint:
-        return scene.springs[place]
-
-    def places(self, scene: Scene) -> Iterable[str]:
-        return tuple(scene.springs)
-
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
-        low, high = scene.springs[place].range
-        return [(float(2 * x * max(abs(low), abs(high))),) for x in _DEPTHS]
-
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, -np.clip(joint.q, -shape[0] / 2, shape[0] / 2))
-
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        (stiffness,), half = amplitudes, shape[0] / 2
-        return Pointwise(lambda k, q, v: -stiffness * min(max(q, -half), half))
-
-    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        largest = max(map(abs, scene.springs[place].range))
-        return [((x * largest,), (stiffness,)) for x in _STRONG]
-
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
-        return str(force / length), str(length)
-
-
-class StiffnessNonlinearity(JointEffect):
-    """k3 d^3: a spring that hardens or softens."""
-
-    name = "stiffness_nonlinearity"
-    amplitudes = ("k3",)
-
-    def joint(self, scene: Scene, place: str) -> Joint:
-        return scene.springs[place]
-
-    def places(self, scene: Scene) -> Iterable[str]:
-        return tuple(scene.springs)
-
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return sampled(scene, joint.q**3)
-
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        (cubic,) = amplitudes
-        return Pointwise(lambda k, q, v: cubic * q * q * q)
-
-    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        largest = max(map(abs, scene.springs[place].range))
-        return [((), (x * stiffness / largest**2,)) for x in _STRONG]
-
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
-        return (str(force / length**3),)
 
 
 class FlexibleMode(LinearEffect):

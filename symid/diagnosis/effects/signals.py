@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -147,8 +148,8 @@ class EncoderRipple(Effect):
 
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:
         """The reading still rises with the position, by far."""
-        slope = 2 * np.pi * np.hypot(*placed.amplitudes) / placed.shape[0]
-        return bool(slope < _STEEPEST_RIPPLE)
+        slope = math.tau * math.hypot(*placed.amplitudes) / placed.shape[0]
+        return slope < _STEEPEST_RIPPLE
 
     def places(self, scene: Scene) -> Iterable[str]:
         sensors = scene.record.dynamics.sensors
@@ -175,7 +176,7 @@ class EncoderRipple(Effect):
 
 
 class SensorDelay(Effect):
-    """A reading is late against the position from which everything is predicted: y(t - T); early where T is negative."""
+    """A reading is late against the position from which all is predicted: y(t - T); early where T is negative."""
 
     name = "sensor_delay"
     amplitudes = ("share",)

@@ -1,0 +1,183 @@
+"""Forces and friction that vary along the stroke: stiffness, cogging, friction that depends on the place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
+from symid.axis.laws.friction import CoulombFriction, ViscousFriction
+
+__all__ = [
+    "Cogging",
+    "PeriodicFriction",
+    "PositionDependentFriction",
+    "PositionDependentViscousFriction",
+    "PositionStiffness",
+]
+
+_PHASE = f"{math.tau!r}*q/pitch"
+
+
+@dataclass(frozen=True)
+class PositionStiffness(Law):
+    """A force that grows with displacement, k q: cable chain, bellows, the tilt of a spring balance.
+
+    It is a linear spring (no sensor need see the joint), but k may be negative.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    stiffness : str
+        Parameter k in N/m or N m/rad.
+
+    Examples
+    --------
+    >>> from symid import Body, PositionStiffness
+    >>> PositionStiffness(Body("motor", mass="M"), "k").terms()[0].is_linear
+    True
+    """
+
+    stiffness: str
+    formula: ClassVar = (Term("stiffness", "q", 1, signed=True),)
+    hypotheses: ClassVar = (Hypothesis("position_stiffness", ("k",)),)
+
+
+@dataclass(frozen=True)
+class Cogging(Law):
+    """Force ripple along the stroke: As sin(2 pi q/pitch) + Ac cos(2 pi q/pitch).
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    sine, cosine : str
+        Parameters As and Ac in N or N m; both may be negative.
+    pitch : float
+        Length of a period in m or rad.
+
+    Examples
+    --------
+    >>> from symid import Body, Cogging
+    >>> [term.expression for term in Cogging(Body("motor", mass="M"), "As", "Ac", pitch=0.03).terms()]
+    ['sin(6.283185307179586*q/0.03)', 'cos(6.283185307179586*q/0.03)']
+    """
+
+    sine: str
+    cosine: str
+    pitch: float
+    formula: ClassVar = (
+        Term("sine", f"sin({_PHASE})", signed=True),
+        Term("cosine", f"cos({_PHASE})", signed=True),
+    )
+    shape: ClassVar = (ShapeParameter("pitch", "pitch", "stroke"),)
+    hypotheses: ClassVar = (Hypothesis("cogging", ("As", "Ac")),)
+    moves_hidden: ClassVar = False
+
+
+@dataclass(frozen=True)
+class PeriodicFriction(Law):
+    """A Coulomb level that repeats along the stroke: sign(v) (dFs sin(2 pi q/pitch) + dFc cos(2 pi q/pitch)).
+
+    Declare it beside Coulomb friction, so that the level stays above 0 everywhere.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    sine, cosine : str
+        Parameters dFs and dFc in N or N m; both may be negative.
+    pitch : float
+        Length of a period in m or rad.
+
+    Examples
+    --------
+    >>> from symid import Body, PeriodicFriction
+    >>> PeriodicFriction(Body("motor", mass="M"), "dFs", "dFc", pitch=0.5).terms()[0].expression
+    'sign(v)*sin(6.283185307179586*q/0.5)'
+    """
+
+    sine: str
+    cosine: str
+    pitch: float
+    formula: ClassVar = (
+        Term("sine", f"sign(v)*sin({_PHASE})", signed=True),
+        Term("cosine", f"sign(v)*cos({_PHASE})", signed=True),
+    )
+    shape: ClassVar = (
+        ShapeParameter("pitch", "pitch", "stroke", trials=(0.15, 2.0, 12), bounds=(0.02, 4.0)),
+    )
+    hypotheses: ClassVar = (
+        Hypothesis("position_dependent_friction", ("dFs", "dFc"), beside=(CoulombFriction,)),
+        Hypothesis("position_dependent_friction", ("Fs", "dFs", "dFc"), together=(CoulombFriction,)),
+    )
+
+
+@dataclass(frozen=True)
+class PositionDependentFriction(Law):
+    """A Coulomb level that changes along the stroke: sign(v) (dF1 q + dF2 q^2).
+
+    Declare it beside Coulomb friction, which is then the level at q = 0.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    linear, quadratic : str
+        Parameters dF1 in N/m or N m/rad, dF2 in N/m^2 or N m/rad^2; both may be negative.
+
+    Examples
+    --------
+    >>> from symid import Body, PositionDependentFriction
+    >>> PositionDependentFriction(Body("motor", mass="M"), "dF1", "dF2").terms()[1].expression
+    'sign(v)*q**2'
+    """
+
+    linear: str
+    quadratic: str
+    formula: ClassVar = (
+        Term("linear", "sign(v)*q", 1, signed=True),
+        Term("quadratic", "sign(v)*q**2", 2, signed=True),
+    )
+    hypotheses: ClassVar = (
+        Hypothesis("position_dependent_friction", ("dF1", "dF2"), beside=(CoulombFriction,)),
+        Hypothesis("position_dependent_friction", ("Fs", "dF1", "dF2"), together=(CoulombFriction,)),
+    )
+    moves_hidden: ClassVar = False
+
+
+@dataclass(frozen=True)
+class PositionDependentViscousFriction(Law):
+    """A viscous coefficient that changes along the stroke: v (dFv1 q + dFv2 q^2), beside `ViscousFriction`.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    linear, quadratic : str
+        Parameters dFv1 in N s/m^2 or N m s/rad^2, dFv2 in N s/m^3 or N m s/rad^3; both may be negative.
+
+    Examples
+    --------
+    >>> from symid import Body, PositionDependentViscousFriction
+    >>> PositionDependentViscousFriction(Body("motor", mass="M"), "dFv1", "dFv2").terms()[1].expression
+    'v*q**2'
+    """
+
+    linear: str
+    quadratic: str
+    formula: ClassVar = (
+        Term("linear", "v*q", 2, 1, signed=True),
+        Term("quadratic", "v*q**2", 3, 1, signed=True),
+    )
+    hypotheses: ClassVar = (
+        Hypothesis("position_dependent_friction", ("dFv1", "dFv2"), beside=(ViscousFriction,)),
+        Hypothesis(
+            "position_dependent_friction",
+            ("dFs1", "dFs2", "dFv1", "dFv2"),
+            together=(PositionDependentFriction,),
+            beside=(ViscousFriction, CoulombFriction),
+        ),
+    )

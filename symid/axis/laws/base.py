@@ -1,0 +1,179 @@
+"""What a force law says of itself; derivation, generated code, simulation, export and diagnosis read it from there."""
+
+from __future__ import annotations
+
+import math
+import re
+from abc import ABC
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, TypeAlias
+
+from symid.axis.elements import Joint
+from symid.units import Unit
+
+FUNCTIONS = ("sign", "positive", "sin", "cos", "exp", "abs")
+"""Functions that an expression may use. positive(v) is 1 for v > 0 and 0 otherwise."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """One term of a law: `parameter` times `expression`.
+
+    Parameters
+    ----------
+    parameter : str
+        Name of the physical parameter; in the formula of a class, the field that holds this name.
+    expression : str
+        In q (displacement of the joint), v (its velocity), numbers and `FUNCTIONS`; in the formula of a class,
+        also in its shape parameters.
+    length_power, time_power : int
+        Dimension of the expression as length^a / time^b, from which the parameter's unit follows.
+    signed : bool
+        Whether the parameter may be negative.
+    per_log : bool
+        Whether the parameter belongs to a log and not to the axis.
+    """
+
+    parameter: str
+    expression: str
+    length_power: int = 0
+    time_power: int = 0
+    signed: bool = False
+    per_log: bool = False
+
+    def unit(self, force: Unit, length: Unit) -> Unit:
+        """Unit of the parameter in a joint with these units of force and displacement."""
+        return force / length**self.length_power * Unit.of("s") ** self.time_power
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the term is linear in the motion, so that it needs no measured coordinate."""
+        return self.expression in ("q", "v")
+
+
+Scale: TypeAlias = Literal["speed", "stroke", "deflection"]
+"""What a joint does in a log: its highest speed, its stroke, its largest displacement to either side."""
+
+
+@dataclass(frozen=True)
+class ShapeParameter:
+    """A number of a law in which the force is not linear, such as a pitch; always positive.
+
+    Parameters
+    ----------
+    field : str
+        The field that holds it, by which formulas name it.
+    symbol : str
+        Its name in a diagnosis.
+    scale : str
+        What it is compared with, from which its unit follows, see `Scale`.
+    trials : tuple of (float, float, int), optional
+        Values that a diagnosis tries: lowest and highest in multiples of the scale, and how many, evenly spaced on a
+        logarithmic scale. None if the effect has a search of its own.
+    bounds : tuple of (float, float), optional
+        Multiples of the scale between which a fit may move it.
+    """
+
+    field: str
+    symbol: str
+    scale: Scale
+    trials: tuple[float, float, int] | None = None
+    bounds: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """How a diagnosis considers a law that a model may lack.
+
+    Parameters
+    ----------
+    effect : str
+        Name of the effect.
+    symbols : tuple of str
+        What the diagnosis calls the parameters: those of the laws `together` with it, then its own, in the order of
+        their formulas. With fewer symbols than terms, the last terms are left out.
+    together : tuple of Law classes
+        Laws that are added with it.
+    beside : tuple of Law classes
+        Laws that must be declared in the joint already.
+    without : tuple of Law classes
+        Laws that must not be declared there: they act alike.
+    """
+
+    effect: str
+    symbols: tuple[str, ...]
+    together: tuple[type[Law], ...] = ()
+    beside: tuple[type[Law], ...] = ()
+    without: tuple[type[Law], ...] = ()
+
+
+@dataclass(frozen=True)
+class Law(ABC):
+    """Base of all force laws.
+
+    A law is one class: its fields, and its `formula`, the force that opposes the motion of its joint. If it has
+    `hypotheses`, the diagnosis considers it too.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint in which the law acts: a body stands for the joint between it and what it is on.
+
+    Examples
+    --------
+    >>> from symid import Body, StribeckFriction
+    >>> StribeckFriction.formula[0].expression
+    'sign(v)*exp(-(v/velocity)**2)'
+    >>> StribeckFriction(Body("motor", mass="M"), "dF", velocity=0.02).terms()[0].expression
+    'sign(v)*exp(-(v/0.02)**2)'
+    """
+
+    at: Joint
+    formula: ClassVar[tuple[Term, ...]] = ()
+    """The force, in the names of the fields."""
+    shape: ClassVar[tuple[ShapeParameter, ...]] = ()
+    """Fields that are numbers."""
+    hypotheses: ClassVar[tuple[Hypothesis, ...]] = ()
+    """How a diagnosis considers the law; the first names all its parameters."""
+    once: ClassVar[bool] = False
+    """Whether a diagnosis considers it only in joints for which none is declared."""
+    in_spring: ClassVar[bool] = False
+    """Whether it belongs to a spring, so that q is the deflection of that."""
+    moves_hidden: ClassVar[bool] = True
+    """Whether it may change the motion of a joint that no sensor sees so much that a diagnosis must integrate it."""
+
+    def terms(self) -> tuple[Term, ...]:
+        """Terms of the force that opposes the motion."""
+        numbers = {number.field: written(getattr(self, number.field)) for number in self.shape}
+        return tuple(
+            replace(
+                term,
+                parameter=getattr(self, term.parameter),
+                expression=re.sub(r"[a-z_]+", lambda m: numbers.get(m[0], m[0]), term.expression),
+            )
+            for term in self.formula
+        )
+
+    def faults(self) -> Iterator[str]:
+        """What is wrong with the numbers of the law; `Axis` reports it with all other faults."""
+        for number in self.shape:
+            value = getattr(self, number.field)
+            if not (is_finite(value) and value > 0):
+                yield f"{number.field} is {value!r}: it must be a positive finite number"
+
+
+def is_finite(value: object) -> bool:
+    """Whether a value is a finite number (a truth value is none)."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def written(number: float) -> str:
+    """A number as text for an expression, the same for 1, 1.0 and a NumPy number; anything else as it is.
+
+    Examples
+    --------
+    >>> written(1), written(0.02), written("wide")
+    ('1.0', '0.02', "'wide'")
+    """
+    return repr(float(number)) if isinstance(number, (int, float)) else repr(number)

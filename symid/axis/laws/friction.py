@@ -1,0 +1,185 @@
+"""Friction as a function of speed: viscous, Coulomb, Stribeck, drag, and what differs by direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
+from symid.axis.laws.constant import OffsetForce
+
+__all__ = [
+    "AsymmetricFriction",
+    "CoulombFriction",
+    "FrictionAsymmetry",
+    "QuadraticDrag",
+    "StribeckFriction",
+    "ViscousAsymmetry",
+    "ViscousFriction",
+]
+
+
+@dataclass(frozen=True)
+class ViscousFriction(Law):
+    """Fv v, paper eq. [1].
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    coefficient : str
+        Parameter Fv in N s/m or N m s/rad.
+    """
+
+    coefficient: str
+    formula: ClassVar = (Term("coefficient", "v", 1, 1),)
+    hypotheses: ClassVar = (Hypothesis("viscous_friction", ("Fv",)),)
+    once: ClassVar = True
+
+
+@dataclass(frozen=True)
+class CoulombFriction(Law):
+    """Fs sign(v), paper eq. [2].
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    level : str
+        Parameter Fs in N or N m.
+    """
+
+    level: str
+    formula: ClassVar = (Term("level", "sign(v)"),)
+    hypotheses: ClassVar = (Hypothesis("coulomb_friction", ("Fs",)),)
+    once: ClassVar = True
+
+
+@dataclass(frozen=True)
+class AsymmetricFriction(Law):
+    """Viscous and Coulomb friction whose coefficients differ by direction of motion.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    viscous, coulomb : tuple of str
+        Parameter names for motion in positive and in negative direction.
+    """
+
+    viscous: tuple[str, str]
+    coulomb: tuple[str, str]
+
+    def terms(self) -> tuple[Term, ...]:
+        forward, backward = "positive(v)", "positive(-v)"
+        return (
+            Term(self.viscous[0], f"v*{forward}", 1, 1),
+            Term(self.coulomb[0], forward),
+            Term(self.viscous[1], f"v*{backward}", 1, 1),
+            Term(self.coulomb[1], f"-{backward}"),
+        )
+
+
+@dataclass(frozen=True)
+class FrictionAsymmetry(Law):
+    """What friction in both directions differs by: dFs + dFv abs(v), beside Coulomb and viscous friction.
+
+    The parameters are half the differences of the levels and coefficients of both directions, forward less backward.
+    `AsymmetricFriction` says the same with a level and a coefficient for each direction. While an axis moves, dFs alone
+    is a constant force, which a diagnosis considers too.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    coulomb, viscous : str
+        Parameters dFs in N or N m and dFv in N s/m or N m s/rad; both may be negative.
+
+    Examples
+    --------
+    >>> from symid import Body, FrictionAsymmetry
+    >>> [term.expression for term in FrictionAsymmetry(Body("motor", mass="M"), "dFs", "dFv").terms()]
+    ['1', 'abs(v)']
+    """
+
+    coulomb: str
+    viscous: str
+    formula: ClassVar = (Term("coulomb", "1", signed=True), Term("viscous", "abs(v)", 1, 1, signed=True))
+    hypotheses: ClassVar = (
+        Hypothesis("asymmetric_friction", ("dFs", "dFv"), without=(OffsetForce,)),
+        Hypothesis("asymmetric_friction", ("dFs",), without=(OffsetForce,)),
+    )
+
+
+@dataclass(frozen=True)
+class ViscousAsymmetry(Law):
+    """What viscous friction in both directions differs by: dFv abs(v), beside a constant force.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    viscous : str
+        Parameter dFv in N s/m or N m s/rad, half the difference of the coefficients, forward less backward; it may be
+        negative.
+
+    Examples
+    --------
+    >>> from symid import Body, ViscousAsymmetry
+    >>> ViscousAsymmetry(Body("motor", mass="M"), "dFv").terms()[0].expression
+    'abs(v)'
+    """
+
+    viscous: str
+    formula: ClassVar = (Term("viscous", "abs(v)", 1, 1, signed=True),)
+    hypotheses: ClassVar = (Hypothesis("asymmetric_friction", ("dFv",), beside=(OffsetForce,)),)
+
+
+@dataclass(frozen=True)
+class StribeckFriction(Law):
+    """Friction that is higher at low speed: dF sign(v) exp(-(v/velocity)^2), beside Coulomb friction.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    level : str
+        Parameter dF in N or N m, by which friction at rest exceeds the Coulomb level.
+    velocity : float
+        Stribeck velocity in m/s or rad/s: from it on, the excess falls below dF/e.
+
+    Examples
+    --------
+    >>> from symid import Body, StribeckFriction
+    >>> [term.expression for term in StribeckFriction(Body("motor", mass="M"), "dF", velocity=0.02).terms()]
+    ['sign(v)*exp(-(v/0.02)**2)']
+    """
+
+    level: str
+    velocity: float
+    formula: ClassVar = (Term("level", "sign(v)*exp(-(v/velocity)**2)"),)
+    shape: ClassVar = (ShapeParameter("velocity", "vs", "speed", trials=(0.006, 0.6, 12)),)
+    hypotheses: ClassVar = (Hypothesis("stribeck_friction", ("dF",)),)
+
+
+@dataclass(frozen=True)
+class QuadraticDrag(Law):
+    """Drag of air or oil: c v abs(v).
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    coefficient : str
+        Parameter c in N s^2/m^2 = kg/m, or N m s^2/rad^2.
+
+    Examples
+    --------
+    >>> from symid import Body, QuadraticDrag
+    >>> QuadraticDrag(Body("motor", mass="M"), "c").terms()[0].expression
+    'v*abs(v)'
+    """
+
+    coefficient: str
+    formula: ClassVar = (Term("coefficient", "v*abs(v)", 2, 2),)
+    hypotheses: ClassVar = (Hypothesis("quadratic_drag", ("c",)),)

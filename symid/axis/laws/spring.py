@@ -1,0 +1,67 @@
+"""What bends or frees a spring: q is its deflection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
+
+__all__ = ["Backlash", "StiffnessNonlinearity"]
+
+
+@dataclass(frozen=True)
+class StiffnessNonlinearity(Law):
+    """A spring that becomes harder with its deflection, or softer: k3 q^3, beside a `Spring` in the same joint.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    cubic : str
+        Parameter k3 in N/m^3 or N m/rad^3; negative where the spring becomes softer.
+
+    Examples
+    --------
+    >>> from symid import Between, Body, StiffnessNonlinearity
+    >>> motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    >>> StiffnessNonlinearity(Between(first=motor, second=load), "k3").terms()[0].expression
+    'q**3'
+    """
+
+    cubic: str
+    formula: ClassVar = (Term("cubic", "q**3", 3, signed=True),)
+    hypotheses: ClassVar = (Hypothesis("stiffness_nonlinearity", ("k3",)),)
+    in_spring: ClassVar = True
+
+
+@dataclass(frozen=True)
+class Backlash(Law):
+    """Play in a spring: -Kb clip(q, -gap/2, gap/2), beside a `Spring` of stiffness K in the same joint.
+
+    With Kb = K the joint is free within the gap; with a smaller Kb it is softer there. A clipped value is half the
+    difference of two absolute values: clip(q, -b, b) = (abs(q + b) - abs(q - b))/2.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint of the spring.
+    stiffness : str
+        Parameter Kb in N/m or N m/rad.
+    gap : float
+        Width of the play in m or rad, all of it.
+
+    Examples
+    --------
+    >>> from symid import Between, Body, Backlash
+    >>> motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    >>> Backlash(Between(first=motor, second=load), "Kb", gap=2e-5).terms()[0].expression
+    '(abs(q - 2e-05/2) - abs(q + 2e-05/2))/2'
+    """
+
+    stiffness: str
+    gap: float
+    formula: ClassVar = (Term("stiffness", "(abs(q - gap/2) - abs(q + gap/2))/2", 1),)
+    shape: ClassVar = (ShapeParameter("gap", "b", "deflection", trials=(0.04, 1.8, 10)),)
+    hypotheses: ClassVar = (Hypothesis("backlash", ("Kb",)),)
+    in_spring: ClassVar = True

@@ -1,0 +1,241 @@
+"""A force law of an axis as an effect that a model may lack: forces, units and elements follow from its formula."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+
+import numpy as np
+import sympy as sp
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
+from symid.axis.elements import Joint as Place
+from symid.diagnosis.effects.base import JointEffect, LinearEffect, Placed, Pull, Shape, joint_units, sampled
+from symid.diagnosis.march import Pointwise
+from symid.diagnosis.scene import Joint, Scene
+from symid.simulation.law_functions import array_function, law_function
+from symid.symbolic.expressions import is_smooth, law_expression
+from symid.units import Unit
+
+_STRONG = (0.3, 1.0, 2.5, 5.0)
+"""Forces of a law in a spring, or its dead zone, relative to the spring where it is deflected most."""
+
+
+class LawEffect(JointEffect):
+    """A law, and those that come with it, where a model lacks them.
+
+    Parameters
+    ----------
+    law : Law class
+        What is missing.
+    hypothesis : Hypothesis
+        How it is considered, one of those of the law.
+    """
+
+    def __init__(self, law: type[Law], hypothesis: Hypothesis) -> None:
+        self.law, self.hypothesis = law, hypothesis
+        self.laws = (*hypothesis.together, law)
+        self.name, self.amplitudes = hypothesis.effect, hypothesis.symbols
+        self.shape_parameters = tuple(number for each in self.laws for number in each.shape)
+        self.shape_names = tuple(number.symbol for number in self.shape_parameters)
+        formula = tuple(term for each in self.laws for term in each.formula)
+        self.formula = formula[: len(self.amplitudes)]
+        self.positive = not (hypothesis.together or self.formula[0].signed)
+
+    @property
+    def functions(self) -> LawFunctions:
+        """The formula as functions."""
+        return _functions(self.formula, tuple(number.field for number in self.shape_parameters))
+
+    def joint(self, scene: Scene, place: str) -> Joint:
+        return scene.springs[place] if self.law.in_spring else scene.joints[place]
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        """Springs for a law in a spring; else bodies in whose joint neither the law nor its like is declared."""
+        if self.law.in_spring:
+            return tuple(scene.springs)
+        taken: set[str] = set(scene.springs) if any(t.expression == "q" for t in self.formula) else set()
+        taken = taken.union(*(joints_with(scene, each) for each in self.laws if each.once))
+        taken = taken.union(*(joints_with(scene, each) for each in self.hypothesis.without))
+        beside = [joints_with(scene, each) for each in self.hypothesis.beside]
+        return [name for name in scene.joints if name not in taken and all(name in names for names in beside)]
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """A spring leaves its dead zone at times."""
+        joint = self.joint(scene, placed.at)
+        widths = zip(self.shape_parameters, placed.shape, strict=True)
+        return all(x / 2 < _scale(number, joint) for number, x in widths if number.scale == "deflection")
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        joint = self.joint(scene, place)
+        return product(*(_trials(number, joint) for number in self.shape_parameters))
+
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        joint = self.joint(scene, place)
+        return tuple(_bounded(n, joint, x) for n, x in zip(self.shape_parameters, shape, strict=True))
+
+    def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
+        """Forces on the fine grid for unit amplitudes; a constant one acts within the log."""
+        inside = joint.record.in_log
+        return tuple(
+            inside.astype(float) if term.expression == "1" else function(joint.q, joint.v, *shape)
+            for term, function in zip(self.formula, self.functions.arrays, strict=True)
+        )
+
+    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        jumps = self.functions.jumps
+        courses = zip(self.courses(joint, shape), jumps, strict=True)
+        return sampled(scene, *(joint.averaged(force) if jump else force for force, jump in courses))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise | None:
+        return self.point_by_point(shape, amplitudes) if self.law.moves_hidden else None
+
+    def point_by_point(self, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+        """The force for numbers; of dry friction the level, which does not fall below 0 along the stroke."""
+        functions, values = self.functions, (*shape, *amplitudes)
+        if functions.level is None:
+            force = functions.scalar
+            return Pointwise(lambda k, q, v: force(q, v, *values))
+        level = functions.level
+        if not self.varies_along_stroke:
+            return Pointwise(lambda k, q, v: level(q, v, *values), dry=True)
+        return Pointwise(lambda k, q, v: max(level(q, v, *values), 0.0), dry=True)
+
+    @property
+    def varies_along_stroke(self) -> bool:
+        """Whether it is dry friction whose level depends on the place."""
+        return self.functions.level is not None and any("q" in term.expression for term in self.formula)
+
+    def level(self, joint: Joint, shape: Shape, amplitudes: tuple[float, ...]) -> FloatArray:
+        """Course of the level of dry friction, on the fine grid, for motion at unit speed."""
+        unit = np.ones_like(joint.q)
+        courses = [function(joint.q, unit, *shape) for function in self.functions.arrays]
+        return np.asarray(np.tensordot(amplitudes, courses, 1))
+
+    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        if not self.law.in_spring:
+            return ()
+        largest = max(map(abs, scene.springs[place].range))
+        if self.shape_names:
+            return [((x * largest,), (stiffness,)) for x in _STRONG]
+        unit = abs(self.functions.scalar(largest, 0.0, 1.0))
+        return [((), (x * stiffness * largest / unit,)) for x in _STRONG]
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        force, length = joint_units(scene, place)
+        speed = length / Unit.of("s")
+        of_shape = (speed if number.scale == "speed" else length for number in self.shape_parameters)
+        return (*(str(term.unit(force, length)) for term in self.formula), *map(str, of_shape))
+
+    def elements(
+        self, place: Place, prefix: str, shape: Shape, amplitudes: tuple[float, ...]
+    ) -> tuple[tuple[Law, ...], dict[str, float]]:
+        """The laws as elements of an axis, whose parameters begin with a prefix, and the values of these."""
+        numbers, values = dict(zip(self.shape_parameters, shape, strict=True)), {}
+        given = iter(zip(self.amplitudes, amplitudes, strict=True))
+        found = []
+        for law in self.laws:
+            fields: dict[str, str | float] = {n.field: numbers[n] for n in law.shape}
+            for term, symbol in zip(law.formula, law.hypotheses[0].symbols[-len(law.formula) :], strict=True):
+                name, value = next(given, (symbol, 0.0))
+                fields[term.parameter] = f"{prefix}_{name}"
+                values[f"{prefix}_{name}"] = value
+            found.append(law(at=place, **fields))
+        return tuple(found), values
+
+
+class LinearLawEffect(LinearEffect, LawEffect):
+    """A law that is linear in the motion: q or v."""
+
+    def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
+        (term,) = self.formula
+        return np.asarray(1j * omega if term.expression == "v" else np.ones(omega.size, dtype=complex))
+
+    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> None:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class LawFunctions:
+    """A formula as functions of q, v, its shape parameters and, but for `arrays`, its amplitudes.
+
+    Parameters
+    ----------
+    arrays : tuple of callable
+        Each term for arrays and a unit amplitude.
+    scalar : callable
+        The whole force for numbers.
+    level : callable, optional
+        Of dry friction what stands beside sign(v), for numbers.
+    jumps : tuple of bool
+        Whether each term jumps where the velocity changes its sign.
+    """
+
+    arrays: tuple[Callable[..., FloatArray], ...]
+    scalar: Callable[..., float]
+    level: Callable[..., float] | None
+    jumps: tuple[bool, ...]
+
+
+@cache
+def _functions(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFunctions:
+    terms = [law_expression(term.expression, numbers) for term in formula]
+    amplitudes = tuple(f"amplitude_{i}" for i in range(len(terms)))
+    levels = [term / sp.sign(sp.Symbol("v")) for term in terms]
+    is_dry = not any(level.has(sp.sign) for level in levels) and all(term.has(sp.sign) for term in terms)
+
+    def whole(parts: list[sp.Expr]) -> Callable[..., float]:
+        total = sp.Add(*(sp.Symbol(a) * part for a, part in zip(amplitudes, parts, strict=True)))
+        return law_function(total, (*numbers, *amplitudes))
+
+    arrays = tuple(array_function(term, numbers) for term in terms)
+    jumps = tuple(not is_smooth(term) for term in terms)
+    return LawFunctions(arrays, whole(terms), whole(levels) if is_dry else None, jumps)
+
+
+def effects_of(law: type[Law], kind: type[LawEffect] = LawEffect) -> tuple[LawEffect, ...]:
+    """The effects that stand for a law, one for each of its hypotheses.
+
+    Examples
+    --------
+    >>> from symid.axis import StribeckFriction
+    >>> [(effect.name, effect.amplitudes, effect.shape_names) for effect in effects_of(StribeckFriction)]
+    [('stribeck_friction', ('dF',), ('vs',))]
+    """
+    is_linear = all(term.is_linear for term in law.formula)
+    return tuple((LinearLawEffect if is_linear else kind)(law, each) for each in law.hypotheses)
+
+
+def library_of_laws(own: Mapping[type[Law], type[LawEffect]]) -> tuple[LawEffect, ...]:
+    """The effects of all laws of symid; `own` has the classes of those that need more than their formula."""
+    declared = (getattr(laws, name) for name in laws.__all__)
+    known = [law for law in declared if isinstance(law, type) and issubclass(law, Law)]
+    return tuple(effect for law in known for effect in effects_of(law, own.get(law, LawEffect)))
+
+
+def joints_with(scene: Scene, kind: type[Law]) -> set[str]:
+    """Bodies in whose joint a law is declared."""
+    return {law.at.name for law in scene.axis.laws if isinstance(law, kind) and hasattr(law.at, "name")}
+
+
+def _scale(number: ShapeParameter, joint: Joint) -> float:
+    """What a shape parameter is compared with."""
+    if number.scale == "deflection":
+        return max(map(abs, joint.range))
+    return joint.top_speed if number.scale == "speed" else joint.stroke
+
+
+def _trials(number: ShapeParameter, joint: Joint) -> list[float]:
+    assert number.trials is not None, f"{number.field} has no trials: its effect needs a search of its own"
+    low, high, count = number.trials
+    return [float(x * _scale(number, joint)) for x in np.geomspace(low, high, count)]
+
+
+def _bounded(number: ShapeParameter, joint: Joint, value: float) -> float:
+    if number.bounds is None:
+        return value
+    low, high = (bound * _scale(number, joint) for bound in number.bounds)
+    return float(np.clip(value, low, high))
