@@ -36,9 +36,11 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
     "--validation data/emps/DATA_EMPS_PULSES.mat --report emps.html",
 )
 @click.argument("axis")
-@click.argument("log")
+@click.argument("logs", metavar="LOG...", nargs=-1, required=True)
 @click.option(
-    "--validation", metavar="LOG", help="Log on which the gap is measured [every third part of LOG]."
+    "--validation",
+    metavar="LOG",
+    help="Log on which the gap is measured [the last of several LOGs, every third part of one].",
 )
 @click.option("--nominal", metavar="P.json", help="Parameter values of the simulation [identified].")
 @click.option(
@@ -71,10 +73,10 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 )
 @click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
 @json_option
-def command(axis: str, log: str, **options: Any) -> None:
-    """Find where the gap between AXIS and LOG lies, which unmodelled effect causes it, and how far it shrinks."""
+def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
+    """Find where the gap between AXIS and LOGs lies, which unmodelled effect causes it, and how far it shrinks."""
     declared = load_axis(axis)
-    run = read_log_of(declared, log, options)
+    runs = [read_log_of(declared, log, options) for log in logs]
     validation = read_log_of(declared, options["validation"], options) if options["validation"] else None
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
     recorded: dict[str, Any] = {
@@ -82,6 +84,10 @@ def command(axis: str, log: str, **options: Any) -> None:
         "held": held_force(options["held"], declared),
     }
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None
+    if simulated and len(runs) > 1:
+        raise SettingError(
+            f"--simulated goes with one log of the machine, not with {len(runs)}: give one LOG"
+        )
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both say what the simulation is: give one of them")
     limits = _limits(options["limits"])
@@ -92,13 +98,11 @@ def command(axis: str, log: str, **options: Any) -> None:
         page = html_path(options["report"])
     with working("diagnosing"):
         if simulated:
-            found = diagnose_against(declared, run, simulated, validation=validation, **recorded)
+            found = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
         else:
-            found = diagnose(declared, run, validation=validation, nominal=nominal, **recorded)
+            found = diagnose(declared, runs, validation=validation, nominal=nominal, **recorded)
     if experiment:
         found = _with_experiment(found, limits, experiment)
-    if options["write_axis"]:
-        _write_axis(found, Path(options["write_axis"]))
     record = diagnosis_record(found)
     if options["report"]:
         write_html(found, page)
@@ -106,6 +110,8 @@ def command(axis: str, log: str, **options: Any) -> None:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_diagnosis(record)
+    if options["write_axis"]:
+        _write_axis(found, Path(options["write_axis"]))
 
 
 def _write_axis(found: Diagnosis, file: Path) -> None:

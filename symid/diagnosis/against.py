@@ -20,9 +20,10 @@ from symid.data import Log
 from symid.diagnosis.blocks import predicted
 from symid.diagnosis.comparison import applied, compared
 from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
-from symid.diagnosis.diagnose import data_of, fits_of, late_in
+from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted, unfitted
+from symid.diagnosis.joined import joined
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
@@ -96,8 +97,9 @@ def diagnose_against(
     >>> found.verdict, [p.name for p in found.simulated.parameters if p.differs]
     ('parameters', ['Fs'])
     """
-    data = data_of(axis, log, validation, (late, held))
-    at = late_in(axis, simulated, (late, held))
+    recorded = Recorded(dict(late or {}), held)
+    data = data_of(axis, (joined([log]), joined([validation]) if validation else None), recorded)
+    at = recorded.times(axis, simulated.sampling_period)
     own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)

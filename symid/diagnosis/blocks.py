@@ -24,6 +24,7 @@ N_BLOCKS = 16
 """Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
 _RANK = 1e-9
 _DRAWS = 200
+_UNFELT = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +70,18 @@ class Blocks:
         return found
 
     def least_seen(self, n: int) -> float:
-        """Least square of a combination of the last columns, of unit size, without what the others explain."""
+        """Least square of a combination of the last columns, of unit size, without what the others explain.
+
+        Columns that no row feels do not count, such as the moment of a change while the axis rests.
+        """
         whole = self._normal.sum(axis=0)
-        others, last = slice(None, -n), slice(-n, None)
-        taken = np.linalg.pinv(whole[others, others], rcond=_RANK, hermitian=True)
-        left = whole[last, last] - whole[last, others] @ taken @ whole[others, last]
+        felt = np.flatnonzero(np.diag(whole) > _UNFELT)
+        others, last = felt[felt < len(whole) - n], felt[felt >= len(whole) - n]
+        if not last.size:
+            return 0.0
+        taken = np.linalg.pinv(whole[np.ix_(others, others)], rcond=_RANK, hermitian=True)
+        cross = whole[np.ix_(last, others)]
+        left = whole[np.ix_(last, last)] - cross @ taken @ cross.T
         return float(np.linalg.eigvalsh(left)[0])
 
     @cached_property

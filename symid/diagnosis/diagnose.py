@@ -1,22 +1,23 @@
-"""The diagnosis from a log to its verdict: the table of contents of this room."""
+"""The diagnosis from logs to the verdict: the table of contents of this package."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from symid.arrays import BoolArray
-from symid.axis import Axis
+from symid.axis import Axis, derivative_order
 from symid.data import Log
 from symid.diagnosis.comparison import compared
 from symid.diagnosis.conclusion import concluded
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.fit import Fit, unfitted
-from symid.diagnosis.record import Record, record_of
+from symid.diagnosis.held import HELD, is_held, shows_hold
+from symid.diagnosis.joined import Joined, joined, with_common_zeros
+from symid.diagnosis.record import Record, record_of, signals_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.search import Turn, search
@@ -27,19 +28,42 @@ from symid.simulation.forward_dynamics import forward_dynamics
 
 _HELD_OUT = 3
 _BLOCKS = 12
-Recorded: TypeAlias = tuple[Mapping[str, float] | None, bool | None]
-"""How signals were recorded: what `diagnose` takes as `late` and as `held`."""
 _ONLY_IN_VALIDATION = (
     "The model fits the log: the effect shows in the validation log alone. It was identified from two thirds of that, "
     "and the gap measured on the rest."
 )
 
 
+@dataclass(frozen=True)
+class Recorded:
+    """How the signals were recorded.
+
+    Parameters
+    ----------
+    late : mapping of str to float
+        Time by which signals were recorded late, s.
+    held : bool, optional
+        Whether the force is held from sample to sample; None if it is not known.
+    """
+
+    late: Mapping[str, float]
+    held: bool | None
+
+    def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
+        """Time by which signals of a log were recorded late, s, a hold of the force included."""
+        held = axis.drive.held if self.held is None else self.held
+        return with_hold(self.late, axis.drive.signal, held=held, sampling_period=sampling_period)
+
+    def may_be_held(self, axis: Axis) -> bool:
+        """Whether a hold of the force is neither known nor excluded."""
+        return self.held is None and not axis.drive.held and axis.drive.signal not in self.late
+
+
 def diagnose(
     axis: Axis,
-    log: Log,
+    log: Log | Sequence[Log],
     *,
-    validation: Log | None = None,
+    validation: Log | Sequence[Log] | None = None,
     nominal: Mapping[str, float] | None = None,
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
@@ -51,25 +75,25 @@ def diagnose(
     ----------
     axis : Axis
         The declared axis: the simulation.
-    log : Log
-        A log of the machine, from which everything is identified.
-    validation : Log, optional
-        Another log, on which the gap is measured; every third part of `log` by default, which then takes no part in
-        the identification.
+    log : Log or sequence of Log
+        Logs of the machine, from which everything is identified: values and effects are common to them.
+    validation : Log or sequence of Log, optional
+        Other logs, on which the gap is measured. By default the last of several logs, or every third part of a single
+        one, which then takes no part in the identification.
     nominal : mapping of str to float, optional
         Parameter values of the simulation, SI.
     late : mapping of str to float, optional
         Time by which signals were recorded late, s; negative for a force that acts later than recorded.
     held : bool, optional
-        Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
-        the axis declares it if not given.
+        Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded. If it
+        is not given and the axis does not declare it, the log tells.
     library : sequence of Effect
         Effects that are considered.
 
     Raises
     ------
     LogError
-        If a log is too short or holds no position.
+        If a log is too short or holds no position, or sampling periods of logs differ.
     SettingError
         If there are no nominal values and none can be identified to begin with.
 
@@ -86,20 +110,34 @@ def diagnose(
     >>> found.verdict, found.effects[0].effect
     ('effect', 'offset_force')
     """
+    logs = [log] if isinstance(log, Log) else list(log)
+    others = [validation] if isinstance(validation, Log) else list(validation or ())
+    if not others and len(logs) > 1:
+        others = [logs.pop()]
+    runs = _one_run(axis, logs), _one_run(axis, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
-        return _either_way(axis, (log, validation), nominal, (late, held), library)
+        return _either_way(axis, runs, nominal, Recorded(dict(late or {}), held), library)
+
+
+def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
+    """Logs one after the other; where the axis leaves zeros of encoders open, they are made the same."""
+    if axis.log_parameters and len(logs) > 1:
+        driven, *others = signals_of(forward_dynamics(axis), logs[0])
+        orders = {sensor.signal: derivative_order(sensor) for sensor in axis.sensors}
+        logs = with_common_zeros(logs, driven, [name for name in others if orders[name] == 0])
+    return joined(logs)
+
+
+Runs = tuple[Joined, Joined | None]
+"""Logs for identification, and for validation if there are any."""
 
 
 def _either_way(
-    axis: Axis,
-    logs: tuple[Log, Log | None],
-    nominal: Mapping[str, float] | None,
-    recorded: Recorded,
-    library: Sequence[Effect],
+    axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
 ) -> Diagnosis:
-    """Identified from the log, or from the validation log where that alone shows the effect."""
-    log, validation = logs
-    found = _diagnosed(axis, logs, nominal, recorded, library)
+    """Identified from the logs, or from the validation logs where these alone show the effect."""
+    found = _diagnosed(axis, runs, nominal, recorded, library)
+    validation = runs[1]
     if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
         return found
     other = _diagnosed(axis, (validation, None), nominal, recorded, library)
@@ -114,21 +152,30 @@ def _fits_its_log(found: Diagnosis) -> bool:
 
 
 def _diagnosed(
-    axis: Axis,
-    logs: tuple[Log, Log | None],
-    nominal: Mapping[str, float] | None,
-    recorded: Recorded,
-    library: Sequence[Effect],
+    axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
 ) -> Diagnosis:
-    data = data_of(axis, *logs, recorded)
+    data = data_of(axis, runs, recorded)
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
     base = fitted_axis(state, weighting)
+    unknown = recorded.may_be_held(axis)
+    if unknown and shows_hold(base):
+        return _with_hold(axis, runs, nominal, recorded, library)
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
     turns = judged_together(search(base, library, before))
+    if unknown and any(is_held(turn.confirmed[0].fit) for turn in turns if turn.accepts):
+        return _with_hold(axis, runs, nominal, recorded, library)
     fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
-    return concluded(comparison, turns, fits, nominal, logs)
+    return concluded(comparison, turns, fits, nominal, (runs[0].log, runs[1].log if runs[1] else None))
+
+
+def _with_hold(
+    axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
+) -> Diagnosis:
+    """The same where the force is held from sample to sample: that is no effect of the machine."""
+    found = _diagnosed(axis, runs, nominal, replace(recorded, held=True), library)
+    return replace(found, faults=(HELD.format(axis.drive.signal), *found.faults))
 
 
 def fits_of(base: Fit, turns: Sequence[Turn]) -> list[Fit]:
@@ -143,9 +190,9 @@ class Data:
     Parameters
     ----------
     record, validation : Record
-        Of the log and of the validation log; the same where there is none.
+        Of the logs and of the validation logs; the same where there are none.
     training, held_out : bool array of shape (n_fine,) or None
-        Parts of the log for either purpose, where one log serves both.
+        Points for either purpose, where these are not all.
     """
 
     record: Record
@@ -154,21 +201,24 @@ class Data:
     held_out: BoolArray | None
 
 
-def data_of(axis: Axis, log: Log, validation: Log | None, recorded: Recorded = (None, None)) -> Data:
+def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
     """Logs in the frequency domain, see `diagnose`."""
     dynamics = forward_dynamics(axis)
-    record = record_of(dynamics, log, None, late_in(axis, log, recorded))
+    run, validation = runs
+    record = record_of(dynamics, run.log, None, recorded.times(axis, run.log.sampling_period))
+    inside = _within(record, run)
     if validation is None:
-        return Data(record, record, *_parts(record))
-    other = record_of(dynamics, validation, record.motion_hz, late_in(axis, validation, recorded))
-    return Data(record, other, None, None)
+        training, held_out = _parts(record)
+        return Data(record, record, training & inside, held_out & inside)
+    late = recorded.times(axis, validation.log.sampling_period)
+    other = record_of(dynamics, validation.log, record.motion_hz, late)
+    return Data(record, other, inside, _within(other, validation))
 
 
-def late_in(axis: Axis, log: Log, recorded: Recorded) -> dict[str, float]:
-    """Time by which signals of a log were recorded late, a hold of the force included."""
-    late, held = recorded
-    held = axis.drive.held if held is None else held
-    return with_hold(late or {}, axis.drive.signal, held=held, sampling_period=log.sampling_period)
+def _within(record: Record, run: Joined) -> BoolArray:
+    """Points of the fine grid that belong to a log."""
+    at = np.rint(record.fine_time / run.log.sampling_period).astype(int)
+    return np.asarray(run.recorded[np.minimum(at, run.recorded.size - 1)])
 
 
 def _parts(record: Record) -> tuple[BoolArray, BoolArray]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,15 +43,15 @@ class Fit:
         Derivatives of the prediction by the physical parameters and the effects' values.
     columns : array of shape (n_columns, n_outputs, n_rows)
         The same, weighted.
-    begun : mapping of str to float
-        Physical parameters that the axis was first given; empty if they are not known.
+    begun : float
+        Inertia that the drive moved with the values that the axis was first given; nan if these are not known.
     """
 
     state: State
     weighting: Weighting
     spectra: ComplexArray
     columns: FloatArray
-    begun: Mapping[str, float] = field(default_factory=dict)
+    begun: float = math.nan
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -152,8 +153,8 @@ def converged(state: State, weighting: Weighting) -> Fit:
     """
     start = settled(unfitted(state, weighting))
     first = fitted(start.state, start.weighting, ITERATIONS)
-    kept = keeps_inertia(first.state.masses, state.masses)
-    return replace(refitted(settled(first) if kept else first), begun=dict(state.scene.parameters))
+    kept = keeps_inertia(first.state, state.inertia)
+    return replace(refitted(settled(first) if kept else first), begun=state.inertia)
 
 
 def settled(fit: Fit) -> Fit:
@@ -163,26 +164,20 @@ def settled(fit: Fit) -> Fit:
     return Fit(state.weighted(weighting), weighting, fit.spectra, weighting.rows(fit.spectra))
 
 
-def keeps_inertia(
-    found: Mapping[str, float], *plain: Mapping[str, float], deviations: Mapping[str, float] | None = None
-) -> bool:
-    """Whether masses and inertias stay near those of other models: within a factor of two of their range.
+def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
+    """Whether the inertia that the drive moves stays near that of other models: within a factor of two of their range.
 
     Parameters
     ----------
-    found : mapping of str to float
-        Masses and inertias, SI.
-    *plain : mapping of str to float
-        Those of the other models.
-    deviations : mapping of str to float, optional
-        By how much each may be off because the log does not determine it.
+    found : State
+        The model.
+    *plain : float
+        Inertias of the other models.
+    doubt : float
+        Relative deviation that it may have because the log does not determine it.
     """
-    for name, value in found.items():
-        known = [abs(other[name]) for other in plain]
-        doubt = (deviations or {}).get(name, 0.0)
-        if not min(known) / LEAST_INERTIA - doubt < value < max(known) * LEAST_INERTIA + doubt:
-            return False
-    return True
+    low, high = min(plain) / LEAST_INERTIA, max(plain) * LEAST_INERTIA
+    return low / (1 + doubt) < found.inertia < high * (1 + doubt)
 
 
 def _cost(state: State, weighting: Weighting) -> float:

@@ -262,20 +262,31 @@ def record_of(
     LogError
         If the log is too short or holds no position.
     """
+    signals = signals_of(dynamics, log)
+    if log.n_samples < _LEAST_SAMPLES:
+        raise LogError(
+            f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
+        )
+    band = motion_hz or _motion_band(log[signals[0]], log.sampling_frequency)
+    return Record(dynamics, log, signals, band, dict(late or {}))
+
+
+def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
+    """Sensors that a log holds, first the position that moves most with the drive.
+
+    Raises
+    ------
+    LogError
+        If there is no position.
+    """
     present = [name for name in dynamics.sensors if name in log.signals]
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
     if not positions:
         raise LogError(
             f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
         )
-    if log.n_samples < _LEAST_SAMPLES:
-        raise LogError(
-            f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
-        )
     driven = max(positions, key=lambda name: _collocation(dynamics, name))
-    signals = (driven, *(name for name in present if name != driven))
-    band = motion_hz or _motion_band(log[driven], log.sampling_frequency)
-    return Record(dynamics, log, signals, band, dict(late or {}))
+    return driven, *(name for name in present if name != driven)
 
 
 def _first_position(dynamics: ForwardDynamics) -> str:

@@ -2,7 +2,7 @@
 
 What was found first stood in for what was found later. With the others in the model each is left out in turn, which
 tells how well the rest predicts blocks that are left out. In this order they are fitted again, so that the steps of the
-gap add up, up to the first that the others make needless.
+gap add up; where one of them is then worth nothing, they stay in the order in which they were found.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _AS_GOOD = 1.1
 
 
 def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
-    """Turns of the search in the order of what their effects take away, without those that are needless.
+    """Turns of the search in the order of what their effects take away.
 
     Parameters
     ----------
@@ -45,8 +45,8 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
         if found is None:
             return tuple(turns)
         turn = _in_place_of(accepted[i], before, found)
-        if chain and not turn.is_worth_another(accepted[0].before.mean_square):
-            break
+        if not turn.is_worth_another(accepted[0].before.mean_square):
+            return tuple(turns)
         chain.append(turn)
         before = replace(found.fit, begun=before.begun)
     return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -44,6 +45,9 @@ _VARIES = 0.4
 _HARDLY = 0.1
 """With more of the mean square left, no candidate has explained it."""
 _TIE = 2.0
+_TIMING_FIRST = 0.6
+"""Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
+like play, friction or compliance, and what there is of these is found after it."""
 _OF_MASSES = ("flexible_mode", "payload_change")
 _LEAST_ACTING = 0.5
 """Share of the logged force that must act on the axis: with less, the drive has been explained away."""
@@ -160,8 +164,11 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
     _prefer_coulomb(confirmed)
     driven = fit.state.scene.axis.drive.at
 
-    def order(own: Confirmed) -> float:
-        return -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
+    most = max((c.worth for c in confirmed.values()), default=0.0)
+
+    def order(own: Confirmed) -> tuple[bool, float]:
+        timing = own.key[0] == "sensor_delay" and own.worth > _TIMING_FIRST * most
+        return not timing, -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
 
     return Turn(fit, tuple(sorted(confirmed.values(), key=order)), tuple(found))
 
@@ -269,22 +276,22 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     item, scene = found.state.placed[-1], found.state.scene
     if not item.effect.is_possible(scene, item.amplitudes) or not item.effect.is_plausible(scene, item):
         return False
-    if item.effect.name not in _OF_MASSES and not _same_masses(fit, found, blocks):
+    if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
     return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
 
 
-def _same_masses(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether the masses are those of the model without the effect, or those that the axis was given."""
-    plain = fit.state.masses
-    given = {name: fit.begun.get(name, value) for name, value in plain.items()}
-    spread = np.sqrt(np.diag(blocks.covariance))
-    doubts = {
-        name: _DEVIATIONS * float(s)
-        for name, s in zip(found.parameters, spread, strict=False)
-        if name in plain
-    }
-    return keeps_inertia(found.state.masses, plain, given, deviations=doubts)
+def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether the drive moves the inertia of the model without the effect, or the one that the axis was given."""
+    plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
+    spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
+    masses = found.state.scene.record.dynamics.parameters_of("mass")
+    doubts = [
+        _DEVIATIONS * s / abs(value)
+        for (name, value), s in zip(found.parameters.items(), spread, strict=True)
+        if name in masses
+    ]
+    return keeps_inertia(found.state, *plain, doubt=float(min(doubts, default=0.0)))
 
 
 def is_determined(item: Placed, blocks: Blocks) -> bool:

@@ -47,10 +47,11 @@ class State:
     beginning: FloatArray
 
     @property
-    def masses(self) -> dict[str, float]:
-        """Values of the masses and inertias, SI."""
-        names = self.scene.record.dynamics.parameters_of("mass")
-        return {name: self.scene.parameters[name] for name in names}
+    def inertia(self) -> float:
+        """Mass or inertia that the drive moves at low frequencies: that of all bodies that follow its position."""
+        plant = self.scene.response.plant
+        follows = self.scene.response.motion[0, :, -1].real
+        return float(follows @ plant.mass @ follows)
 
     def weighted(self, weighting: Weighting) -> State:
         """The same with other weights."""

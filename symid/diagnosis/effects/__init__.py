@@ -40,6 +40,7 @@ LIBRARY: tuple[Effect, ...] = (
 __all__ = [
     "ACTUATOR",
     "LIBRARY",
+    "Delay",
     "DriveEffect",
     "Effect",
     "JointEffect",

@@ -13,7 +13,8 @@ from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.scene import Joint, Scene
 
 _LONGEST_DELAY = 0.05
-_DELAYS = np.array([-4.0, -2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0])
+_STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0])
+_DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
 """Of the largest logged force: a controller that winds up asks for many times what the drive gives."""
 _STEEPEST_RIPPLE = 0.2

@@ -1,0 +1,122 @@
+"""Several logs of an axis as one: the ways from one to the next are no part of any log.
+
+Values of an axis are common to its logs; states that no sensor sees begin anew after each way, as after any rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.data import Log
+from symid.errors import LogError
+
+_WAY = 0.5
+"""Seconds from the end of a log to the beginning of the next."""
+_SAME_CLOCK = 0.01
+"""Relative difference of sampling periods up to which logs are taken to have the same clock."""
+_ENDS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """Logs one after the other.
+
+    Parameters
+    ----------
+    log : Log
+        All of them, with smooth ways in between.
+    recorded : bool array of shape (n_samples,)
+        Samples that belong to a log.
+    """
+
+    log: Log
+    recorded: BoolArray
+
+
+def joined(logs: Sequence[Log]) -> Joined:
+    """Logs one after the other, with the signals that all of them have.
+
+    Raises
+    ------
+    LogError
+        If there is none, or sampling periods differ.
+
+    Examples
+    --------
+    >>> one = Log.from_arrays({"q": np.zeros(100)}, sampling_period=0.01)
+    >>> both = joined([one, one])
+    >>> both.log.n_samples, int(both.recorded.sum())
+    (250, 200)
+    """
+    if not logs:
+        raise LogError("no log was given: a diagnosis needs one")
+    first = logs[0]
+    if len(logs) == 1:
+        return Joined(first, np.ones(first.n_samples, dtype=bool))
+    for log in logs[1:]:
+        if abs(log.sampling_period - first.sampling_period) > _SAME_CLOCK * first.sampling_period:
+            raise LogError(
+                f"log {log.source!r} is sampled every {log.sampling_period:g} s, {first.source!r} every "
+                f"{first.sampling_period:g} s: logs that are diagnosed together need one sampling period"
+            )
+    names = [name for name in first.signals if all(name in log.signals for log in logs)]
+    n = max(round(_WAY / first.sampling_period), 2 * _ENDS)
+    signals = {name: _with_ways([log[name] for log in logs], n) for name in names}
+    inside = [np.ones(log.n_samples, dtype=bool) for log in logs]
+    ways = [np.zeros(n, dtype=bool)] * (len(logs) - 1)
+    recorded = np.concatenate(
+        [part for pair in zip(inside, [*ways, ways[0][:0]], strict=True) for part in pair]
+    )
+    source = ", ".join(log.source for log in logs)
+    return Joined(Log(source, first.start, first.sampling_period, signals), recorded)
+
+
+def with_common_zeros(logs: Sequence[Log], driven: str, others: Sequence[str]) -> list[Log]:
+    """Logs whose further position readings begin to count where those of the first log do.
+
+    Two incremental encoders have zeros of their own in each log. A reading y follows that of the driven position q as
+    y = r q + z + deflection: z is made that of the first log, with r and z by least squares.
+
+    Parameters
+    ----------
+    logs : sequence of Log
+        With all these signals.
+    driven : str
+        Position next to the drive.
+    others : sequence of str
+        Further positions.
+    """
+    found = [logs[0]]
+    for log in logs[1:]:
+        signals = dict(log.signals)
+        for name in others:
+            zeros = [float(np.polyfit(each[driven], each[name], 1)[1]) for each in (logs[0], log)]
+            signals[name] = log[name] + zeros[0] - zeros[1]
+        found.append(replace(log, signals=signals))
+    return found
+
+
+def _with_ways(parts: Sequence[FloatArray], n: int) -> FloatArray:
+    found = [parts[0]]
+    for before, after in pairwise(parts):
+        found += [way(before, after, n), after]
+    return np.concatenate(found)
+
+
+def way(before: FloatArray, after: FloatArray, n: int) -> FloatArray:
+    """Values that lead smoothly from the end of a signal to the beginning of another, with the slopes of both."""
+    u = np.arange(1, n + 1) / (n + 1)
+    m = min(_ENDS, before.size, after.size)
+    (v0, x0), (v1, x1) = (
+        np.polyfit(k, part, 1) for k, part in ((np.arange(1 - m, 1), before[-m:]), (np.arange(m), after[:m]))
+    )
+    v0, v1, distance = v0 * (n + 1), v1 * (n + 1), x1 - x0
+    cubic = 10 * distance - 6 * v0 - 4 * v1
+    quartic = -15 * distance + 8 * v0 + 7 * v1
+    quintic = 6 * distance - 3 * v0 - 3 * v1
+    return np.asarray(x0 + v0 * u + cubic * u**3 + quartic * u**4 + quintic * u**5)
