@@ -8,13 +8,13 @@ from pathlib import Path
 from symid.axis.axis import Axis
 from symid.errors import SymidError
 
-_PACKAGE = Path(__file__).resolve().parents[1]
+PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def shipped_folder(name: str) -> Path:
     """Folder that ships with symid: inside an installed package, at the top of a source tree."""
-    installed = _PACKAGE / "shipped" / name
-    return installed if installed.is_dir() else _PACKAGE.parent / name
+    installed = PACKAGE / "shipped" / name
+    return installed if installed.is_dir() else PACKAGE.parent / name
 
 
 def models_folders() -> tuple[Path, ...]:

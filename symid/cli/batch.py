@@ -28,6 +28,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.fleet.settings import METHODS
@@ -40,6 +41,7 @@ batch_options = shared(
         required=True,
         multiple=True,
         metavar="RESULTS",
+        type=Output("results"),
         help="Table to write, .parquet or .csv; give it twice for both.",
     ),
     click.option(
@@ -64,12 +66,16 @@ batch_options = shared(
         is_flag=True,
         help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
     ),
-    click.option("--report", metavar="OUT.html", help="Write the page of symid fleet too."),
+    click.option(
+        "--report", metavar="OUT.html", type=Output("html"), help="Write the page of symid fleet too."
+    ),
     click.option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
 )
 
 
-@click.command("batch", epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm")
+@click.command(
+    "batch", cls=Command, epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm"
+)
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG ...")
 @batch_options

@@ -6,6 +6,7 @@ import click
 
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import working
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
@@ -20,10 +21,11 @@ PUBLISHED_RECIPE = Preparation(
 """Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 
 
-@click.command("demo", epilog="Example: symid demo --report emps_report.html")
+@click.command("demo", cls=Command, epilog="Example: symid demo --report emps_report.html")
 @click.option(
     "--report",
     metavar="OUT.html",
+    type=Output("html"),
     default="emps_report.html",
     show_default=True,
     help="The page that is written.",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +19,22 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.errors import SettingError
 from symid.export import Exported, c_source, mjcf, parameter_record, write_fmu
+from symid.files import write_whole
 from symid.symbolic import derive
 
 FORMATS = ("c", "mjcf", "fmu", "json")
 
 
+def _kind(options: Mapping[str, Any]) -> str:
+    return str(options["to"])
+
+
 @click.command(
     "export",
+    cls=Command,
     epilog="Example: symid export direct_2m1s --parameters P.json --to c --measured q2,ddq1 -o axis.c",
 )
 @click.argument("axis")
@@ -43,7 +51,7 @@ FORMATS = ("c", "mjcf", "fmu", "json")
     help="C99, MuJoCo, unit for co-simulation (FMI 2.0), or JSON.",
 )
 @measured_option
-@click.option("-o", "--output", metavar="FILE", help="Where to write [standard output].")
+@click.option("-o", "--output", metavar="FILE", type=Output(_kind), help="Where to write [standard output].")
 @json_option
 def command(axis: str, **options: Any) -> None:
     """Write AXIS with its parameters for another program, and say what that program cannot express."""
@@ -91,5 +99,5 @@ def _write(exported: Exported, output: str) -> list[str]:
     main, *others = exported.files
     files = {path: exported.files[main]} | {path.with_suffix(s): exported.files[s] for s in others}
     for file, text in files.items():
-        file.write_text(text, encoding="utf-8")
+        write_whole(file, text)
     return list(map(str, files))

@@ -11,6 +11,7 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.options import json_option, signal_list, write_json
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import working
 from symid.codegen import GeneratedModel, load_generated
 from symid.fleet import (
@@ -24,7 +25,7 @@ from symid.fleet import (
 from symid.report.fleet import fleet_record, print_fleet
 
 
-@click.command("fleet", epilog="Example: symid fleet results.parquet --report fleet.html")
+@click.command("fleet", cls=Command, epilog="Example: symid fleet results.parquet --report fleet.html")
 @click.argument("results", metavar="RESULTS.parquet")
 @click.option(
     "--by",
@@ -65,7 +66,7 @@ from symid.report.fleet import fleet_record, print_fleet
     metavar="AXIS",
     help="File of an axis in the results, for --joint, where its name does not find it.",
 )
-@click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
+@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
 @json_option
 def command(results: str, **options: Any) -> None:
     """Review RESULTS of a batch: spread between runs, changes over time, outliers, effects."""

@@ -7,12 +7,13 @@ import sys
 import click
 
 from symid.cli.options import json_option, measured_option, signal_list, write_json
+from symid.cli.outputs import Command
 from symid.cli.progress import tracked
 from symid.codegen.generate import plan
 from symid.codegen.store import write
 
 
-@click.command("generate", epilog="Example: symid generate direct_2m1s")
+@click.command("generate", cls=Command, epilog="Example: symid generate direct_2m1s")
 @click.argument("axes", nargs=-1, metavar="[AXIS ...]")
 @measured_option
 @click.option(

@@ -33,6 +33,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, load_generated
 from symid.data import AnyLog, Log
@@ -58,7 +59,9 @@ loop_options = shared(
 )
 
 
-@click.command("identify", epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm")
+@click.command(
+    "identify", cls=Command, epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm"
+)
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
 @click.option(
@@ -93,6 +96,7 @@ loop_options = shared(
 @click.option(
     "--plot",
     metavar="FILE",
+    type=Output("picture"),
     help="Draw model and measurement, residual, frequency response and confidence ellipses (png, svg or pdf).",
 )
 @dark_option

@@ -11,6 +11,7 @@ from rich.table import Table as Shown
 
 from symid.axis import Axis, load_axis
 from symid.cli.options import dark_option, json_option, write_json
+from symid.cli.outputs import Command, Output
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.tables import SUFFIXES
 from symid.errors import SettingError
@@ -29,7 +30,11 @@ class Look:
     period: float | None
 
 
-@click.command("import", epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json")
+@click.command(
+    "import",
+    cls=Command,
+    epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json",
+)
 @click.argument("log")
 @click.option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
 @click.option(
@@ -38,9 +43,15 @@ class Look:
 @click.option("--gain", type=float, help="Force per unit of the drive's column, such as N per A.")
 @click.option("--rated", type=float, help="Force or torque that 100 % stands for.")
 @click.option(
-    "-o", "--output", metavar="FILE.json", help="Write the mapping, for --mapping of other commands."
+    "-o",
+    "--output",
+    metavar="FILE.json",
+    type=Output("json"),
+    help="Write the mapping, for --mapping of other commands.",
 )
-@click.option("--plot", metavar="FILE", help="Draw the columns over time (png, svg or pdf).")
+@click.option(
+    "--plot", metavar="FILE", type=Output("picture"), help="Draw the columns over time (png, svg or pdf)."
+)
 @dark_option
 @json_option
 def command(log: str, **options: Any) -> None:

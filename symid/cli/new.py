@@ -9,11 +9,14 @@ import click
 
 from symid.axis import load_axis, sketch, sketch_source
 from symid.cli.options import json_option, write_json
+from symid.cli.outputs import Command
 from symid.errors import SettingError
 from symid.signals import is_signal_name
 
 
-@click.command("new", epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure")
+@click.command(
+    "new", cls=Command, epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure"
+)
 @click.argument("axis")
 @click.option("--bodies", default=2, show_default=True, help="Bodies in a row, the structure included.")
 @click.option("--springs", type=int, help="Springs: one less than bodies, or as many [one less].")

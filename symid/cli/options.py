@@ -6,17 +6,22 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
 from symid.axis import Axis
+from symid.cli.outputs import Output
 from symid.errors import SettingError
+from symid.files import is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si
 
 json_option = click.option(
-    "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
+    "--json",
+    "json_file",
+    metavar="FILE",
+    type=Output("json"),
+    help="Write the result as JSON (- for standard output).",
 )
 dark_option = click.option("--dark", is_flag=True, help="Draw on a dark background.")
 held_option = click.option(
@@ -170,15 +175,18 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     SettingError
         If the file holds no parameters, or lacks some.
     """
-    try:
-        values = json.loads(Path(file).read_text(encoding="utf-8"))
-        if isinstance(values.get("physical"), dict):
-            values = {name: found["value"] for name, found in values["physical"].items()}
-        parameters = {str(name): float(value) for name, value in values.items() if value is not None}
-    except (ValueError, TypeError, AttributeError) as error:
-        raise SettingError(
-            f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})'
-        ) from error
+    values = read_json(file)
+    if isinstance(values, dict) and isinstance(values.get("physical"), dict):
+        values = {name: _value_of(found) for name, found in values["physical"].items()}
+    if not isinstance(values, dict):
+        raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
+    parameters: dict[str, float] = {}
+    for name, value in values.items():
+        if value is None or (name not in axis.physical_parameters and not is_finite_number(value)):
+            continue
+        if not is_finite_number(value):
+            raise SettingError(f"{file}: {name} is {shortened(value)}: give a finite number in SI units")
+        parameters[name] = float(value)
     missing = [name for name in axis.physical_parameters if name not in parameters]
     if missing:
         raise SettingError(
@@ -187,12 +195,16 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     return parameters
 
 
+def _value_of(found: object) -> object:
+    return found.get("value") if isinstance(found, dict) else found
+
+
 def write_json(record: object, file: str) -> None:
     """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
     if file == "-":
         sys.stdout.write(as_json(record))
     else:
-        Path(file).write_text(as_json(record), encoding="utf-8")
+        write_whole(file, as_json(record))
 
 
 def as_json(record: object) -> str:

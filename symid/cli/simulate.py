@@ -10,7 +10,6 @@ from typing import Any
 
 import click
 import numpy as np
-import polars as pl
 
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
@@ -24,8 +23,9 @@ from symid.cli.options import (
     shared,
     write_json,
 )
+from symid.cli.outputs import Command, Output, overwrite_option
 from symid.cli.progress import tracked
-from symid.data import Log, read_log
+from symid.data import read_log, write_log
 from symid.errors import SettingError
 from symid.identification import read_axis_log
 from symid.simulation import (
@@ -93,12 +93,22 @@ controller_options = shared(
 )
 
 
-@click.command("simulate", epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv")
+@click.command(
+    "simulate", cls=Command, epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv"
+)
 @click.argument("axis")
 @click.option(
     "--parameters", "file", required=True, metavar="P.json", help="Values of the physical parameters, SI."
 )
-@click.option("-o", "--output", required=True, metavar="LOG", help="Log to write (.csv or .parquet).")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="LOG",
+    type=Output("log"),
+    help="Log to write (.csv or .parquet).",
+)
+@overwrite_option
 @trajectory_options
 @controller_options
 @click.option("--log-rate", type=float, help="Rate of the log, in Hz [that of the controller].")
@@ -220,14 +230,3 @@ def band_of(text: str) -> tuple[float, float]:
     if len(parts) != 2 or not 0 < parts[0] < parts[1]:
         raise SettingError(f"--band {text!r} is not LOW,HIGH in Hz: write for example --band 0.5,20")
     return parts[0], parts[1]
-
-
-def write_log(log: Log, path: Path) -> None:
-    """Write a log as a whole or not at all."""
-    frame = pl.DataFrame({"t": log.time, **{name: log[name] for name in log.signals}})
-    unfinished = path.with_name(path.name + ".unfinished")
-    if path.suffix == ".parquet":
-        frame.write_parquet(unfinished)
-    else:
-        frame.write_csv(unfinished)
-    unfinished.replace(path)

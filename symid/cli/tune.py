@@ -22,6 +22,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
 from symid.codegen import load_generated
@@ -49,6 +50,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 
 @click.command(
     "tune",
+    cls=Command,
     context_settings={"default_map": _DEFAULTS},
     epilog="Example: symid tune direct_2m1s --parameters P.json --measured q2,ddq1 --plot tuning.png",
 )
@@ -106,7 +108,9 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     help="With --noise-from: a force that is held from sample to sample, so that it acts half a sample late.",
 )
 @log_options
-@click.option("--plot", metavar="FILE", help="Draw the errors by frequency (png, svg or pdf).")
+@click.option(
+    "--plot", metavar="FILE", type=Output("picture"), help="Draw the errors by frequency (png, svg or pdf)."
+)
 @dark_option
 @json_option
 def command(axis: str, file: str, json_file: str | None, **options: Any) -> None:

@@ -20,6 +20,7 @@ from symid.data.csv_table import open_csv, open_laid_out
 from symid.data.layout import Layout
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, first_line, said_of, values_of
 from symid.errors import LogError
+from symid.files import require_regular
 
 SUFFIXES: Final = (".csv", ".parquet", ".mat")
 """Kinds of files that can be read."""
@@ -37,8 +38,7 @@ def open_table(path: Path, layout: Layout | None = None) -> Table:
     """
     if path.is_dir():
         raise LogError(f"{path}: is a directory: give a {_suffixes()} file")
-    if not path.exists():
-        raise LogError(f"{path}: there is no such file: check the path")
+    require_regular(path, LogError)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {_suffixes()} file")

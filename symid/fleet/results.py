@@ -70,7 +70,23 @@ def read_results(file: str | Path) -> pl.DataFrame:
 
 def _read_csv(path: Path) -> pl.DataFrame:
     texts = (name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS}.items() if kind is str)
-    return pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+    table = pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+    return table.with_columns(pl.col(pl.String).str.replace(_MADE_SAFE, "$1"))
+
+
+_FORMULA = r"^('*[=+\-@\t\r])"
+_MADE_SAFE = r"^'('*[=+\-@\t\r])"
+
+
+def with_safe_cells(table: pl.DataFrame) -> pl.DataFrame:
+    """The table with an apostrophe before texts that a spreadsheet would take for formulas; `read_results` drops it.
+
+    Examples
+    --------
+    >>> with_safe_cells(pl.DataFrame({"log": ["=1+1.csv", "-2.csv", "a.csv"]}))["log"].to_list()
+    ["'=1+1.csv", "'-2.csv", 'a.csv']
+    """
+    return table.with_columns(pl.col(pl.String).str.replace(_FORMULA, "'$1"))
 
 
 def units_in(file: str | Path) -> Units:

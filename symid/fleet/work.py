@@ -18,6 +18,7 @@ from threadpoolctl import ThreadpoolController
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, columns_in
 from symid.errors import LogError
+from symid.files import irregular
 from symid.fleet.joint import log_factors
 from symid.fleet.kept_factors import FACTORS, packed
 from symid.fleet.plan import FleetAxis
@@ -94,7 +95,11 @@ def killed(task: Task) -> Outcome:
 
 
 def content_of(path: str) -> str:
-    """SHA-256 of the bytes of a file, read in pieces."""
+    """SHA-256 of the bytes of a file, read in pieces; LogError for a pipe or a device, which may have no end."""
+    if kind := irregular(path):
+        if kind == "a folder":
+            os.listdir(path)  # a folder that could not be read stands for what is in it
+        raise LogError(f"is {kind}: give a regular file")
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
