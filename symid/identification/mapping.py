@@ -212,16 +212,31 @@ class _Guess:
         if column is None:
             self.missing.append(f"no column seems to be the force {signal}: name it in columns")
             return
-        if column.quantity == own:
+        if rated is not None and column.quantity != "percent":
+            self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
+        if column.quantity == own and _measures(column.unit, unit):
             self.take(signal, column)
+            if gain is not None:
+                self.gains[signal] = gain
+                self.guesses.append(f"{signal} is {gain:g} times that column: given")
             return
         self.take(signal, column, str(unit))
-        factor = rated / 100 if rated is not None and column.quantity == "percent" else gain
+        in_percent = column.quantity == "percent"
+        factor = rated / 100 if rated is not None and in_percent else gain
+        per = "% (rated value / 100)" if in_percent else column.unit or "A"
         if factor is not None:
             self.gains[signal] = factor
+            self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
             return
-        per = "% (rated value / 100)" if column.quantity == "percent" else "A"
         self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
+
+
+def _measures(written: str | None, unit: Unit) -> bool:
+    """Whether a written unit is one of the drive's force; without one, it is taken to be."""
+    try:
+        return written is None or to_si(written, unit) > 0
+    except LogError:
+        return False
 
 
 def require_known(mapping: LogMapping, axis: Axis) -> None:
