@@ -31,6 +31,7 @@ from symid.cli.options import (
 from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
+from symid.fleet.limits import LONGEST
 from symid.fleet.settings import METHODS
 from symid.report.batch import print_batch
 
@@ -60,6 +61,13 @@ batch_options = shared(
         show_default=True,
         metavar="SIZE",
         help="What a log may take in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+    ),
+    click.option(
+        "--timeout",
+        default=LONGEST,
+        show_default=True,
+        metavar="SECONDS",
+        help="Longest time for a log; a worker that takes longer is ended. A cluster has its own limits.",
     ),
     click.option(
         "--joint",
@@ -135,5 +143,6 @@ def _settings(axis: str, options: dict[str, Any]) -> BatchSettings:
         diagnose=options["diagnose"],
         joint=options["joint"],
         memory=bytes_of(options["memory"], "--memory"),
+        seconds=options["timeout"],
         **foreign_columns(options),
     )

@@ -205,9 +205,8 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
 def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     """A log by the log options, in memory if it fits or if the method needs it there."""
     memory = bytes_of(options["memory"], "--memory")
-    if options["method"] in ("iv", "oe"):
-        return read_log_of(declared, file, options)
-    log = open_axis_log(declared, file, memory=memory, **log_settings(declared, options))
+    whole = options["method"] in ("iv", "oe")
+    log = open_axis_log(declared, file, memory=memory, whole=whole, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *said_guesses(options)))
 
 

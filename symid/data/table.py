@@ -47,11 +47,14 @@ class Table:
         that says why they cannot be used.
     slices : callable, optional
         Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole.
+    n_rows : int, optional
+        Rows that the file says it has, whatever its size; None where it does not say.
     """
 
     headers: tuple[str, ...]
     read: Callable[[Sequence[int]], list[FloatArray | str]]
     slices: Callable[[Sequence[int]], Slices] | None = None
+    n_rows: int | None = None
 
 
 @contextmanager

@@ -153,7 +153,7 @@ def identify_batch(
     chosen = fleet_axes(axes, settings or BatchSettings(), folder)
     files = result_files(output)  # the Parquet file first
     names = log_files(logs, exclude=files)
-    run = scheduler_of(jobs, scheduler, len(names))
+    run = scheduler_of(jobs, scheduler, len(names), chosen[0].settings.seconds)
     with locked(files):
         return _identified(chosen, names, files, run, track)
 

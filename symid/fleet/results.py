@@ -12,7 +12,9 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.errors import SettingError
+from symid.data.memory import require_room
+from symid.errors import LogError, SettingError
+from symid.files import require_regular
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
 
 UNKNOWN = "unknown axis"
@@ -59,13 +61,20 @@ def read_results(file: str | Path) -> pl.DataFrame:
         raise SettingError(
             f"results {path.name!r} are of no known kind: give a .parquet or .csv of symid batch"
         )
-    if not path.is_file():
+    if not path.exists():
         raise SettingError(f"results {path}: there is no such file; symid batch writes one")
+    require_regular(path)
     try:
-        table = pl.read_parquet(path) if kind == ".parquet" else _read_csv(path)
-    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+        table = _read_parquet(path) if kind == ".parquet" else _read_csv(path)
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, LogError) as error:
         raise SettingError(f"results {path} cannot be read: {' '.join(str(error).split())}") from error
     return checked_results(table)
+
+
+def _read_parquet(path: Path) -> pl.DataFrame:
+    scanned = pl.scan_parquet(path, glob=False)
+    require_room(scanned.select(pl.len()).collect().item() * len(scanned.collect_schema()))
+    return scanned.collect()
 
 
 def _read_csv(path: Path) -> pl.DataFrame:

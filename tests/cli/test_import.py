@@ -193,9 +193,7 @@ def test_a_factor_that_is_given_is_used(
     mapping = json.loads((folder / "map.json").read_text())
     assert (mapping["units"]["F"], mapping["gains"].get("F"), mapping["missing"]) == (unit, gain, [])
     if options:
-        assert any(
-            "given" in guess or "rated value is not used" in guess for guess in mapping["guesses"]
-        )
+        assert any("given" in guess or "rated value is not used" in guess for guess in mapping["guesses"])
 
 
 def test_a_torque_is_no_force_without_a_factor(
