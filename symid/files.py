@@ -176,7 +176,7 @@ def replacing(file: str | os.PathLike[str]) -> Iterator[Path]:
 def write_whole(file: str | os.PathLike[str], text: str) -> None:
     """Write a text file in UTF-8 as a whole or not at all; OSError if that is not possible."""
     with replacing(file) as unfinished:
-        unfinished.write_text(text, encoding="utf-8", newline="")
+        unfinished.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
 
 
 def free_name(file: Path, suffix: str) -> Path:

@@ -17,9 +17,14 @@ from symid.text import one_line, visible
 def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
     file = tmp_path / "page.html"
     file.write_text("old", encoding="utf-8")
-    with pytest.raises(RuntimeError), replacing(file) as unfinished:
-        unfinished.write_text("new, half", encoding="utf-8")
-        raise RuntimeError
+
+    def fail() -> None:
+        with replacing(file) as unfinished:
+            unfinished.write_text("new, half", encoding="utf-8")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail()
     assert [path.read_text(encoding="utf-8") for path in tmp_path.iterdir()] == ["old"]
 
 
@@ -71,7 +76,7 @@ def test_a_pipe_that_nobody_reads_is_an_error_and_no_wait(tmp_path: Path) -> Non
 def test_what_is_no_file_is_not_read(name: str, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(SettingError, match="give a regular file|check the path"):
+    with pytest.raises(SettingError, match=r"give a regular file|check the path"):
         require_regular(tmp_path / name)
 
 

@@ -30,6 +30,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
+from symid.cli.saying import say
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.fleet.limits import LONGEST
 from symid.fleet.settings import METHODS
@@ -118,7 +119,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
             track=lambda rows, total: tracked(rows, "logs", total),
         )
     except Interrupted as stop:
-        print(f"symid: {stop}", file=sys.stderr)
+        say(f"symid: {stop}", err=True)
         sys.exit(130)
     if page:
         with working("reviewing"):

@@ -8,6 +8,7 @@ from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
 from symid.cli.outputs import Command, Output
 from symid.cli.progress import working
+from symid.cli.saying import say
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
 from symid.identification import Preparation, identify, predict, read_axis_log
@@ -49,6 +50,6 @@ def command(report: str, json_file: str | None) -> None:
         write_json({"identification": identified, "diagnosis": gap, "report": str(page)}, json_file)
     if json_file != "-":
         print_identification(identified)
-        click.echo()
+        say("")
         print_diagnosis(gap)
-        click.echo(f"\nreport: {page.resolve()}")
+        say(f"\nreport: {page.resolve()}")

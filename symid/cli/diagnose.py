@@ -23,6 +23,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Command, Output, overwrite_option
 from symid.cli.progress import working
+from symid.cli.saying import say
 from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
@@ -121,7 +122,7 @@ def _write_axis(found: Diagnosis, file: Path) -> None:
     write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
     write_json(explained.values, str(file.with_suffix(".json")))
     for sentence in explained.left_out:
-        click.echo(sentence, err=True)
+        say(sentence, err=True)
 
 
 def _limits(values: tuple[str, ...]) -> dict[str, float]:

@@ -121,7 +121,7 @@ def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, A
     for column in look.columns:
         what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
-        shown.add_row(*(_plain(text) for text in (column.header, what, unit, column.reason)))
+        shown.add_row(column.header, what, unit, column.reason)
     console.print(shown)
     if mapping is None:
         console.print("\nThese are guesses. With --axis AXIS they become a mapping.")
@@ -137,8 +137,3 @@ def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, A
             f"{options['axis']} {log} --mapping {options['output']}",
             markup=False,
         )
-
-
-def _plain(text: str) -> str:
-    """Text in which brackets are no markup."""
-    return text.replace("[", r"\[")

@@ -17,6 +17,7 @@ from symid.cli.options import (
     shared,
     signal_list,
 )
+from symid.cli.saying import say
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping
@@ -98,7 +99,7 @@ def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
     """What a mapping guessed, as notes; said on standard error."""
     guesses = mapping_of(options).guesses
     if guesses:
-        click.echo(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
+        say(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
     return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -201,15 +202,30 @@ def _value_of(found: object) -> object:
 
 def write_json(record: object, file: str) -> None:
     """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
-    if file == "-":
-        sys.stdout.write(as_json(record))
-    else:
+    if file != "-":
         write_whole(file, as_json(record))
+    elif sys.stdout is None:
+        raise SettingError("--json -: standard output is closed: give a file")
+    else:
+        encoding = (sys.stdout.encoding or "utf-8").lower().replace("-", "")
+        sys.stdout.write(as_json(record, ascii_only=encoding != "utf8"))
 
 
-def as_json(record: object) -> str:
-    """Text of a record; numbers that are not finite become null."""
-    return json.dumps(_finite(record), indent=2, ensure_ascii=False) + "\n"
+_UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
+
+
+def as_json(record: object, *, ascii_only: bool = False) -> str:
+    r"""Text of a record; numbers that are not finite become null, what terminals obey is escaped.
+
+    Examples
+    --------
+    >>> print(as_json({"a\udce9": float("nan")}), end="")
+    {
+      "a\udce9": null
+    }
+    """
+    text = json.dumps(_finite(record), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
+    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def _finite(value: Any) -> Any:

@@ -25,6 +25,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Command, Output, overwrite_option
 from symid.cli.progress import tracked
+from symid.cli.saying import say
 from symid.data import read_log, write_log
 from symid.errors import SettingError
 from symid.identification import read_axis_log
@@ -149,7 +150,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         write_json(record, json_file)
     if json_file != "-":
         duration = run.log.n_samples * run.log.sampling_period
-        print(
+        say(
             f"wrote {output}: {run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz, {duration:g} s"
         )
 

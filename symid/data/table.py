@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -67,6 +68,15 @@ def said_of(file: Path) -> Iterator[None]:
         raise (
             error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
         ) from error.__cause__
+
+
+def source_of(path: Path) -> Path | io.BytesIO:
+    """What polars reads a file from: its bytes if its name is not UTF-8, which polars does not open."""
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return io.BytesIO(path.read_bytes())
+    return path
 
 
 def first_line(error: BaseException) -> str:

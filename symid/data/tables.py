@@ -21,7 +21,16 @@ from symid.arrays import FloatArray
 from symid.data.csv_table import open_csv, open_laid_out
 from symid.data.layout import Layout
 from symid.data.memory import require_room
-from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, first_line, said_of, values_of
+from symid.data.table import (
+    POLARS_FAILURES,
+    Slices,
+    Table,
+    damaged,
+    first_line,
+    said_of,
+    source_of,
+    values_of,
+)
 from symid.errors import LogError
 from symid.files import require_regular
 
@@ -76,7 +85,7 @@ def _suffixes() -> str:
 
 def _open_parquet(path: Path) -> Table:
     try:
-        scanned = pl.scan_parquet(path, glob=False)
+        scanned = pl.scan_parquet(source_of(path), glob=False)
         headers = tuple(scanned.collect_schema().names())
         n_rows = int(scanned.select(pl.len()).collect().item())
     except POLARS_FAILURES as error:
@@ -96,7 +105,7 @@ def _open_parquet(path: Path) -> Table:
 def _read_parquet(
     path: Path, names: Sequence[str], first: int = 0, stop: int | None = None
 ) -> list[FloatArray | str]:
-    wanted = pl.scan_parquet(path, glob=False).select(sorted(set(names)))
+    wanted = pl.scan_parquet(source_of(path), glob=False).select(sorted(set(names)))
     try:
         frame = wanted.slice(first, None if stop is None else stop - first).collect()
     except POLARS_FAILURES as error:

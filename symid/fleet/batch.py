@@ -33,6 +33,7 @@ from symid.fleet.table import (
     write_table,
 )
 from symid.fleet.work import Outcome, Task, killed, work
+from symid.text import visible
 
 Track = Callable[[Iterable[Any], int], Iterable[Any]]
 _BEFORE = ".before"
@@ -168,7 +169,7 @@ def _identified(
     """The batch, while nobody else writes its files."""
     journal = journal_file(files[0]) if files else None
     earlier, former = _earlier(files, journal)
-    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(name, ()))) for name in names]
+    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ()))) for name in names]
     rows: dict[str, Row] = {}
     made = 0
     try:
@@ -187,7 +188,7 @@ def _identified(
         raise SymidError(f"{error}; {_kept(len(rows), journal)}") from error
     ordered = tuple(rows[name] for name in names)
     units = units_of(ordered, chosen)
-    replaced = _former_kept(files, former - set(names))
+    replaced = _former_kept(files, former - set(map(visible, names)))
     diagnosed = any(axis.settings.diagnose for axis in chosen)
     joint = any(axis.settings.joint for axis in chosen)
     batch = Batch(ordered, units, diagnosed, joint, len(names) - made, files, replaced)
@@ -202,7 +203,7 @@ def _row_of(
     found = outcome or killed(task)
     if found.row is not None:
         return found.row, True
-    return earlier[task.log][str(found.unchanged)], False
+    return earlier[visible(task.log)][str(found.unchanged)], False
 
 
 def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dict[str, Row]], set[str]]:

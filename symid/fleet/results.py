@@ -15,7 +15,7 @@ from symid.arrays import FloatArray
 from symid.data.memory import require_room
 from symid.errors import LogError, SettingError
 from symid.files import require_regular
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, TIMES
 
 UNKNOWN = "unknown axis"
 """Axis of logs that failed before it was known."""
@@ -23,6 +23,9 @@ UNITS = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
+_TEXTS = tuple(name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str)
+_LARGEST = 1e150
+"""Of a parameter: the square of what is larger is no number."""
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,12 @@ def checked_results(table: pl.DataFrame) -> pl.DataFrame:
         raise SettingError(
             f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row a log"
         )
+    for name in (name for name in _TEXTS if name in table.columns):
+        kind = table.schema[name]
+        if name == "measured" and isinstance(kind, pl.List):
+            continue
+        if kind not in (pl.String, pl.Null) and not (name in TIMES and kind.is_temporal()):
+            raise SettingError(f"results hold {kind} in column {name!r}, where texts are required")
     return table
 
 
@@ -206,7 +215,7 @@ def _folders(table: pl.DataFrame, wanted: bool) -> pl.Series:
 
 
 def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
-    """A column as numbers; nan where there is none.
+    """A column as numbers; nan where there is none, or one that is too large to be reckoned with.
 
     Examples
     --------
@@ -214,11 +223,11 @@ def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
     [1.0, nan]
     """
     values: FloatArray = rows[column].cast(pl.Float64, strict=False).to_numpy().astype(np.float64)
-    return values
+    return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
 def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
-    """When each log was recorded, in UTC; None if that is not known of every row.
+    """When each log was recorded, in UTC; None if that is not known of every row, or all are of one moment.
 
     Examples
     --------
@@ -229,6 +238,8 @@ def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
         return None
     found = [_moment(value) for value in rows["recorded"]]
     known = [moment for moment in found if moment is not None]
+    if len(known) > 1 and len(set(known)) == 1:
+        return None  # the time of a copy, which is not when they were recorded
     return known if len(known) == len(found) else None
 
 

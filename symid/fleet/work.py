@@ -25,6 +25,7 @@ from symid.fleet.plan import FleetAxis
 from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
 from symid.fleet.settings import ROW_METHODS
 from symid.identification import Identification, identify, measured_signals, open_axis_log
+from symid.text import visible
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
         The log.
     """
     begin = time.perf_counter()
-    row: dict[str, Value] = {"log": task.log}
+    row: dict[str, Value] = {"log": visible(task.log)}
     try:
         row["recorded"] = time_text(os.stat(task.path).st_mtime)
         content = content_of(task.path)
@@ -90,7 +91,12 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
 def killed(task: Task) -> Outcome:
     """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
     message = "its worker died twice, as for want of memory or time: use fewer --jobs, more --timeout, or a shorter log"
-    row: Row = {"log": task.log, "status": "failed", "message": message, "finished": time_text(time.time())}
+    row: Row = {
+        "log": visible(task.log),
+        "status": "failed",
+        "message": message,
+        "finished": time_text(time.time()),
+    }
     return Outcome(task.log, row)
 
 

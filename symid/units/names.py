@@ -80,10 +80,11 @@ _OTHERS: Final[tuple[tuple[str, float, Unit], ...]] = (
     ("mNmm", 1e-6, _TORQUE),
 )
 
-COUNTS: Final = frozenset(
-    "count counts cts cnt cnts ct inc incs incr incrs increment increments Inkr Ink Inkremente Inkrement "
-    "pulse pulses Impulse step steps lsb LSB LSBs bit bits Bit Bits digit digits tick ticks qc".split()
-)
+_COUNTED: Final = """
+    count counts cts cnt cnts ct inc incs incr incrs increment increments Inkr Ink Inkremente Inkrement pulse pulses
+    Impulse step steps lsb LSB LSBs bit bits Bit Bits digit digits tick ticks qc
+"""
+COUNTS: Final = frozenset(_COUNTED.split())
 """What a reading counts in; how much one is, only its user knows."""
 PER_TURN: Final = frozenset({"cpr", "ppr", "CPR", "PPR"})
 """Behind the number of counts of a turn."""
@@ -98,7 +99,7 @@ def _table() -> dict[str, tuple[float, Unit]]:
         for prefix, size in (("", 1.0), *_LONG_PREFIXES.items()):
             known |= {f"{prefix}{name}{end}": (size * factor, unit) for end in ("", "s")}
     for names, factor, unit in _OTHERS:
-        known |= {name: (factor, unit) for name in names.split()}
+        known |= dict.fromkeys(names.split(), (factor, unit))
     return known
 
 

@@ -24,7 +24,8 @@ _LARGEST_POWER: Final = 9
 _TOKEN: Final = re.compile(
     r"""\s*(?:
       (?P<number>\d+(?:\.\d+)?(?:[eE][-+]?\d{1,3})?)(?![\w.])
-    | (?P<name>(?:(?![⁻⁺¹²³⁴])[^\W\d_])+0?|°)(?P<power>(?:\s?(?:\^|\*\*)\s?[-+]?\d+|-?[1-9]|[⁻⁺]?[¹²³⁴]+)(?![\w.^]|\*\*))?
+    | (?P<name>(?:(?![⁻⁺¹²³⁴])[^\W\d_])+0?|°)
+      (?P<power>(?:\s?(?:\^|\*\*)\s?[-+]?\d+|-?[1-9]|[⁻⁺]?[¹²³⁴]+)(?![\w.^]|\*\*))?
     | (?P<times>[*·⋅×.])
     | (?P<over>/)
     | (?P<open>\()
@@ -33,6 +34,7 @@ _TOKEN: Final = re.compile(
     re.VERBOSE,
 )
 _SUPERSCRIPTS: Final = str.maketrans("⁻⁺¹²³⁴", "-+1234")
+_NONE: Final = Unit()
 _RADIAN: Final = Unit.of("rad")
 _ACCELERATION: Final = Unit.of("m/s^2")
 _ROTATIONS: Final = (Unit.of("rad/s"), Unit.of("rad/s^2"))
@@ -46,7 +48,7 @@ class _Read:
     """What a text says: a factor to SI, a unit, the names in it, and whether a number was in it."""
 
     factor: float = 1.0
-    unit: Unit = Unit()
+    unit: Unit = _NONE
     names: tuple[str, ...] = ()
     number: float | None = None
 

@@ -93,8 +93,23 @@ def test_what_it_does_not_mean_is_refused(text: str, expected: str, says: str) -
 
 @pytest.mark.parametrize(
     "bomb",
-    ["9**9**9**9", "m^9^9^9^9", "m**999999999", "(" * 50, "(" * 9999, "9" * 9999, "m" * 9999, "m*" * 9999]
-    + ["9e999 m", "m^-99", "((((((m))))))", "9**9**9**9 counts/rev", "1e308*1e308*m", "m\x00", "lambda: 0"],
+    [
+        "9**9**9**9",
+        "m^9^9^9^9",
+        "m**999999999",
+        "(" * 50,
+        "(" * 9999,
+        "9" * 9999,
+        "m" * 9999,
+        "m*" * 9999,
+        "9e999 m",
+        "m^-99",
+        "((((((m))))))",
+        "9**9**9**9 counts/rev",
+        "1e308*1e308*m",
+        "m\x00",
+        "lambda: 0",
+    ],
 )
 def test_bombs_are_no_units(bomb: str) -> None:
     for expected in (None, Unit.of("m"), Unit.of("rad/s")):
@@ -107,10 +122,9 @@ def test_any_text_is_a_factor_or_refused(text: str) -> None:
     for expected in (None, Unit.of("rad"), Unit.of("N*m"), Unit.of("rad/s")):
         try:
             factor = to_si(text, expected)
-        except LogError as refused:
-            assert len(str(refused)) < 400
-        else:
-            assert 0 < factor < math.inf
+        except LogError:
+            continue
+        assert 0 < factor < math.inf
 
 
 @given(st.sampled_from(["m", "rad", "s", "N", "N*m", "m/s", "rad/s", "m/s^2", "rad/s^2", "A", "V"]))
