@@ -105,7 +105,12 @@ def is_finite_number(value: object) -> bool:
     >>> [is_finite_number(value) for value in (1, 2.5, True, "1", float("nan"), None)]
     [True, True, False, False, False, False]
     """
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer that no float holds
+        return False
 
 
 def shortened(value: object, longest: int = 60) -> str:

@@ -71,6 +71,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; a user's mistake is one line on standard error and exit code 2."""
     prepare_streams()
     try:
+        if any("\0" in text for text in (arguments or ())):
+            sys.exit(fail("an argument holds a null byte: no name does, leave it out"))
         code = _run(arguments)
         finish_output()
     except BrokenPipeError:

@@ -18,6 +18,7 @@ from symid.cli.logs import (
     preparation_options,
     said_guesses,
 )
+from symid.cli.numbers import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,
@@ -52,7 +53,9 @@ batch_options = shared(
         metavar="AXIS",
         help="Another axis; a log is of the first whose signals it has.",
     ),
-    click.option("--jobs", type=int, metavar="N", help="Processes [as many as there are cores]."),
+    click.option(
+        "--jobs", type=click.IntRange(1, 4096), metavar="N", help="Processes [as many as there are cores]."
+    ),
     click.option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler of a cluster, such as tcp://10.0.0.1:8786."
     ),
@@ -65,6 +68,7 @@ batch_options = shared(
     ),
     click.option(
         "--timeout",
+        type=POSITIVE,
         default=LONGEST,
         show_default=True,
         metavar="SECONDS",
@@ -95,7 +99,7 @@ batch_options = shared(
 @log_options
 @preparation_options
 @loop_options
-@click.option("--ddof", type=int, help="As in symid identify.")
+@click.option("--ddof", type=click.IntRange(0, 10**6), help="As in symid identify.")
 @click.option(
     "--nominal", metavar="P.json", help="Nominal parameters: a start, and the simulation to diagnose."
 )

@@ -97,12 +97,12 @@ def _identified(file: str) -> dict[str, Any]:
         measured = None
     if not isinstance(covariance, dict):
         covariance = None
-    found = {}
+    found: dict[str, Any] = {}
     if isinstance(minimal, dict):
         for name, one in minimal.items():
             value = one.get("value") if isinstance(one, dict) else one
             if is_finite_number(value):
-                found[name] = float(value)
+                found[name] = value
     return {"measured": measured, "covariance": covariance, "minimal": found or None}
 
 

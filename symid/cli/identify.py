@@ -20,6 +20,7 @@ from symid.cli.logs import (
     said_guesses,
     standstill_of,
 )
+from symid.cli.numbers import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,
@@ -55,7 +56,7 @@ if TYPE_CHECKING:
 
 loop_options = shared(
     gain_option,
-    click.option("--rate", type=float, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
+    click.option("--rate", type=POSITIVE, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
 )
 
 
@@ -77,7 +78,7 @@ loop_options = shared(
 @loop_options
 @click.option(
     "--ddof",
-    type=int,
+    type=click.IntRange(0, 10**6),
     help="Subtracted from the rows in the residual's deviation [the number of parameters].",
 )
 @click.option(

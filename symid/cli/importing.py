@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import click
 from rich.table import Table as Shown
 
 from symid.axis import Axis, load_axis
+from symid.cli.numbers import POSITIVE, Number
 from symid.cli.options import dark_option, json_option, write_json
 from symid.cli.outputs import Command, Output
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
@@ -38,10 +40,10 @@ class Look:
 @click.argument("log")
 @click.option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
 @click.option(
-    "--rate", type=float, metavar="HZ", help="Sampling rate of a file without a column of the time."
+    "--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time."
 )
-@click.option("--gain", type=float, help="Force per unit of the drive's column, such as N per A.")
-@click.option("--rated", type=float, help="Force or torque that 100 % stands for.")
+@click.option("--gain", type=Number(-math.inf), help="Force per unit of the drive's column, such as N per A.")
+@click.option("--rated", type=POSITIVE, help="Force or torque that 100 % stands for.")
 @click.option(
     "-o",
     "--output",

@@ -19,8 +19,16 @@ from symid.signals import is_signal_name
     "new", cls=Command, epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure"
 )
 @click.argument("axis")
-@click.option("--bodies", default=2, show_default=True, help="Bodies in a row, the structure included.")
-@click.option("--springs", type=int, help="Springs: one less than bodies, or as many [one less].")
+@click.option(
+    "--bodies",
+    type=click.IntRange(max=100),
+    default=2,
+    show_default=True,
+    help="Bodies in a row, the structure included.",
+)
+@click.option(
+    "--springs", type=click.IntRange(max=100), help="Springs: one less than bodies, or as many [one less]."
+)
 @click.option(
     "--structure/--no-structure", default=False, help="Whether the first body is a structure that yields."
 )

@@ -46,6 +46,10 @@ gain_option = click.option(
     help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
 )
 
+_LARGEST = 1e50
+"""Of a parameter in SI units: products of what is larger leave the range of numbers."""
+_LONGEST_LAG = 1000.0
+"""Seconds by which a signal may be late."""
 _CASCADE = {
     "Kpp": "position_gain",
     "Kpv": "velocity_gain",
@@ -106,8 +110,8 @@ def bytes_of(text: str, what: str) -> int:
     if factor is None:
         raise SettingError(f"{what} {text!r} is no size: write a number with kB, MB or GB, such as 512MB")
     size = number(text[:-2], what)
-    if not size > 0:
-        raise SettingError(f"{what} {text!r} is not possible: give more than 0")
+    if not 1 <= size * factor < 1e18:
+        raise SettingError(f"{what} {text!r} is not possible: give a size such as 512MB")
     return int(size * factor)
 
 
@@ -165,7 +169,10 @@ def seconds_of(text: str, what: str) -> float:
     """
     digits = text.rstrip("abcdefghijklmnopqrstuvwxyzµ")
     factor = to_si(text[len(digits) :], Unit.of("s")) if len(digits) < len(text) else 1.0
-    return number(digits, what) * factor
+    seconds = number(digits, what) * factor
+    if not abs(seconds) <= _LONGEST_LAG:
+        raise SettingError(f"{what} is {text!r}: at most {_LONGEST_LAG:g} s are possible")
+    return seconds
 
 
 def parameter_file(file: str, axis: Axis) -> dict[str, float]:
@@ -185,7 +192,7 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     for name, value in values.items():
         if value is None or (name not in axis.physical_parameters and not is_finite_number(value)):
             continue
-        if not is_finite_number(value):
+        if not is_finite_number(value) or abs(value) > _LARGEST:
             raise SettingError(f"{file}: {name} is {shortened(value)}: give a finite number in SI units")
         parameters[name] = float(value)
     missing = [name for name in axis.physical_parameters if name not in parameters]

@@ -12,6 +12,7 @@ import click
 import numpy as np
 
 from symid.axis import Axis, load_axis
+from symid.cli.numbers import LIMIT, NOT_NEGATIVE, POSITIVE
 from symid.cli.options import (
     assignments,
     cascade_gains,
@@ -55,7 +56,9 @@ trajectory_options = shared(
         metavar="KIND",
         help="trapezoids, chirp, multisine, or a log whose reference is followed.",
     ),
-    click.option("--seconds", default=10.0, show_default=True, help="Duration of a chirp or multisine."),
+    click.option(
+        "--seconds", type=POSITIVE, default=10.0, show_default=True, help="Duration of a chirp or multisine."
+    ),
     click.option(
         "--band",
         default="0.5,20",
@@ -65,31 +68,46 @@ trajectory_options = shared(
     ),
     click.option(
         "--travel",
+        type=POSITIVE,
         default=0.2,
         show_default=True,
         help="Longest move, or travel of a chirp or multisine, in m or rad.",
     ),
     click.option(
         "--speed",
+        type=POSITIVE,
         default=0.5,
         show_default=True,
         help="Highest speed; trapezoids also run at a half and a fifth of it.",
     ),
-    click.option("--acceleration", default=5.0, show_default=True, help="Highest acceleration."),
-    click.option("--jerk", default=500.0, show_default=True, help="Highest jerk of trapezoids."),
-    click.option("--dwell", default=0.2, show_default=True, help="Rest between trapezoids, in seconds."),
+    click.option(
+        "--acceleration", type=POSITIVE, default=5.0, show_default=True, help="Highest acceleration."
+    ),
+    click.option(
+        "--jerk", type=POSITIVE, default=500.0, show_default=True, help="Highest jerk of trapezoids."
+    ),
+    click.option(
+        "--dwell",
+        type=NOT_NEGATIVE,
+        default=0.2,
+        show_default=True,
+        help="Rest between trapezoids, in seconds.",
+    ),
 )
 
 controller_options = shared(
-    click.option("--rate", default=8000.0, show_default=True, help="Rate of the controller, in Hz."),
+    click.option(
+        "--rate", type=POSITIVE, default=8000.0, show_default=True, help="Rate of the controller, in Hz."
+    ),
     click.option(
         "--bandwidth",
+        type=POSITIVE,
         default=20.0,
         show_default=True,
         help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
     ),
     gain_option,
-    click.option("--force-limit", default=math.inf, show_default=True, help="Largest force."),
+    click.option("--force-limit", type=LIMIT, default=math.inf, show_default=True, help="Largest force."),
     click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
 )
 
@@ -112,13 +130,13 @@ controller_options = shared(
 @overwrite_option
 @trajectory_options
 @controller_options
-@click.option("--log-rate", type=float, help="Rate of the log, in Hz [that of the controller].")
+@click.option("--log-rate", type=POSITIVE, help="Rate of the log, in Hz [that of the controller].")
 @click.option("--noise", multiple=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
 @click.option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
 @click.option(
     "--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us."
 )
-@click.option("--seed", default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=click.IntRange(0, 2**63), default=0, show_default=True, help="Of the noise.")
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""

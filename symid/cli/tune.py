@@ -11,6 +11,7 @@ import click
 
 from symid.axis import Axis, load_axis
 from symid.cli.logs import log_options, read_log_of
+from symid.cli.numbers import ORDER, POSITIVE
 from symid.cli.options import (
     assignments,
     dark_option,
@@ -61,17 +62,19 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 @measured_option
 @click.option(
     "--max-lowpass-error",
+    type=POSITIVE,
     default=0.01,
     show_default=True,
     help="Largest error that the low-pass filter may make [35], in percent.",
 )
 @click.option(
     "--max-sampling-error",
+    type=POSITIVE,
     default=1.0,
     show_default=True,
     help="Largest error that differences may make [37], in percent.",
 )
-@click.option("--order", default=4, show_default=True, help="Order of one pass of the filter.")
+@click.option("--order", type=ORDER, default=4, show_default=True, help="Order of one pass of the filter.")
 @click.option(
     "--errors-of",
     "kind",
@@ -99,7 +102,11 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     help="The same with white noise of this standard deviation, SI; of each signal if there is no log.",
 )
 @click.option(
-    "--log-rate", default=4000.0, show_default=True, help="With --noise alone: rate of the log to be, in Hz."
+    "--log-rate",
+    type=POSITIVE,
+    default=4000.0,
+    show_default=True,
+    help="With --noise alone: rate of the log to be, in Hz.",
 )
 @click.option(
     "--held",

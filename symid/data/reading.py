@@ -113,7 +113,7 @@ def with_clock(table: Table, sampling_period: float) -> Table:
     """
     if TIME in table.headers:
         raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
-    if not 0 < sampling_period < np.inf:
+    if not 1e-12 < sampling_period < 1e9:
         raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
     last = len(table.headers)
 

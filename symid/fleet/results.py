@@ -136,7 +136,7 @@ def checked_results(table: pl.DataFrame) -> pl.DataFrame:
         )
     for name in (name for name in _TEXTS if name in table.columns):
         kind = table.schema[name]
-        if name == "measured" and isinstance(kind, pl.List):
+        if name == "measured" and kind == pl.List(pl.String):
             continue
         if kind not in (pl.String, pl.Null) and not (name in TIMES and kind.is_temporal()):
             raise SettingError(f"results hold {kind} in column {name!r}, where texts are required")
@@ -222,6 +222,8 @@ def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
     >>> numbers(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
     [1.0, nan]
     """
+    if rows.schema[column].is_nested() or rows.schema[column].is_temporal():
+        return np.full(rows.height, np.nan)
     values: FloatArray = rows[column].cast(pl.Float64, strict=False).to_numpy().astype(np.float64)
     return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
