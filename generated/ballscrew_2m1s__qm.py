@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "ballscrew_2m1s"
 MEASURED = ("qm",)
 SIGNATURE = "4f33a312c6dcc16a"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
 OUTPUT = ("Fm",)
@@ -82,3 +82,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Kt = Ml/X1
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
+
+# SHA-256 of all above: 74c031e155490089d652121c7a8f7ea4072024328308a6609d37ac64cf1a0dc4

@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "ballscrew_2m1s"
 MEASURED = ("qm", "ql")
 SIGNATURE = "4f33a312c6dcc16a"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("Fm", "Fm")
@@ -76,3 +76,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Ft = X3
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
+
+# SHA-256 of all above: 0bf8dfa38b47a27446f461049d19515e7bf90d219445dbd7cfba166b1920ed39

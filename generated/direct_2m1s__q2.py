@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "direct_2m1s"
 MEASURED = ("q2",)
 SIGNATURE = "0f265ed37a627907"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4")
 OUTPUT = ("Fm",)
@@ -74,3 +74,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fvm = X3
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
+
+# SHA-256 of all above: 529aab872318a4eec56aa98c99eace1840d706355b6006031ca3d29221007902

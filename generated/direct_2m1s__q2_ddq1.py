@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "direct_2m1s"
 MEASURED = ("q2", "ddq1")
 SIGNATURE = "0f265ed37a627907"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "ddq1", "ddq1_d1", "ddq1_d2")
 OUTPUT = ("Fm", "-Fm_d2")
@@ -72,3 +72,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Fvm = X2
     Fsm = X3
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
+
+# SHA-256 of all above: 07c7255d90351de4203bb89b3b48f6aa92da8c598db7b0ae35747880d969160e

@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "direct_2m1s"
 MEASURED = ("q2", "ddq1", "ddq2")
 SIGNATURE = "0f265ed37a627907"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d2", "q2_d1", "ddq1", "ddq1_d1", "ddq1_d2", "ddq2", "ddq2_d1")
 OUTPUT = ("Fm", "-Fm_d2")
@@ -72,3 +72,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Fvm = X2
     Fsm = X3
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
+
+# SHA-256 of all above: de675a347a8757023306d19bd9eeb2c6f05ddb6f9aa4155a9ab0ab11d4495369

@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "direct_2m1s"
 MEASURED = ("q2", "ddq2")
 SIGNATURE = "0f265ed37a627907"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "ddq2", "ddq2_d1", "ddq2_d2")
 OUTPUT = ("Fm",)
@@ -74,3 +74,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fvm = X3
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
+
+# SHA-256 of all above: 6bb64c3a2e28ae12d809a646b1d6479759b75983545763c18100d3892fee5e48

@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "direct_3m2s"
 MEASURED = ("q2",)
 SIGNATURE = "7e40a45d09aecf18"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "Fm_d3", "Fm_d4", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "q2_d5", "q2_d6")
 OUTPUT = ("Fm",)
@@ -89,3 +89,5 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml):
     c23 = Fvs*(Mm*Ml) + Mm*(Fvm*Ml)
     c24 = Ms*c14 + c23
     return np.array([c0/(Ks*Kl), c3/(Ks*Kl), c7/(Ks*Kl), c8/(Ks*Kl), Fvm, Fsm, c12/(Ks*Kl), c18/(Ks*Kl), c22/(Ks*Kl), c24/(Ks*Kl), (Ms*(Mm*Ml))/(Ks*Kl)])
+
+# SHA-256 of all above: cf1ab0e7822cbe53ec9e041b85d71f6cf056435085e1c811716e5e7792f700ca

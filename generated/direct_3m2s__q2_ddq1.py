@@ -10,7 +10,7 @@ import numpy as np
 AXIS = "direct_3m2s"
 MEASURED = ("q2", "ddq1")
 SIGNATURE = "7e40a45d09aecf18"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d1", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "ddq1", "ddq1_d1", "ddq1_d2")
 OUTPUT = ("Fm", "-Fm_d2")
@@ -88,3 +88,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branc
     Fvm = X3
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
+
+# SHA-256 of all above: 1b2994ff46f14e746d4783486206c6e38dbcc1c7ad34225952e5801b0b102572

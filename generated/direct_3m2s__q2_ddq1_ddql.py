@@ -10,7 +10,7 @@ import numpy as np
 AXIS = "direct_3m2s"
 MEASURED = ("q2", "ddq1", "ddql")
 SIGNATURE = "7e40a45d09aecf18"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("Fm", "Fm_d2", "q2_d1", "q2_d2", "q2_d3", "q2_d4", "ddq1", "ddq1_d1", "ddq1_d2", "ddql", "ddql_d1")
 OUTPUT = ("Fm", "-Fm_d2", "Fm_d2")
@@ -82,3 +82,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, branch=0):
     Fsm = X4
     Fl = X8
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
+
+# SHA-256 of all above: 1d2d7e8d6308e789fa0531c9a9891562fec480317c12b448c29b1335ef32c851

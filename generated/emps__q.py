@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "emps"
 MEASURED = ("q",)
 SIGNATURE = "e7477d6e28104c10"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("F", "q_d1", "q_d2")
 OUTPUT = ("F",)
@@ -65,3 +65,5 @@ def physical_parameters(X1, X2, X3, X4, branch=0):
     Fv = X2
     Fc = X3
     return np.array([M, Fv, Fc, OF])
+
+# SHA-256 of all above: d702f48bc831284a2ee20475ec30f91be2366650955f96b3cc17540336064c6c

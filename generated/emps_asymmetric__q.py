@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "emps_asymmetric"
 MEASURED = ("q",)
 SIGNATURE = "dd49fa2fa9c0181c"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("F", "q_d1", "q_d2")
 OUTPUT = ("F",)
@@ -68,3 +68,5 @@ def physical_parameters(X1, X2, X3, X4, X5, branch=0):
     Fcp = X3
     Fcn = X5
     return np.array([M, Fvp, Fcp, Fvn, Fcn])
+
+# SHA-256 of all above: 2603c36f5c8b95a7ef642d7a1a6f5127ef6002bfbf52f2af106280cd42fbcbb0

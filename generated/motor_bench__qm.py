@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "motor_bench"
 MEASURED = ("qm",)
 SIGNATURE = "d6a67d3ff6e0289d"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("iq", "iq_d1", "iq_d2", "qm_d1", "qm_d2", "qm_d3", "qm_d4")
 OUTPUT = ("iq",)
@@ -81,3 +81,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Jm = X6/X1
     Kt = Jl*Jm/X6
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
+
+# SHA-256 of all above: 5ed8ff123f46c38f6ae54d107da80a8f5464a0b081efa2840977e6bf7bfca645

@@ -9,7 +9,7 @@ import numpy as np
 AXIS = "motor_bench"
 MEASURED = ("qm", "ql")
 SIGNATURE = "d6a67d3ff6e0289d"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("iq", "qm", "qm_d1", "qm_d2", "ql", "ql_d1", "ql_d2")
 OUTPUT = ("iq", "iq")
@@ -75,3 +75,5 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fvl = X7
     Ft = X3
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
+
+# SHA-256 of all above: 3e58609e0343703275e7fef03fa99ad99f7ca6081a7daac943e68e436b0c54e3

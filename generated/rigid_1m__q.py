@@ -8,7 +8,7 @@ import numpy as np
 AXIS = "rigid_1m"
 MEASURED = ("q",)
 SIGNATURE = "f12a5cd49080d146"
-FORMAT = 2
+FORMAT = 3
 
 SIGNALS = ("F", "q_d1", "q_d2")
 OUTPUT = ("F",)
@@ -63,3 +63,5 @@ def physical_parameters(X1, X2, X3, branch=0):
     Fv = X2
     Fs = X3
     return np.array([M, Fv, Fs])
+
+# SHA-256 of all above: a30308ac198276d0f40786ede782a7ced97f10c36081350fa4d6e33f90fc1773

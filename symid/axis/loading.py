@@ -8,13 +8,13 @@ from pathlib import Path
 from symid.axis.axis import Axis
 from symid.errors import SymidError
 
-_PACKAGE = Path(__file__).resolve().parents[1]
+PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def shipped_folder(name: str) -> Path:
     """Folder that ships with symid: inside an installed package, at the top of a source tree."""
-    installed = _PACKAGE / "shipped" / name
-    return installed if installed.is_dir() else _PACKAGE.parent / name
+    installed = PACKAGE / "shipped" / name
+    return installed if installed.is_dir() else PACKAGE.parent / name
 
 
 def models_folders() -> tuple[Path, ...]:
@@ -36,14 +36,15 @@ def axis_file(name_or_path: str) -> Path:
     SymidError
         If there is none; names those that exist.
     """
-    if name_or_path.endswith(".py"):
+    if name_or_path.endswith(".py") and "\0" not in name_or_path:
         path = Path(name_or_path).resolve()
         if path.is_file():
             return path
         raise SymidError(
             f"there is no axis file {name_or_path!r}: give the path of a file that defines axis = Axis(...)"
         )
-    for folder in models_folders():
+    named = Path(name_or_path).name == name_or_path and "\0" not in name_or_path
+    for folder in models_folders() if named else ():
         if (path := folder / f"{name_or_path}.py").is_file():
             return path
     raise SymidError(

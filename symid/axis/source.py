@@ -12,6 +12,7 @@ from pathlib import Path
 from symid.axis.axis import Axis
 from symid.axis.elements import Between, Body, Ground
 from symid.errors import SettingError, SymidError
+from symid.files import write_whole
 from symid.signals import is_signal_name
 
 _WIDTH = 88
@@ -123,7 +124,7 @@ def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis
     named = replace(axis, name=path.stem)
     text = axis_source(named, summary)
     try:
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     except OSError as error:
         raise SymidError(f"axis file {str(path)!r} cannot be written: {error.strerror}") from error
     return named

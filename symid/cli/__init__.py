@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import import_module
 
 import click
 
+from symid.cli.saying import fail, finish_output, prepare_streams, say
 from symid.errors import SymidError
 
 COMMANDS = {
@@ -24,6 +26,9 @@ COMMANDS = {
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
 
+
+_TRACE = "SYMID_TRACE"
+"""Variable of the environment by which a fault of symid itself shows its trace."""
 
 _MODULES = {"import": "importing"}
 """Commands whose names cannot be those of modules."""
@@ -47,31 +52,58 @@ class _Commands(click.Group):
         return command
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=_Commands,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    invoke_without_command=True,
+    no_args_is_help=False,
+    subcommand_metavar="COMMAND [ARGS]...",
+)
 @click.version_option(package_name="symid")
-def group() -> None:
+@click.pass_context
+def group(context: click.Context) -> None:
     """Declare a machine axis, derive its regressors, identify it from logs."""
+    if context.invoked_subcommand is None:
+        say(context.get_help())
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; a user's mistake is one line on standard error and exit code 2."""
+    prepare_streams()
+    try:
+        if any("\0" in text for text in (arguments or ())):
+            sys.exit(fail("an argument holds a null byte: no name does, leave it out"))
+        code = _run(arguments)
+        finish_output()
+    except BrokenPipeError:
+        code = 0  # whoever reads has read enough
+    except OSError as error:
+        code = fail(_said(error))
+    sys.exit(code)
+
+
+def _run(arguments: list[str] | None) -> int:
+    """Exit code of a command."""
     try:
         code = group.main(arguments, prog_name="symid", standalone_mode=False)
     except click.UsageError as error:
         hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
-        code = _fail(error.format_message() + hint)
+        return fail(error.format_message() + hint)
     except click.Abort:
-        code = _fail("interrupted", 130)
+        return fail("interrupted", 130)
     except SymidError as error:
-        code = _fail(str(error))
-    except BrokenPipeError:
-        sys.stderr.close()
-        code = 0
-    except OSError as error:
-        code = _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
-    sys.exit(code if isinstance(code, int) else 0)
+        return fail(str(error))
+    except MemoryError:
+        return fail("the memory does not suffice: use a shorter log, or a smaller --memory")
+    except OSError:
+        raise
+    except Exception as error:
+        if os.environ.get(_TRACE):
+            raise
+        cause = f"{type(error).__name__}: {error}"
+        return fail(f"a fault of symid, please report it ({cause}); {_TRACE}=1 shows where", 70)
+    return code if isinstance(code, int) else 0
 
 
-def _fail(message: str, code: int = 2) -> int:
-    print(f"symid: {' '.join(message.split())}", file=sys.stderr)
-    return code
+def _said(error: OSError) -> str:
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error)

@@ -18,6 +18,7 @@ from symid.cli.logs import (
     preparation_options,
     said_guesses,
 )
+from symid.cli.numbers import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,
@@ -28,8 +29,11 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
+from symid.cli.saying import say
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
+from symid.fleet.limits import LONGEST
 from symid.fleet.settings import METHODS
 from symid.report.batch import print_batch
 
@@ -40,6 +44,7 @@ batch_options = shared(
         required=True,
         multiple=True,
         metavar="RESULTS",
+        type=Output("results"),
         help="Table to write, .parquet or .csv; give it twice for both.",
     ),
     click.option(
@@ -48,7 +53,9 @@ batch_options = shared(
         metavar="AXIS",
         help="Another axis; a log is of the first whose signals it has.",
     ),
-    click.option("--jobs", type=int, metavar="N", help="Processes [as many as there are cores]."),
+    click.option(
+        "--jobs", type=click.IntRange(1, 4096), metavar="N", help="Processes [as many as there are cores]."
+    ),
     click.option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler of a cluster, such as tcp://10.0.0.1:8786."
     ),
@@ -60,16 +67,28 @@ batch_options = shared(
         help="What a log may take in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
     ),
     click.option(
+        "--timeout",
+        type=POSITIVE,
+        default=LONGEST,
+        show_default=True,
+        metavar="SECONDS",
+        help="Longest time for a log; a worker that takes longer is ended. A cluster has its own limits.",
+    ),
+    click.option(
         "--joint",
         is_flag=True,
         help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
     ),
-    click.option("--report", metavar="OUT.html", help="Write the page of symid fleet too."),
+    click.option(
+        "--report", metavar="OUT.html", type=Output("html"), help="Write the page of symid fleet too."
+    ),
     click.option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
 )
 
 
-@click.command("batch", epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm")
+@click.command(
+    "batch", cls=Command, epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm"
+)
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG ...")
 @batch_options
@@ -80,7 +99,7 @@ batch_options = shared(
 @log_options
 @preparation_options
 @loop_options
-@click.option("--ddof", type=int, help="As in symid identify.")
+@click.option("--ddof", type=click.IntRange(0, 10**6), help="As in symid identify.")
 @click.option(
     "--nominal", metavar="P.json", help="Nominal parameters: a start, and the simulation to diagnose."
 )
@@ -104,7 +123,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
             track=lambda rows, total: tracked(rows, "logs", total),
         )
     except Interrupted as stop:
-        print(f"symid: {stop}", file=sys.stderr)
+        say(f"symid: {stop}", err=True)
         sys.exit(130)
     if page:
         with working("reviewing"):
@@ -129,5 +148,6 @@ def _settings(axis: str, options: dict[str, Any]) -> BatchSettings:
         diagnose=options["diagnose"],
         joint=options["joint"],
         memory=bytes_of(options["memory"], "--memory"),
+        seconds=options["timeout"],
         **foreign_columns(options),
     )

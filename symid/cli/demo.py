@@ -6,7 +6,9 @@ import click
 
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import working
+from symid.cli.saying import say
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
 from symid.identification import Preparation, identify, predict, read_axis_log
@@ -20,10 +22,11 @@ PUBLISHED_RECIPE = Preparation(
 """Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 
 
-@click.command("demo", epilog="Example: symid demo --report emps_report.html")
+@click.command("demo", cls=Command, epilog="Example: symid demo --report emps_report.html")
 @click.option(
     "--report",
     metavar="OUT.html",
+    type=Output("html"),
     default="emps_report.html",
     show_default=True,
     help="The page that is written.",
@@ -47,6 +50,6 @@ def command(report: str, json_file: str | None) -> None:
         write_json({"identification": identified, "diagnosis": gap, "report": str(page)}, json_file)
     if json_file != "-":
         print_identification(identified)
-        click.echo()
+        say("")
         print_diagnosis(gap)
-        click.echo(f"\nreport: {page.resolve()}")
+        say(f"\nreport: {page.resolve()}")

@@ -21,8 +21,10 @@ from symid.cli.options import (
     parameter_file,
     write_json,
 )
+from symid.cli.outputs import Command, Output, overwrite_option
 from symid.cli.progress import working
-from symid.cli.simulate import write_log
+from symid.cli.saying import say
+from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
@@ -32,6 +34,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 
 @click.command(
     "diagnose",
+    cls=Command,
     epilog="Example: symid diagnose emps data/emps/DATA_EMPS.mat --column q=qm "
     "--validation data/emps/DATA_EMPS_PULSES.mat --report emps.html",
 )
@@ -56,6 +59,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
     "--next-experiment",
     "experiment",
     metavar="FILE.csv",
+    type=Output("log"),
     help="Write the reference that best tells the cause found from its strongest rival.",
 )
 @click.option(
@@ -69,9 +73,11 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 @click.option(
     "--write-axis",
     metavar="FILE.py",
+    type=Output("axis"),
     help="Write the axis with the effects found, and their values beside it in FILE.json.",
 )
-@click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
+@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
+@overwrite_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Find where the gap between AXIS and LOGs lies, which unmodelled effect causes it, and how far it shrinks."""
@@ -122,7 +128,7 @@ def _write_axis(found: Diagnosis, file: Path) -> None:
     write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
     write_json(explained.values, str(file.with_suffix(".json")))
     for sentence in explained.left_out:
-        click.echo(sentence, err=True)
+        say(sentence, err=True)
 
 
 def _limits(values: tuple[str, ...]) -> dict[str, float]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +17,23 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
+from symid.cli.saying import say
 from symid.errors import SettingError
 from symid.export import Exported, c_source, mjcf, parameter_record, write_fmu
+from symid.files import is_finite_number, read_json, write_whole
 from symid.symbolic import derive
 
 FORMATS = ("c", "mjcf", "fmu", "json")
 
 
+def _kind(options: Mapping[str, Any]) -> str:
+    return str(options["to"])
+
+
 @click.command(
     "export",
+    cls=Command,
     epilog="Example: symid export direct_2m1s --parameters P.json --to c --measured q2,ddq1 -o axis.c",
 )
 @click.argument("axis")
@@ -43,7 +50,7 @@ FORMATS = ("c", "mjcf", "fmu", "json")
     help="C99, MuJoCo, unit for co-simulation (FMI 2.0), or JSON.",
 )
 @measured_option
-@click.option("-o", "--output", metavar="FILE", help="Where to write [standard output].")
+@click.option("-o", "--output", metavar="FILE", type=Output(_kind), help="Where to write [standard output].")
 @json_option
 def command(axis: str, **options: Any) -> None:
     """Write AXIS with its parameters for another program, and say what that program cannot express."""
@@ -60,11 +67,11 @@ def command(axis: str, **options: Any) -> None:
         }
         write_json(record if written else {**record, "text": exported.files}, options["json_file"])
     if not written and options["json_file"] != "-":
-        print(exported.whole, end="")
+        say(exported.whole, end="")
     for file in written if options["json_file"] != "-" else ():
-        print(f"wrote {file}")
+        say(f"wrote {file}")
     for loss in exported.losses:
-        print(f"lost: {loss}", file=sys.stderr)
+        say(f"lost: {loss}", err=True)
 
 
 def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any]) -> Exported:
@@ -74,13 +81,29 @@ def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any])
         if not options["output"]:
             raise SettingError("a unit is a file: give its name with -o FILE.fmu")
         return Exported({}, write_fmu(derive(declared), values, options["output"]))
-    identified = json.loads(Path(options["parameters"]).read_text(encoding="utf-8"))
-    model = derive(declared, signal_list(options["measured"]) or identified.get("measured"))
+    identified = _identified(options["parameters"])
+    model = derive(declared, signal_list(options["measured"]) or identified["measured"])
     if options["to"] == "c":
         return c_source(model, values, Path(options["output"]).stem if options["output"] else None)
-    minimal = {name: p["value"] for name, p in identified.get("minimal", {}).items()} or None
-    record = parameter_record(model, values, identified.get("covariance"), minimal)
+    record = parameter_record(model, values, identified["covariance"], identified["minimal"])
     return Exported({".json": as_json(record)}, ())
+
+
+def _identified(file: str) -> dict[str, Any]:
+    """Sensors, covariance and minimal parameters of a file of `symid identify --json`, as far as it has them."""
+    record = read_json(file)
+    measured, covariance, minimal = (record.get(name) for name in ("measured", "covariance", "minimal"))
+    if not isinstance(measured, list) or not all(isinstance(name, str) for name in measured):
+        measured = None
+    if not isinstance(covariance, dict):
+        covariance = None
+    found: dict[str, Any] = {}
+    if isinstance(minimal, dict):
+        for name, one in minimal.items():
+            value = one.get("value") if isinstance(one, dict) else one
+            if is_finite_number(value):
+                found[name] = value
+    return {"measured": measured, "covariance": covariance, "minimal": found or None}
 
 
 def _write(exported: Exported, output: str) -> list[str]:
@@ -89,7 +112,11 @@ def _write(exported: Exported, output: str) -> list[str]:
     if not exported.files:
         return [output]
     main, *others = exported.files
+    if path.suffix in others:
+        raise SettingError(
+            f"{output} would be the file beside the main one: give a name that ends with {main}"
+        )
     files = {path: exported.files[main]} | {path.with_suffix(s): exported.files[s] for s in others}
     for file, text in files.items():
-        file.write_text(text, encoding="utf-8")
+        write_whole(file, text)
     return list(map(str, files))

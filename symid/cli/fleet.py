@@ -11,8 +11,10 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.options import json_option, signal_list, write_json
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import working
 from symid.codegen import GeneratedModel, load_generated
+from symid.errors import SettingError
 from symid.fleet import (
     FleetReview,
     JointIdentification,
@@ -22,9 +24,10 @@ from symid.fleet import (
     units_in,
 )
 from symid.report.fleet import fleet_record, print_fleet
+from symid.signals import is_signal_name
 
 
-@click.command("fleet", epilog="Example: symid fleet results.parquet --report fleet.html")
+@click.command("fleet", cls=Command, epilog="Example: symid fleet results.parquet --report fleet.html")
 @click.argument("results", metavar="RESULTS.parquet")
 @click.option(
     "--by",
@@ -65,7 +68,7 @@ from symid.report.fleet import fleet_record, print_fleet
     metavar="AXIS",
     help="File of an axis in the results, for --joint, where its name does not find it.",
 )
-@click.option("--report", metavar="OUT.html", help="Write a page that can be passed on.")
+@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
 @json_option
 def command(results: str, **options: Any) -> None:
     """Review RESULTS of a batch: spread between runs, changes over time, outliers, effects."""
@@ -111,4 +114,9 @@ def write_page(
 
 
 def _model(files: Mapping[str, str], axis: str, sensors: tuple[str, ...]) -> GeneratedModel:
+    """Model of an axis that results name. A table only names: which file is run, the user says."""
+    if axis not in files and not is_signal_name(axis):
+        raise SettingError(
+            f"results name the axis {axis!r}, which is no name: say with --axis which file is meant"
+        )
     return load_generated(files.get(axis, axis), sensors or None)

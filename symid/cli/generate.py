@@ -7,12 +7,14 @@ import sys
 import click
 
 from symid.cli.options import json_option, measured_option, signal_list, write_json
+from symid.cli.outputs import Command
 from symid.cli.progress import tracked
+from symid.cli.saying import say
 from symid.codegen.generate import plan
 from symid.codegen.store import write
 
 
-@click.command("generate", epilog="Example: symid generate direct_2m1s")
+@click.command("generate", cls=Command, epilog="Example: symid generate direct_2m1s")
 @click.argument("axes", nargs=-1, metavar="[AXIS ...]")
 @measured_option
 @click.option(
@@ -32,10 +34,10 @@ def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file:
         )
     if json_file != "-":
         for file in stale:
-            print(
+            say(
                 file.diff() if check else f"{'removed' if file.wanted is None else 'wrote'} {file.path.name}",
                 end="" if check else "\n",
             )
-        print(f"{len(files) - len(stale)} of {len(files)} modules {'are' if check else 'were'} current")
+        say(f"{len(files) - len(stale)} of {len(files)} modules {'are' if check else 'were'} current")
     if check and stale:
         sys.exit(1)

@@ -20,6 +20,7 @@ from symid.cli.logs import (
     said_guesses,
     standstill_of,
 )
+from symid.cli.numbers import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,
@@ -33,6 +34,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, load_generated
 from symid.data import AnyLog, Log
@@ -54,11 +56,13 @@ if TYPE_CHECKING:
 
 loop_options = shared(
     gain_option,
-    click.option("--rate", type=float, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
+    click.option("--rate", type=POSITIVE, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
 )
 
 
-@click.command("identify", epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm")
+@click.command(
+    "identify", cls=Command, epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm"
+)
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
 @click.option(
@@ -74,7 +78,7 @@ loop_options = shared(
 @loop_options
 @click.option(
     "--ddof",
-    type=int,
+    type=click.IntRange(0, 10**6),
     help="Subtracted from the rows in the residual's deviation [the number of parameters].",
 )
 @click.option(
@@ -93,6 +97,7 @@ loop_options = shared(
 @click.option(
     "--plot",
     metavar="FILE",
+    type=Output("picture"),
     help="Draw model and measurement, residual, frequency response and confidence ellipses (png, svg or pdf).",
 )
 @dark_option
@@ -201,9 +206,8 @@ def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
 def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     """A log by the log options, in memory if it fits or if the method needs it there."""
     memory = bytes_of(options["memory"], "--memory")
-    if options["method"] in ("iv", "oe"):
-        return read_log_of(declared, file, options)
-    log = open_axis_log(declared, file, memory=memory, **log_settings(declared, options))
+    whole = options["method"] in ("iv", "oe")
+    log = open_axis_log(declared, file, memory=memory, whole=whole, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *said_guesses(options)))
 
 

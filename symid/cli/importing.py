@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,9 @@ import click
 from rich.table import Table as Shown
 
 from symid.axis import Axis, load_axis
+from symid.cli.numbers import POSITIVE, Number
 from symid.cli.options import dark_option, json_option, write_json
+from symid.cli.outputs import Command, Output
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.tables import SUFFIXES
 from symid.errors import SettingError
@@ -29,18 +32,28 @@ class Look:
     period: float | None
 
 
-@click.command("import", epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json")
+@click.command(
+    "import",
+    cls=Command,
+    epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json",
+)
 @click.argument("log")
 @click.option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
 @click.option(
-    "--rate", type=float, metavar="HZ", help="Sampling rate of a file without a column of the time."
+    "--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time."
 )
-@click.option("--gain", type=float, help="Force per unit of the drive's column, such as N per A.")
-@click.option("--rated", type=float, help="Force or torque that 100 % stands for.")
+@click.option("--gain", type=Number(-math.inf), help="Force per unit of the drive's column, such as N per A.")
+@click.option("--rated", type=POSITIVE, help="Force or torque that 100 % stands for.")
 @click.option(
-    "-o", "--output", metavar="FILE.json", help="Write the mapping, for --mapping of other commands."
+    "-o",
+    "--output",
+    metavar="FILE.json",
+    type=Output("json"),
+    help="Write the mapping, for --mapping of other commands.",
 )
-@click.option("--plot", metavar="FILE", help="Draw the columns over time (png, svg or pdf).")
+@click.option(
+    "--plot", metavar="FILE", type=Output("picture"), help="Draw the columns over time (png, svg or pdf)."
+)
 @dark_option
 @json_option
 def command(log: str, **options: Any) -> None:
@@ -110,7 +123,7 @@ def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, A
     for column in look.columns:
         what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
-        shown.add_row(*(_plain(text) for text in (column.header, what, unit, column.reason)))
+        shown.add_row(column.header, what, unit, column.reason)
     console.print(shown)
     if mapping is None:
         console.print("\nThese are guesses. With --axis AXIS they become a mapping.")
@@ -126,8 +139,3 @@ def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, A
             f"{options['axis']} {log} --mapping {options['output']}",
             markup=False,
         )
-
-
-def _plain(text: str) -> str:
-    """Text in which brackets are no markup."""
-    return text.replace("[", r"\[")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 import click
 
 from symid.axis import Axis
+from symid.cli.numbers import COUNT, ORDER
 from symid.cli.options import (
     assignments,
     held_option,
@@ -17,6 +19,7 @@ from symid.cli.options import (
     shared,
     signal_list,
 )
+from symid.cli.saying import say
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping
@@ -45,7 +48,9 @@ preparation_options = shared(
         metavar="HZ",
         help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log].",
     ),
-    click.option("--order", default=4, show_default=True, help="Order of one pass of the filter."),
+    click.option(
+        "--order", type=ORDER, default=4, show_default=True, help="Order of one pass of the filter."
+    ),
     click.option(
         "--filter",
         "filtered",
@@ -55,7 +60,7 @@ preparation_options = shared(
         help="Whether the force passes the filter too.",
     ),
     click.option(
-        "--decimation", type=int, metavar="N", help="One row for every N samples [chosen from the cutoff]."
+        "--decimation", type=COUNT, metavar="N", help="One row for every N samples [chosen from the cutoff]."
     ),
     click.option(
         "--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."
@@ -98,7 +103,7 @@ def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
     """What a mapping guessed, as notes; said on standard error."""
     guesses = mapping_of(options).guesses
     if guesses:
-        click.echo(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
+        say(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
     return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
 
 
@@ -144,11 +149,14 @@ def standstill_of(options: dict[str, Any]) -> float | None:
     return None if options["standstill"] is None else number(options["standstill"], "--standstill")
 
 
+_SAMPLES = re.compile(r"[0-9]{1,12}")
+
+
 def _trim(text: str | None) -> tuple[int, int] | None:
     if text is None:
         return None
     parts = text.split(",")
-    if len(parts) > 2 or not all(part.strip().isdigit() for part in parts):
+    if len(parts) > 2 or not all(_SAMPLES.fullmatch(part.strip()) for part in parts):
         raise SettingError(f"--trim {text!r} is not N or BEGIN,END in samples: write for example --trim 49,0")
     begin, end = int(parts[0]), int(parts[-1])
     return begin, end

@@ -9,14 +9,26 @@ import click
 
 from symid.axis import load_axis, sketch, sketch_source
 from symid.cli.options import json_option, write_json
+from symid.cli.outputs import Command
+from symid.cli.saying import say
 from symid.errors import SettingError
 from symid.signals import is_signal_name
 
 
-@click.command("new", epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure")
+@click.command(
+    "new", cls=Command, epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure"
+)
 @click.argument("axis")
-@click.option("--bodies", default=2, show_default=True, help="Bodies in a row, the structure included.")
-@click.option("--springs", type=int, help="Springs: one less than bodies, or as many [one less].")
+@click.option(
+    "--bodies",
+    type=click.IntRange(max=100),
+    default=2,
+    show_default=True,
+    help="Bodies in a row, the structure included.",
+)
+@click.option(
+    "--springs", type=click.IntRange(max=100), help="Springs: one less than bodies, or as many [one less]."
+)
 @click.option(
     "--structure/--no-structure", default=False, help="Whether the first body is a structure that yields."
 )
@@ -42,7 +54,8 @@ def command(
 ) -> None:
     """Write the file of a new AXIS: models/AXIS.py for a name, or the given path that ends with .py."""
     path = Path(axis) if axis.endswith(".py") else Path("models") / f"{axis}.py"
-    if not is_signal_name(path.stem) or iskeyword(path.stem):
+    named = axis if not axis.endswith(".py") else path.stem  # a name is no path to elsewhere
+    if not is_signal_name(named) or iskeyword(named):
         raise SettingError(
             f"{axis!r} cannot name an axis: use letters, digits and underscores, a letter first"
         )
@@ -65,4 +78,4 @@ def command(
     if json_file:
         write_json({"axis": sketched.name, "file": str(path)}, json_file)
     if json_file != "-":
-        print(f"wrote {path}: edit it, then symid show {axis}")
+        say(f"wrote {path}: edit it, then symid show {axis}")

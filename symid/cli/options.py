@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
 from symid.axis import Axis
+from symid.cli.outputs import Output
 from symid.errors import SettingError
+from symid.files import is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si
 
 json_option = click.option(
-    "--json", "json_file", metavar="FILE", help="Write the result as JSON (- for standard output)."
+    "--json",
+    "json_file",
+    metavar="FILE",
+    type=Output("json"),
+    help="Write the result as JSON (- for standard output).",
 )
 dark_option = click.option("--dark", is_flag=True, help="Draw on a dark background.")
 held_option = click.option(
@@ -40,6 +46,10 @@ gain_option = click.option(
     help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
 )
 
+_LARGEST = 1e50
+"""Of a parameter in SI units: products of what is larger leave the range of numbers."""
+_LONGEST_LAG = 1000.0
+"""Seconds by which a signal may be late."""
 _CASCADE = {
     "Kpp": "position_gain",
     "Kpv": "velocity_gain",
@@ -100,8 +110,8 @@ def bytes_of(text: str, what: str) -> int:
     if factor is None:
         raise SettingError(f"{what} {text!r} is no size: write a number with kB, MB or GB, such as 512MB")
     size = number(text[:-2], what)
-    if not size > 0:
-        raise SettingError(f"{what} {text!r} is not possible: give more than 0")
+    if not 1 <= size * factor < 1e18:
+        raise SettingError(f"{what} {text!r} is not possible: give a size such as 512MB")
     return int(size * factor)
 
 
@@ -159,7 +169,10 @@ def seconds_of(text: str, what: str) -> float:
     """
     digits = text.rstrip("abcdefghijklmnopqrstuvwxyzµ")
     factor = to_si(text[len(digits) :], Unit.of("s")) if len(digits) < len(text) else 1.0
-    return number(digits, what) * factor
+    seconds = number(digits, what) * factor
+    if not abs(seconds) <= _LONGEST_LAG:
+        raise SettingError(f"{what} is {text!r}: at most {_LONGEST_LAG:g} s are possible")
+    return seconds
 
 
 def parameter_file(file: str, axis: Axis) -> dict[str, float]:
@@ -170,15 +183,18 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     SettingError
         If the file holds no parameters, or lacks some.
     """
-    try:
-        values = json.loads(Path(file).read_text(encoding="utf-8"))
-        if isinstance(values.get("physical"), dict):
-            values = {name: found["value"] for name, found in values["physical"].items()}
-        parameters = {str(name): float(value) for name, value in values.items() if value is not None}
-    except (ValueError, TypeError, AttributeError) as error:
-        raise SettingError(
-            f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units ({error})'
-        ) from error
+    values = read_json(file)
+    if isinstance(values, dict) and isinstance(values.get("physical"), dict):
+        values = {name: _value_of(found) for name, found in values["physical"].items()}
+    if not isinstance(values, dict):
+        raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
+    parameters: dict[str, float] = {}
+    for name, value in values.items():
+        if value is None or (name not in axis.physical_parameters and not is_finite_number(value)):
+            continue
+        if not is_finite_number(value) or abs(value) > _LARGEST:
+            raise SettingError(f"{file}: {name} is {shortened(value)}: give a finite number in SI units")
+        parameters[name] = float(value)
     missing = [name for name in axis.physical_parameters if name not in parameters]
     if missing:
         raise SettingError(
@@ -187,17 +203,36 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     return parameters
 
 
+def _value_of(found: object) -> object:
+    return found.get("value") if isinstance(found, dict) else found
+
+
 def write_json(record: object, file: str) -> None:
     """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
-    if file == "-":
-        sys.stdout.write(as_json(record))
+    if file != "-":
+        write_whole(file, as_json(record))
+    elif sys.stdout is None:
+        raise SettingError("--json -: standard output is closed: give a file")
     else:
-        Path(file).write_text(as_json(record), encoding="utf-8")
+        encoding = (sys.stdout.encoding or "utf-8").lower().replace("-", "")
+        sys.stdout.write(as_json(record, ascii_only=encoding != "utf8"))
 
 
-def as_json(record: object) -> str:
-    """Text of a record; numbers that are not finite become null."""
-    return json.dumps(_finite(record), indent=2, ensure_ascii=False) + "\n"
+_UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
+
+
+def as_json(record: object, *, ascii_only: bool = False) -> str:
+    r"""Text of a record; numbers that are not finite become null, what terminals obey is escaped.
+
+    Examples
+    --------
+    >>> print(as_json({"a\udce9": float("nan")}), end="")
+    {
+      "a\udce9": null
+    }
+    """
+    text = json.dumps(_finite(record), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
+    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def _finite(value: Any) -> Any:

@@ -14,6 +14,10 @@ _PATIENCE = 2.0
 """Seconds of work before progress is shown."""
 
 
+def _is_watched() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
 def working(what: str) -> AbstractContextManager[object]:
     """Show that work of unknown length is going on, if standard error is a terminal.
 
@@ -23,7 +27,7 @@ def working(what: str) -> AbstractContextManager[object]:
     ...     1 + 1
     2
     """
-    if not sys.stderr.isatty():
+    if not _is_watched():
         return nullcontext()
     from rich.console import Console  # takes 50 ms to load
 
@@ -47,7 +51,7 @@ def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Itera
     >>> list(tracked(["a", "b"], "letters"))
     ['a', 'b']
     """
-    if not sys.stderr.isatty():
+    if not _is_watched():
         return iter(items)
     return _with_bar(items, what, total if total is not None or not isinstance(items, Sized) else len(items))
 

@@ -6,15 +6,18 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.options import dark_option, json_option, measured_option, signal_list, write_json
+from symid.cli.outputs import Command, Output
 from symid.report.colours import palette_of
 from symid.report.derivation import derivation_record, print_derivation
 from symid.symbolic import derive
 
 
-@click.command("show", epilog="Example: symid show direct_2m1s --measured q2,ddq1")
+@click.command("show", cls=Command, epilog="Example: symid show direct_2m1s --measured q2,ddq1")
 @click.argument("axis")
 @measured_option
-@click.option("--plot", metavar="FILE", help="Draw the schematic of the axis (png, svg or pdf).")
+@click.option(
+    "--plot", metavar="FILE", type=Output("picture"), help="Draw the schematic of the axis (png, svg or pdf)."
+)
 @dark_option
 @json_option
 def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_file: str | None) -> None:

@@ -10,9 +10,9 @@ from typing import Any
 
 import click
 import numpy as np
-import polars as pl
 
 from symid.axis import Axis, load_axis
+from symid.cli.numbers import LIMIT, NOT_NEGATIVE, POSITIVE
 from symid.cli.options import (
     assignments,
     cascade_gains,
@@ -24,8 +24,10 @@ from symid.cli.options import (
     shared,
     write_json,
 )
+from symid.cli.outputs import Command, Output, overwrite_option
 from symid.cli.progress import tracked
-from symid.data import Log, read_log
+from symid.cli.saying import say
+from symid.data import read_log, write_log
 from symid.errors import SettingError
 from symid.identification import read_axis_log
 from symid.simulation import (
@@ -54,7 +56,9 @@ trajectory_options = shared(
         metavar="KIND",
         help="trapezoids, chirp, multisine, or a log whose reference is followed.",
     ),
-    click.option("--seconds", default=10.0, show_default=True, help="Duration of a chirp or multisine."),
+    click.option(
+        "--seconds", type=POSITIVE, default=10.0, show_default=True, help="Duration of a chirp or multisine."
+    ),
     click.option(
         "--band",
         default="0.5,20",
@@ -64,50 +68,75 @@ trajectory_options = shared(
     ),
     click.option(
         "--travel",
+        type=POSITIVE,
         default=0.2,
         show_default=True,
         help="Longest move, or travel of a chirp or multisine, in m or rad.",
     ),
     click.option(
         "--speed",
+        type=POSITIVE,
         default=0.5,
         show_default=True,
         help="Highest speed; trapezoids also run at a half and a fifth of it.",
     ),
-    click.option("--acceleration", default=5.0, show_default=True, help="Highest acceleration."),
-    click.option("--jerk", default=500.0, show_default=True, help="Highest jerk of trapezoids."),
-    click.option("--dwell", default=0.2, show_default=True, help="Rest between trapezoids, in seconds."),
+    click.option(
+        "--acceleration", type=POSITIVE, default=5.0, show_default=True, help="Highest acceleration."
+    ),
+    click.option(
+        "--jerk", type=POSITIVE, default=500.0, show_default=True, help="Highest jerk of trapezoids."
+    ),
+    click.option(
+        "--dwell",
+        type=NOT_NEGATIVE,
+        default=0.2,
+        show_default=True,
+        help="Rest between trapezoids, in seconds.",
+    ),
 )
 
 controller_options = shared(
-    click.option("--rate", default=8000.0, show_default=True, help="Rate of the controller, in Hz."),
+    click.option(
+        "--rate", type=POSITIVE, default=8000.0, show_default=True, help="Rate of the controller, in Hz."
+    ),
     click.option(
         "--bandwidth",
+        type=POSITIVE,
         default=20.0,
         show_default=True,
         help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
     ),
     gain_option,
-    click.option("--force-limit", default=math.inf, show_default=True, help="Largest force."),
+    click.option("--force-limit", type=LIMIT, default=math.inf, show_default=True, help="Largest force."),
     click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
 )
 
 
-@click.command("simulate", epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv")
+@click.command(
+    "simulate", cls=Command, epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv"
+)
 @click.argument("axis")
 @click.option(
     "--parameters", "file", required=True, metavar="P.json", help="Values of the physical parameters, SI."
 )
-@click.option("-o", "--output", required=True, metavar="LOG", help="Log to write (.csv or .parquet).")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="LOG",
+    type=Output("log"),
+    help="Log to write (.csv or .parquet).",
+)
+@overwrite_option
 @trajectory_options
 @controller_options
-@click.option("--log-rate", type=float, help="Rate of the log, in Hz [that of the controller].")
+@click.option("--log-rate", type=POSITIVE, help="Rate of the log, in Hz [that of the controller].")
 @click.option("--noise", multiple=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
 @click.option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
 @click.option(
     "--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us."
 )
-@click.option("--seed", default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=click.IntRange(0, 2**63), default=0, show_default=True, help="Of the noise.")
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""
@@ -139,7 +168,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         write_json(record, json_file)
     if json_file != "-":
         duration = run.log.n_samples * run.log.sampling_period
-        print(
+        say(
             f"wrote {output}: {run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz, {duration:g} s"
         )
 
@@ -220,14 +249,3 @@ def band_of(text: str) -> tuple[float, float]:
     if len(parts) != 2 or not 0 < parts[0] < parts[1]:
         raise SettingError(f"--band {text!r} is not LOW,HIGH in Hz: write for example --band 0.5,20")
     return parts[0], parts[1]
-
-
-def write_log(log: Log, path: Path) -> None:
-    """Write a log as a whole or not at all."""
-    frame = pl.DataFrame({"t": log.time, **{name: log[name] for name in log.signals}})
-    unfinished = path.with_name(path.name + ".unfinished")
-    if path.suffix == ".parquet":
-        frame.write_parquet(unfinished)
-    else:
-        frame.write_csv(unfinished)
-    unfinished.replace(path)

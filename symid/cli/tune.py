@@ -11,6 +11,7 @@ import click
 
 from symid.axis import Axis, load_axis
 from symid.cli.logs import log_options, read_log_of
+from symid.cli.numbers import ORDER, POSITIVE
 from symid.cli.options import (
     assignments,
     dark_option,
@@ -22,6 +23,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
+from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
 from symid.codegen import load_generated
@@ -49,6 +51,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 
 @click.command(
     "tune",
+    cls=Command,
     context_settings={"default_map": _DEFAULTS},
     epilog="Example: symid tune direct_2m1s --parameters P.json --measured q2,ddq1 --plot tuning.png",
 )
@@ -59,17 +62,19 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 @measured_option
 @click.option(
     "--max-lowpass-error",
+    type=POSITIVE,
     default=0.01,
     show_default=True,
     help="Largest error that the low-pass filter may make [35], in percent.",
 )
 @click.option(
     "--max-sampling-error",
+    type=POSITIVE,
     default=1.0,
     show_default=True,
     help="Largest error that differences may make [37], in percent.",
 )
-@click.option("--order", default=4, show_default=True, help="Order of one pass of the filter.")
+@click.option("--order", type=ORDER, default=4, show_default=True, help="Order of one pass of the filter.")
 @click.option(
     "--errors-of",
     "kind",
@@ -97,7 +102,11 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     help="The same with white noise of this standard deviation, SI; of each signal if there is no log.",
 )
 @click.option(
-    "--log-rate", default=4000.0, show_default=True, help="With --noise alone: rate of the log to be, in Hz."
+    "--log-rate",
+    type=POSITIVE,
+    default=4000.0,
+    show_default=True,
+    help="With --noise alone: rate of the log to be, in Hz.",
 )
 @click.option(
     "--held",
@@ -106,7 +115,9 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     help="With --noise-from: a force that is held from sample to sample, so that it acts half a sample late.",
 )
 @log_options
-@click.option("--plot", metavar="FILE", help="Draw the errors by frequency (png, svg or pdf).")
+@click.option(
+    "--plot", metavar="FILE", type=Output("picture"), help="Draw the errors by frequency (png, svg or pdf)."
+)
 @dark_option
 @json_option
 def command(axis: str, file: str, json_file: str | None, **options: Any) -> None:

@@ -46,9 +46,12 @@ def plan(
     for name in track(axes or axis_names()):
         files += _plan_axis(name, measured)
     if measured is None:
-        folders = dict.fromkeys(file.path.parent for file in files)
-        paths, names = [file.path for file in files], [Path(name).stem for name in axes or axis_names()]
-        files += [file for folder in folders for file in orphans(folder, paths, names)]
+        paths = [file.path for file in files]
+        own: dict[Path, list[str]] = {}
+        for name in axes or axis_names():
+            path = axis_file(name)
+            own.setdefault(generated_folder(path), []).append(path.stem)
+        files += [file for folder, names in own.items() for file in orphans(folder, paths, names)]
     return files
 
 

@@ -9,6 +9,7 @@ import sympy as sp
 
 from symid.codegen.lowering import PolynomialLowering, as_factor, code, signal_names
 from symid.codegen.store import FORMAT
+from symid.codegen.vetting import signed
 from symid.signals import split_derivative
 from symid.symbolic.expressions import is_smooth
 from symid.symbolic.parameter_map import inverse_map
@@ -103,7 +104,7 @@ def module_text(model: DerivedModel) -> str:
     physical = {name: str(unit) for name, unit in model.axis.physical_parameters.items()}
     entries = [entry for row in minimal.regressor for entry in row]
     W, y, v = (_unused(name, signals) for name in "Wyv")
-    return _TEMPLATE.format(
+    text = _TEMPLATE.format(
         W=W,
         y=y,
         v=v,
@@ -148,6 +149,7 @@ def module_text(model: DerivedModel) -> str:
         forward=_forward(model),
         inverse=_inverse(model, solution) if solution else "",
     )
+    return signed(text)
 
 
 def _unused(name: str, taken: Sequence[str]) -> str:

@@ -23,6 +23,7 @@ from symid.data.spline import QuinticSpline
 from symid.data.stuck import cut_in_motion, inspect_spans
 from symid.data.table import Table
 from symid.data.tables import open_table
+from symid.data.writing import write_frame, write_log
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 
 __all__ = [
@@ -60,4 +61,6 @@ __all__ = [
     "open_table",
     "read_log",
     "spans",
+    "write_frame",
+    "write_log",
 ]

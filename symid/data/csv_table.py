@@ -14,7 +14,7 @@ import polars as pl
 
 from symid.arrays import FloatArray
 from symid.data.layout import Layout, first_lines
-from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, values_of
+from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, source_of, values_of
 from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304
@@ -53,8 +53,11 @@ def open_laid_out(path: Path, layout: Layout) -> Table:
             text = path.read_text(encoding=layout.encoding)
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
-        values = text.split("\n", skipped)[-1].encode("utf-8")
-        frame = _scan_csv(values, layout.separator, width, positions, pl.String(), header_rows=0)
+        values = text.split("\n", skipped)[-1].encode("utf-8", errors="replace")
+        try:
+            frame = _scan_csv(values, layout.separator, width, positions, pl.String(), header_rows=0)
+        except POLARS_FAILURES as error:
+            raise damaged(path, "CSV", error) from error
         return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
 
     return Table(headers, read)
@@ -108,7 +111,7 @@ def _scan_csv(
     names = [f"column_{position}" for position in range(width)]
     wanted = [names[position] for position in positions]
     return pl.read_csv(
-        source,
+        source_of(source) if isinstance(source, Path) else source,
         has_header=False,
         skip_rows=header_rows,
         separator=separator,

@@ -10,6 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.data.memory import require_room
 from symid.data.table import Table
 from symid.errors import LogError
 from symid.units import Unit, to_si
@@ -88,6 +89,7 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     table : Table
         Of the file.
     """
+    require_room(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
     return tuple(
         _guessed(header, column)

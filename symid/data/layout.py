@@ -56,9 +56,17 @@ class Layout:
                 "negative numbers"
             )
         try:
-            codecs.lookup(self.encoding)
-        except LookupError as error:
+            known = isinstance(
+                "".encode(self.encoding), bytes
+            )  # hex, zlib and rot13 are no encodings of text
+        except (LookupError, ValueError, TypeError) as error:
             raise LogError(f"encoding {self.encoding!r} is not known: write for example utf-8") from error
+        if not known or self.separator in '\r\n\0"' or self.separator == self.decimal:
+            raise LogError(f"separator {self.separator!r} is not possible: write for example ';'")
+        if max(self.above, self.below) > _LINES:
+            raise LogError(
+                f"{max(self.above, self.below)} lines around the header: at most {_LINES} are read"
+            )
 
     def headers(self, lines: Sequence[str]) -> tuple[str, ...]:
         """Headers in the first lines of a file; a line of units below them is joined to them as ``name [unit]``."""
@@ -71,8 +79,11 @@ class Layout:
 
 
 def fields(line: str, separator: str) -> list[str]:
-    """Fields of a line."""
-    return next(csv.reader([line], delimiter=separator), [])
+    """Fields of a line; one of a quote that is never closed, or that is longer than any, is one field."""
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return [line]
 
 
 def first_lines(path: Path, encoding: str) -> list[str]:

@@ -16,6 +16,7 @@ from symid.data.clock import Clock, inspect_clock
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, sources_of
 from symid.data.layout import Layout
 from symid.data.log import Log
+from symid.data.memory import require_room
 from symid.data.stuck import inspect_spans
 from symid.data.table import Table, said_of
 from symid.data.tables import open_table
@@ -90,9 +91,12 @@ def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> fr
     return names_of(open_table(Path(path), layout).headers)
 
 
-def opened_table(file: Path, layout: Layout | None, sampling_period: float | None) -> Table:
-    """Table in a file, with a column of the time if it has none; parameters and errors as those of `read_log`."""
-    table = open_table(file, layout)
+def opened_table(
+    file: Path, layout: Layout | None, sampling_period: float | None, memory: int | None = None
+) -> Table:
+    """Table in a file, with a column of the time if it has none; parameters and errors as those of `open_log`."""
+    with said_of(file):
+        table = open_table(file, layout, memory)
     if sampling_period is None:
         return table
     with said_of(file):
@@ -109,7 +113,7 @@ def with_clock(table: Table, sampling_period: float) -> Table:
     """
     if TIME in table.headers:
         raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
-    if not 0 < sampling_period < np.inf:
+    if not 1e-12 < sampling_period < 1e9:
         raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
     last = len(table.headers)
 
@@ -121,11 +125,16 @@ def with_clock(table: Table, sampling_period: float) -> Table:
         found[last] = sampling_period * np.arange(size, dtype=np.float64)
         return [found[position] for position in positions]
 
-    return Table((*table.headers, TIME), read)
+    return Table((*table.headers, TIME), read, n_rows=table.n_rows)
 
 
 def read_table(
-    file: Path, table: Table, expected: Mapping[str, Unit], sources: Sequence[Source], named: Collection[str]
+    file: Path,
+    table: Table,
+    expected: Mapping[str, Unit],
+    sources: Sequence[Source],
+    named: Collection[str],
+    memory: int | None = None,
 ) -> Log:
     """Log of the whole of a file.
 
@@ -139,7 +148,10 @@ def read_table(
         Where the signals are.
     named : collection of str
         Signals whose column the user has named: these must be usable.
+    memory : int, optional
+        Bytes that the columns may take; those that are free by default.
     """
+    require_room(len(sources) * (table.n_rows or 0), memory)
     values, notes = _read(table, sources, optional={REFERENCE} - set(named) - expected.keys())
     return _checked(str(file), values, notes, expected)
 

@@ -50,6 +50,7 @@ def open_log(
     sampling_period: float | None = None,
     memory: int = MEMORY,
     block: int = BLOCK,
+    whole: bool = False,
 ) -> AnyLog:
     """Do what `read_log` does for a log that fits in memory; check a longer one without keeping it.
 
@@ -61,6 +62,8 @@ def open_log(
         Bytes that the log and the rows made of it may take.
     block : int
         Samples of a long log that are worked on at a time.
+    whole : bool
+        Whether a log that does not fit is refused instead of being read in blocks.
 
     Raises
     ------
@@ -68,19 +71,20 @@ def open_log(
         As `read_log` does; of a long log, for the first block that has a fault.
     """
     file, named = Path(path), dict(columns or {})
-    table = opened_table(file, layout, sampling_period)
+    table = opened_table(file, layout, sampling_period, memory)
     given = Assignment(
         table.headers, expected, alternatives or {}, {TIME: TIME, **named}, units or {}, gains or {}
     )
     with said_of(file):
         sources = sources_of(given, named=named.keys())
-        if table.slices is not None and file.stat().st_size * _BYTES_OF_A_SAMPLE > memory * _BYTES_OF_A_ROW:
+        at_most = file.stat().st_size / _BYTES_OF_A_ROW if table.n_rows is None else table.n_rows
+        if table.slices is not None and not whole and at_most * _BYTES_OF_A_SAMPLE > memory:
             used = [source for source in sources if source.signal != REFERENCE]
             slices = table.slices([source.position for source in used])
             if slices.n_rows * _BYTES_OF_A_SAMPLE > memory:
                 headers = [table.headers[source.position] for source in used]
                 return _Scan(file, slices, used, headers, expected, block).log()
-        return read_table(file, table, expected, sources, named.keys())
+        return read_table(file, table, expected, sources, named.keys(), memory)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -47,11 +48,14 @@ class Table:
         that says why they cannot be used.
     slices : callable, optional
         Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole.
+    n_rows : int, optional
+        Rows that the file says it has, whatever its size; None where it does not say.
     """
 
     headers: tuple[str, ...]
     read: Callable[[Sequence[int]], list[FloatArray | str]]
     slices: Callable[[Sequence[int]], Slices] | None = None
+    n_rows: int | None = None
 
 
 @contextmanager
@@ -64,6 +68,15 @@ def said_of(file: Path) -> Iterator[None]:
         raise (
             error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
         ) from error.__cause__
+
+
+def source_of(path: Path) -> Path | io.BytesIO:
+    """What polars reads a file from: its bytes if its name is not UTF-8, which polars does not open."""
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return io.BytesIO(path.read_bytes())
+    return path
 
 
 def first_line(error: BaseException) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
+from symid.errors import SettingError
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # a piece is so many times as long as what is computed for it on either side
@@ -97,7 +98,12 @@ class ZeroPhaseFilter:
 
     @cached_property
     def _settled(self) -> FloatArray:
-        return np.asarray(scipy.signal.sosfilt_zi(self.sections))
+        try:
+            return np.asarray(scipy.signal.sosfilt_zi(self.sections))
+        except np.linalg.LinAlgError as error:
+            raise SettingError(
+                "the cutoff is so low against the sampling rate that the filter does not settle: raise it"
+            ) from error
 
     def apply(self, x: FloatArray) -> FloatArray:
         """The filtered vector."""

@@ -15,6 +15,7 @@ from xml.sax.saxutils import quoteattr
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.c_source import c_source
+from symid.files import replacing
 from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
 
@@ -78,7 +79,7 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis), encoding="utf-8")
         library = sources / f"{axis.name}{suffix}"
         _compile(sources / f"{axis.name}_fmu.c", library)
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as unit:
+        with replacing(path) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as unit:
             unit.writestr("modelDescription.xml", _description(axis, values))
             unit.write(library, f"binaries/{folder}/{library.name}")
             for source in sorted(sources.glob("*.[ch]")):

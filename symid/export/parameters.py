@@ -60,7 +60,7 @@ def parameter_record(
         "minimal": _table(
             "minimal",
             list(module.minimal_units),
-            [minimal[name] for name in module.minimal_units],
+            [_known(minimal, name, "minimal") for name in module.minimal_units],
             list(module.minimal_units.values()),
             known.get("minimal"),
         ),
@@ -72,6 +72,14 @@ def parameter_record(
             known.get("physical"),
         ),
     }
+
+
+def _known(values: Mapping[str, float], name: str, kind: str) -> float:
+    if name not in values:
+        raise SettingError(
+            f"the {kind} parameter {name} has no value: give --measured as it was identified, or physical values alone"
+        )
+    return values[name]
 
 
 def _table(
@@ -90,13 +98,16 @@ def _table(
         "correlation": None,
     }
     if covariance is not None:
-        matrix = np.array(covariance, dtype=float)
+        try:
+            matrix = np.array(covariance, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise SettingError(f"the covariance of the {kind} parameters is no matrix of numbers") from error
         if matrix.shape != (len(names), len(names)):
             raise SettingError(
                 f"the covariance of the {kind} parameters is of shape {matrix.shape}, there are {len(names)} of them: "
                 "give --measured as it was identified"
             )
-        deviations = np.sqrt(np.diag(matrix))
+        deviations = np.sqrt(np.maximum(np.diag(matrix), 0.0))
         table |= {
             "std": deviations.tolist(),
             "covariance": matrix.tolist(),
@@ -113,6 +124,6 @@ def correlation(covariance: FloatArray) -> FloatArray:
     >>> correlation(np.array([[4.0, 3.0], [3.0, 9.0]])).tolist()
     [[1.0, 0.5], [0.5, 1.0]]
     """
-    deviations = np.sqrt(np.diag(covariance))
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     known = np.where(deviations > 0, deviations, np.nan)
     return np.asarray(covariance / np.outer(known, known))

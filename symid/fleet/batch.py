@@ -16,11 +16,13 @@ import polars as pl
 
 from symid.axis import Axis
 from symid.errors import SymidError
+from symid.files import free_name, replacing
 from symid.fleet.journal import Journal, journal_file, read_journal
-from symid.fleet.plan import PathLike, fleet_axes, log_files
+from symid.fleet.lock import locked
+from symid.fleet.plan import FleetAxis, PathLike, fleet_axes, log_files
 from symid.fleet.results import Units
 from symid.fleet.row import Row
-from symid.fleet.schedulers import scheduler_of
+from symid.fleet.schedulers import Scheduler, scheduler_of
 from symid.fleet.settings import BatchSettings
 from symid.fleet.table import (
     parameter_columns,
@@ -31,6 +33,7 @@ from symid.fleet.table import (
     write_table,
 )
 from symid.fleet.work import Outcome, Task, killed, work
+from symid.text import visible
 
 Track = Callable[[Iterable[Any], int], Iterable[Any]]
 _BEFORE = ".before"
@@ -151,10 +154,22 @@ def identify_batch(
     chosen = fleet_axes(axes, settings or BatchSettings(), folder)
     files = result_files(output)  # the Parquet file first
     names = log_files(logs, exclude=files)
-    run = scheduler_of(jobs, scheduler, len(names))
+    run = scheduler_of(jobs, scheduler, len(names), chosen[0].settings.seconds)
+    with locked(files):
+        return _identified(chosen, names, files, run, track)
+
+
+def _identified(
+    chosen: tuple[FleetAxis, ...],
+    names: tuple[str, ...],
+    files: tuple[Path, ...],
+    run: Scheduler,
+    track: Track,
+) -> Batch:
+    """The batch, while nobody else writes its files."""
     journal = journal_file(files[0]) if files else None
     earlier, former = _earlier(files, journal)
-    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(name, ()))) for name in names]
+    tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ()))) for name in names]
     rows: dict[str, Row] = {}
     made = 0
     try:
@@ -173,7 +188,7 @@ def identify_batch(
         raise SymidError(f"{error}; {_kept(len(rows), journal)}") from error
     ordered = tuple(rows[name] for name in names)
     units = units_of(ordered, chosen)
-    replaced = _former_kept(files, former - set(names))
+    replaced = _former_kept(files, former - set(map(visible, names)))
     diagnosed = any(axis.settings.diagnose for axis in chosen)
     joint = any(axis.settings.joint for axis in chosen)
     batch = Batch(ordered, units, diagnosed, joint, len(names) - made, files, replaced)
@@ -188,14 +203,14 @@ def _row_of(
     found = outcome or killed(task)
     if found.row is not None:
         return found.row, True
-    return earlier[task.log][str(found.unchanged)], False
+    return earlier[visible(task.log)][str(found.unchanged)], False
 
 
 def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dict[str, Row]], set[str]]:
     """Rows that earlier runs made, by log and key, and the logs of the table as it is."""
     if journal is None:
         return {}, set()
-    table = read_rows(files[0])
+    table, *_ = [read_rows(file) for file in files]  # all are looked at: none must be something else
     found: dict[str, dict[str, Row]] = defaultdict(dict)
     for row in (*table, *read_journal(journal)):
         if row.get("key"):
@@ -213,7 +228,13 @@ def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
     """A copy of the table as it was, if it holds logs that the new one does not."""
     if not dropped:
         return None
-    return Path(shutil.copy2(files[0], files[0].with_name(files[0].name + _BEFORE)))
+    place = free_name(files[0], _BEFORE)
+    try:
+        with replacing(place) as kept:
+            shutil.copy2(files[0], kept)
+    except OSError as error:
+        raise SymidError(f"{place}: cannot be written ({error.strerror}); {files[0]} is as it was") from error
+    return place
 
 
 def _write(batch: Batch, journal: Path | None) -> None:

@@ -10,8 +10,10 @@ from pathlib import Path
 from types import TracebackType
 
 from symid.errors import SymidError
-from symid.fleet.row import Row
+from symid.files import is_finite_number
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
 
+_TEXTS = {name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str}
 _ROWS = 64
 _SECONDS = 1.0
 """Rows are forced to the disk after so many of them or so much time; what kills a process loses none in any case."""
@@ -36,11 +38,21 @@ def read_journal(file: Path) -> list[Row]:
     for line in file.read_bytes().split(b"\n"):
         try:
             row = json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             continue
-        if isinstance(row, dict) and isinstance(row.get("log"), str):
+        if _is_row(row):
             rows.append(row)
     return rows
+
+
+def _is_row(row: object) -> bool:
+    """Whether a line holds what a batch writes: texts where texts are, else numbers."""
+    if not isinstance(row, dict) or not all(isinstance(row.get(name), str) for name in ("log", "status")):
+        return False
+    return all(
+        value is None or (isinstance(value, str) if name in _TEXTS else is_finite_number(value))
+        for name, value in row.items()
+    )
 
 
 class Journal:
@@ -69,7 +81,7 @@ class Journal:
 
     def append(self, row: Row) -> None:
         """Keep a row."""
-        self._write(json.dumps(row, ensure_ascii=False, allow_nan=False).encode() + b"\n")
+        self._write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._pending += 1
         if self._pending >= _ROWS or time.monotonic() - self._since > _SECONDS:
             self._flush()

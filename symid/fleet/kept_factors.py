@@ -46,12 +46,14 @@ def unpacked(log: str, text: str) -> LogFactors:
     try:
         numbers = np.frombuffer(base64.b64decode(text, validate=True), "<f8")
         n, p = int(numbers[1]), int(numbers[2])
+        if min(n, p) < 1 or 3 + n + n * (p + 1) ** 2 + p * p != numbers.size:
+            raise ValueError("another length")
         sizes = (3, n, *[(p + 1) ** 2] * n, p * p)
         head, rows, *factors, covariance = np.split(numbers, np.cumsum(sizes)[:-1])
         Rs = [R.reshape(p + 1, p + 1) for R in factors]
         kept = tuple(TriangularFactor(R, int(count)) for R, count in zip(Rs, rows, strict=True))
         return LogFactors(log, kept, covariance.reshape(p, p), float(head[0]))
-    except (ValueError, IndexError) as error:
+    except (ValueError, IndexError, OverflowError) as error:
         raise SettingError(f"{log}: its factors are damaged: run symid batch --joint again") from error
 
 

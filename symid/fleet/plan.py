@@ -16,6 +16,8 @@ from symid.codegen import GeneratedModel
 from symid.codegen.store import StoredModule, stored_module
 from symid.data.tables import SUFFIXES
 from symid.errors import GeneratedModuleError, SettingError
+from symid.fleet.kept_factors import FACTORS
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
 from symid.fleet.settings import BatchSettings
 from symid.identification.logs import axis_columns
 
@@ -42,8 +44,9 @@ class FleetAxis:
 
     @property
     def fingerprint(self) -> str:
-        """Hash of declaration, settings and version of symid: what a row depends on besides the log."""
-        whole = (symid.__version__, self.axis.signature, repr(self.axis), self.settings.canonical)
+        """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
+        texts = (module.text for _, module in self.modules)
+        whole = (symid.__version__, self.axis.signature, repr(self.axis), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:
@@ -108,12 +111,25 @@ def fleet_axes(
             "give each axis once: " + (f"{', '.join(names)} are given" if names else "none is given")
         )
     settings.check(declared)
+    _require_no_column(declared)
     found = []
     for source, axis in zip(given, declared, strict=True):
         own = settings.of_axis(axis)
         sets = (own.measured,) if own.measured else axis.sensor_sets
         found.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), own))
     return tuple(found)
+
+
+def _require_no_column(axes: Sequence[Axis]) -> None:
+    """SettingError if a parameter bears the name of a column of the results, or of another's deviation."""
+    names = [(axis, name) for axis in axes for name in axis.physical_parameters]
+    columns = {*BEFORE, *AFTER, *DIAGNOSIS, FACTORS}
+    deviations = {f"{name}_std" for _, name in names}
+    for axis, name in names:
+        if name in columns | deviations or f"{name}_std" in columns:
+            raise SettingError(
+                f"axis {axis.name!r} has a parameter {name!r}, which is a column of the results: rename it"
+            )
 
 
 def _modules(
@@ -163,12 +179,24 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
 
 
 def _expanded(item: str) -> list[str]:
+    """Files that an item stands for, and the folders in it that cannot be read, for rows that say so."""
     if os.path.isdir(item):
-        return sorted(map(str, filter(_seems_a_log, Path(item).rglob("*"))))
+        return sorted(_logs_in(item))
     if has_magic(item) and not os.path.exists(item):
-        return sorted(path for path in glob(item, recursive=True) if not os.path.isdir(path))
+        places = glob(os.path.dirname(item) or os.curdir, recursive=True)
+        closed = [place for place in places if os.path.isdir(place) and not _is_open(place)]
+        return sorted([*closed, *(path for path in glob(item, recursive=True) if not os.path.isdir(path))])
     return [item]
 
 
-def _seems_a_log(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES and not path.is_dir()
+def _logs_in(folder: str) -> Iterator[str]:
+    closed: list[OSError] = []
+    for place, _, names in os.walk(folder, onerror=closed.append):
+        for name in names:
+            if os.path.splitext(name)[1].lower() in SUFFIXES:
+                yield str(Path(place, name))
+    yield from (str(Path(error.filename)) for error in closed)
+
+
+def _is_open(folder: str) -> bool:
+    return os.access(folder, os.R_OK | os.X_OK)

@@ -12,8 +12,10 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.errors import SettingError
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
+from symid.data.memory import require_room
+from symid.errors import LogError, SettingError
+from symid.files import require_regular
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, TIMES
 
 UNKNOWN = "unknown axis"
 """Axis of logs that failed before it was known."""
@@ -21,6 +23,9 @@ UNITS = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
+_TEXTS = tuple(name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str)
+_LARGEST = 1e150
+"""Of a parameter: the square of what is larger is no number."""
 
 
 @dataclass(frozen=True)
@@ -59,18 +64,41 @@ def read_results(file: str | Path) -> pl.DataFrame:
         raise SettingError(
             f"results {path.name!r} are of no known kind: give a .parquet or .csv of symid batch"
         )
-    if not path.is_file():
+    if not path.exists():
         raise SettingError(f"results {path}: there is no such file; symid batch writes one")
+    require_regular(path)
     try:
-        table = pl.read_parquet(path) if kind == ".parquet" else _read_csv(path)
-    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+        table = _read_parquet(path) if kind == ".parquet" else _read_csv(path)
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, LogError) as error:
         raise SettingError(f"results {path} cannot be read: {' '.join(str(error).split())}") from error
     return checked_results(table)
 
 
+def _read_parquet(path: Path) -> pl.DataFrame:
+    scanned = pl.scan_parquet(path, glob=False)
+    require_room(scanned.select(pl.len()).collect().item() * len(scanned.collect_schema()))
+    return scanned.collect()
+
+
 def _read_csv(path: Path) -> pl.DataFrame:
     texts = (name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS}.items() if kind is str)
-    return pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+    table = pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+    return table.with_columns(pl.col(pl.String).str.replace(_MADE_SAFE, "$1"))
+
+
+_FORMULA = r"^('*[=+\-@\t\r])"
+_MADE_SAFE = r"^'('*[=+\-@\t\r])"
+
+
+def with_safe_cells(table: pl.DataFrame) -> pl.DataFrame:
+    """The table with an apostrophe before texts that a spreadsheet would take for formulas; `read_results` drops it.
+
+    Examples
+    --------
+    >>> with_safe_cells(pl.DataFrame({"log": ["=1+1.csv", "-2.csv", "a.csv"]}))["log"].to_list()
+    ["'=1+1.csv", "'-2.csv", 'a.csv']
+    """
+    return table.with_columns(pl.col(pl.String).str.replace(_FORMULA, "'$1"))
 
 
 def units_in(file: str | Path) -> Units:
@@ -106,6 +134,12 @@ def checked_results(table: pl.DataFrame) -> pl.DataFrame:
         raise SettingError(
             f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row a log"
         )
+    for name in (name for name in _TEXTS if name in table.columns):
+        kind = table.schema[name]
+        if name == "measured" and kind == pl.List(pl.String):
+            continue
+        if kind not in (pl.String, pl.Null) and not (name in TIMES and kind.is_temporal()):
+            raise SettingError(f"results hold {kind} in column {name!r}, where texts are required")
     return table
 
 
@@ -181,19 +215,21 @@ def _folders(table: pl.DataFrame, wanted: bool) -> pl.Series:
 
 
 def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
-    """A column as numbers; nan where there is none.
+    """A column as numbers; nan where there is none, or one that is too large to be reckoned with.
 
     Examples
     --------
     >>> numbers(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
     [1.0, nan]
     """
+    if rows.schema[column].is_nested() or rows.schema[column].is_temporal():
+        return np.full(rows.height, np.nan)
     values: FloatArray = rows[column].cast(pl.Float64, strict=False).to_numpy().astype(np.float64)
-    return values
+    return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
 def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
-    """When each log was recorded, in UTC; None if that is not known of every row.
+    """When each log was recorded, in UTC; None if that is not known of every row, or all are of one moment.
 
     Examples
     --------
@@ -204,6 +240,8 @@ def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
         return None
     found = [_moment(value) for value in rows["recorded"]]
     known = [moment for moment in found if moment is not None]
+    if len(known) > 1 and len(set(known)) == 1:
+        return None  # the time of a copy, which is not when they were recorded
     return known if len(known) == len(found) else None
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from symid.arrays import FloatArray
 from symid.errors import GeneratedModuleError, LogError, SymidError
+from symid.text import one_line
 
 Value = str | int | float | None
 Row = Mapping[str, Value]
@@ -93,4 +94,4 @@ def trouble(log: str, error: BaseException) -> dict[str, Value]:
             status, message = "failed", "the memory does not suffice: use fewer --jobs, or a shorter log"
         case _:
             status, message = "failed", f"{type(error).__name__}: {error}"
-    return {"status": status, "message": " ".join(message.removeprefix(f"{log}: ").split())}
+    return {"status": status, "message": one_line(message.removeprefix(f"{log}: "))}

@@ -6,19 +6,26 @@ that killed the process that worked on it, twice.
 
 from __future__ import annotations
 
+import math
 import os
 import signal
-import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from threading import Thread
 from typing import Any, Protocol, TypeVar
 
 import joblib
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from symid.errors import SettingError, SymidError
+from symid.fleet.limits import (
+    LONGEST,
+    end_with_parent,
+    ending_after,
+    limit_memory,
+    raising_after,
+    share_of_memory,
+)
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -40,6 +47,8 @@ class Processes:
     ----------
     jobs : int
         How many; 1 works in this very process, which then shares the fate of a log that kills it.
+    seconds : float
+        Longest time for a task; a process that takes longer is ended as if the task had killed it.
 
     Examples
     --------
@@ -48,12 +57,15 @@ class Processes:
     """
 
     jobs: int
+    seconds: float = LONGEST
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
         """See `Scheduler`."""
         if self.jobs == 1:
             for task in tasks:
-                yield task, work(task)
+                with raising_after(self.seconds):
+                    result = work(task)
+                yield task, result
             return
         left = dict(enumerate(tasks))
         while left:
@@ -72,7 +84,7 @@ class Processes:
         def calls() -> Iterator[Any]:
             for place, task in list(left.items()):
                 begun.append(place)
-                yield joblib.delayed(_placed)(work, place, task)
+                yield joblib.delayed(_placed)(work, place, task, self.seconds)
 
         results: Iterator[tuple[int, Result]] = _pool(self.jobs)(calls())
         return results
@@ -80,7 +92,7 @@ class Processes:
     def _alone(self, work: Callable[[Task], Result], task: Task) -> Result | None:
         """Result of a task that may have killed its process, in one that does nothing else."""
         try:
-            ((_, result),) = _pool(2)([joblib.delayed(_placed)(work, 0, task)])
+            ((_, result),) = _pool(2)([joblib.delayed(_placed)(work, 0, task, self.seconds)])
         except TerminatedWorkerError:
             return None
         return result  # type: ignore[no-any-return]  # joblib has no types
@@ -93,23 +105,20 @@ def _pool(jobs: int) -> joblib.Parallel:
         return_as="generator_unordered",
         inner_max_num_threads=1,
         initializer=_serve,
+        initargs=(share_of_memory(jobs),),
     )
 
 
-def _serve() -> None:
-    """Make a worker leave Ctrl-C to the main process, and end when that is gone."""
+def _serve(memory: float) -> None:
+    """Make a worker leave Ctrl-C to the main process, end when that is gone, and not take all memory."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_after, args=(os.getppid(),), daemon=True).start()
+    end_with_parent()
+    limit_memory(memory)
 
 
-def _end_after(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(1.0)
-    os._exit(1)
-
-
-def _placed(work: Callable[[Task], Result], place: int, task: Task) -> tuple[int, Result]:
-    return place, work(task)
+def _placed(work: Callable[[Task], Result], place: int, task: Task, seconds: float) -> tuple[int, Result]:
+    with ending_after(seconds):
+        return place, work(task)
 
 
 _PATIENCE = 10.0
@@ -200,20 +209,22 @@ def _distributed() -> Any:
     return distributed
 
 
-def scheduler_of(jobs: int | None, address: str | None, n_tasks: int) -> Scheduler:
+def scheduler_of(jobs: int | None, address: str | None, n_tasks: int, seconds: float = LONGEST) -> Scheduler:
     """The cluster at an address, else as many processes as are asked for or as there are cores.
 
     Raises
     ------
     SettingError
-        If the number of processes is not positive, or Dask is not installed.
+        If the number of processes or the time is not positive, or Dask is not installed.
     """
+    if not 0 < seconds < math.inf:
+        raise SettingError(f"a limit of {seconds:g} s for each log is not possible: give more than 0")
     if jobs is not None and jobs < 1:
         raise SettingError(f"{jobs} jobs are not possible: give 1 or more")
     if address is not None:
         _distributed()
         return Cluster(address)
-    return Processes(max(1, min(jobs or cores(), n_tasks)))
+    return Processes(max(1, min(jobs or cores(), n_tasks)), seconds)
 
 
 def cores() -> int:

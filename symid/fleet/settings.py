@@ -9,6 +9,7 @@ from typing import Any, Literal
 from symid.axis import Axis
 from symid.data import MEMORY, Layout
 from symid.errors import SettingError
+from symid.fleet.limits import LONGEST
 from symid.identification import Preparation
 from symid.identification.logs import axis_columns
 
@@ -52,6 +53,8 @@ class BatchSettings:
         can be joined without reading them again; for "wls" and "ols".
     memory : int
         Bytes that a log may take in a process; a longer CSV or Parquet file is identified in blocks by "wls" and "ols".
+    seconds : float
+        Longest time for one log; a worker that takes longer is ended.
 
     Raises
     ------
@@ -76,6 +79,7 @@ class BatchSettings:
     examine: bool = True
     joint: bool = False
     memory: int = MEMORY
+    seconds: float = LONGEST
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -86,7 +90,7 @@ class BatchSettings:
     @property
     def canonical(self) -> str:
         """Text that is the same for the same settings, in every process."""
-        return repr(_sorted(replace(self, memory=MEMORY)))  # blocks give what memory gives
+        return repr(_sorted(replace(self, memory=MEMORY, seconds=LONGEST)))  # limits change no result
 
     def of_axis(self, axis: Axis) -> BatchSettings:
         """What of the settings concerns an axis: of several axes each has its own signals."""

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import polars as pl
 
+from symid.data import write_frame
 from symid.errors import SettingError, SymidError
 from symid.fleet.kept_factors import FACTORS
 from symid.fleet.plan import FleetAxis
-from symid.fleet.results import UNITS, Units, read_results
+from symid.fleet.results import UNITS, Units, read_results, with_safe_cells
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
 
 SUFFIXES = (".parquet", ".csv")
@@ -125,17 +126,10 @@ def write_table(table: pl.DataFrame, units: Units, file: Path) -> None:
     SymidError
         If that is not possible, as on a full disk.
     """
-    unfinished = file.with_name(file.name + ".unfinished")
     try:
         if file.suffix == ".parquet":
-            table.write_parquet(unfinished, metadata={UNITS: json.dumps(units)})
+            write_frame(table, file, {UNITS: json.dumps(units)})
         else:
-            table.write_csv(unfinished)
-        with unfinished.open("rb+") as written:
-            os.fsync(written.fileno())
-        os.replace(unfinished, file)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        cause = getattr(error, "strerror", None) or str(error)
-        raise SymidError(f"{file}: cannot be written ({cause})") from error
-    finally:
-        unfinished.unlink(missing_ok=True)
+            write_frame(with_safe_cells(table), file)
+    except OSError as error:
+        raise SymidError(f"{file}: cannot be written ({error.strerror or error})") from error

@@ -6,7 +6,6 @@ import contextlib
 import ctypes
 import hashlib
 import os
-import sys
 import time
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,12 +17,15 @@ from threadpoolctl import ThreadpoolController
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, columns_in
 from symid.errors import LogError
+from symid.files import irregular
 from symid.fleet.joint import log_factors
 from symid.fleet.kept_factors import FACTORS, packed
+from symid.fleet.limits import TooLongError
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
 from symid.fleet.settings import ROW_METHODS
 from symid.identification import Identification, identify, measured_signals, open_axis_log
+from symid.text import visible
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
         The log.
     """
     begin = time.perf_counter()
-    row: dict[str, Value] = {"log": task.log}
+    row: dict[str, Value] = {"log": visible(task.log)}
     try:
         row["recorded"] = time_text(os.stat(task.path).st_mtime)
         content = content_of(task.path)
@@ -80,7 +82,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
             row |= _identified(axis, task.path)
     except (Exception, PanicException) as error:  # noqa: BLE001  a row must tell of whatever a log brings about
         row |= trouble(task.path, error)
-        if isinstance(error, (MemoryError, OSError)):
+        if isinstance(error, (MemoryError, OSError, TooLongError)):
             row["key"] = None  # another night may do better
     row |= {"seconds": time.perf_counter() - begin, "finished": time_text(time.time())}
     return Outcome(task.log, row)
@@ -88,13 +90,22 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
 
 def killed(task: Task) -> Outcome:
     """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
-    message = "its worker died twice, as for want of memory: use fewer --jobs, or a shorter log"
-    row: Row = {"log": task.log, "status": "failed", "message": message, "finished": time_text(time.time())}
+    message = "its worker died twice, as for want of memory or time: use fewer --jobs, more --timeout, or a shorter log"
+    row: Row = {
+        "log": visible(task.log),
+        "status": "failed",
+        "message": message,
+        "finished": time_text(time.time()),
+    }
     return Outcome(task.log, row)
 
 
 def content_of(path: str) -> str:
-    """SHA-256 of the bytes of a file, read in pieces."""
+    """SHA-256 of the bytes of a file, read in pieces; LogError for a pipe or a device, which may have no end."""
+    if kind := irregular(path):
+        if kind == "a folder":
+            os.listdir(path)  # a folder that could not be read stands for what is in it
+        raise LogError(f"is {kind}: give a regular file")
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -145,7 +156,8 @@ def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
         gains=settings.gains,
         layout=settings.layout,
         sampling_period=settings.sampling_period,
-        memory=settings.memory if in_blocks else sys.maxsize,
+        memory=settings.memory,
+        whole=not in_blocks,
     )
     measured = measured_signals(declared, [log], settings.measured)
     row: dict[str, Value] = {"samples": log.n_samples, "measured": ",".join(measured)}

@@ -105,6 +105,7 @@ def open_axis_log(
     layout: Layout | None = None,
     sampling_period: float | None = None,
     memory: int = MEMORY,
+    whole: bool = False,
 ) -> AnyLog:
     """Do what `read_axis_log` does for a log that fits in memory; of a longer one, read only windows.
 
@@ -114,6 +115,8 @@ def open_axis_log(
         As in `read_axis_log`.
     memory : int
         Bytes that the log and the rows made of it may take.
+    whole : bool
+        Whether a log whose columns do not fit is refused instead of being read in blocks.
 
     Raises
     ------
@@ -138,6 +141,7 @@ def open_axis_log(
         layout=layout,
         sampling_period=sampling_period,
         memory=memory,
+        whole=whole,
     )
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from symid.axis import Axis, derivative_order
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.layout import first_lines
 from symid.errors import LogError, SettingError
+from symid.files import is_finite_number, read_json, shortened
 from symid.units import Unit, to_si
 
 _QUANTITIES = ("position", "velocity", "acceleration")
@@ -65,15 +65,10 @@ def read_mapping(file: str | Path) -> LogMapping:
     SettingError
         If the file holds no mapping, or one in which something is still missing.
     """
+    record = read_json(file)
     try:
-        record = json.loads(Path(file).read_text(encoding="utf-8"))
-        layout = Layout(**record.pop("layout")) if record.get("layout") else record.pop("layout", None)
-        for name in ("guesses", "missing"):
-            record[name] = tuple(map(str, record.get(name, ())))
-        for name in ("gains", "late"):
-            record[name] = {str(key): float(value) for key, value in record.get(name, {}).items()}
-        mapping = LogMapping(**record, layout=layout)
-    except (ValueError, TypeError, AttributeError) as error:
+        mapping = _mapping_of(record)
+    except (ValueError, TypeError, LogError) as error:
         raise SettingError(
             f"{file} holds no mapping of columns: write one with symid import ({error})"
         ) from error
@@ -82,6 +77,54 @@ def read_mapping(file: str | Path) -> LogMapping:
             f"mapping {file} is not complete: {'; '.join(mapping.missing)}; fill it in and delete its line in missing"
         )
     return mapping
+
+
+def _mapping_of(record: object) -> LogMapping:
+    """Mapping of what a JSON file holds; ValueError that names what has another shape."""
+    known = [one.name for one in fields(LogMapping)]
+    if not isinstance(record, dict):
+        raise TypeError(f"{shortened(record)} where names and values are required")
+    if unknown := [name for name in record if name not in known]:
+        raise ValueError(f"{shortened(unknown[0])} is not known, it has {', '.join(known)}")
+    given: dict[str, Any] = {}
+    for name in ("columns", "units", "gains", "late"):
+        given[name] = _entries(name, record.get(name) or {})
+    for name in ("guesses", "missing"):
+        given[name] = tuple(map(str, _listed(name, record.get(name) or [])))
+    period, layout = record.get("sampling_period"), record.get("layout")
+    if period is not None and not is_finite_number(period):
+        raise ValueError(f"sampling_period is {shortened(period)}, a number of seconds is required")
+    return LogMapping(**given, layout=_layout_of(layout) if layout else None, sampling_period=period)
+
+
+def _entries(name: str, value: object) -> dict[str, Any]:
+    """Texts, or numbers for gains and times, by signal."""
+    if not isinstance(value, dict):
+        raise TypeError(f"{name} is {shortened(value)}, signals with values are required")
+    for signal, entry in value.items():
+        if name in ("gains", "late"):
+            if not is_finite_number(entry):
+                raise ValueError(f"{name} of {signal} is {shortened(entry)}, a finite number is required")
+        elif not isinstance(entry, str):
+            raise ValueError(f"{name} of {signal} is {shortened(entry)}, a text is required")
+    return {signal: float(v) if name in ("gains", "late") else v for signal, v in value.items()}
+
+
+def _listed(name: str, value: object) -> list[Any]:
+    if not isinstance(value, list):
+        raise TypeError(f"{name} is {shortened(value)}, a list of texts is required")
+    return value
+
+
+def _layout_of(value: object) -> Layout:
+    known = {one.name: one.type for one in fields(Layout)}
+    if not isinstance(value, dict) or not value.keys() <= known.keys():
+        raise ValueError(f"layout is {shortened(value)}, it has {', '.join(known)}")
+    for name, entry in value.items():
+        kind = int if known[name] == "int" else str
+        if not isinstance(entry, kind) or isinstance(entry, bool):
+            raise TypeError(f"{name} of the layout is {shortened(entry)}, {kind.__name__} is required")
+    return Layout(**value)
 
 
 def guessed_mapping(
@@ -212,16 +255,31 @@ class _Guess:
         if column is None:
             self.missing.append(f"no column seems to be the force {signal}: name it in columns")
             return
-        if column.quantity == own:
+        if rated is not None and column.quantity != "percent":
+            self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
+        if column.quantity == own and _measures(column.unit, unit):
             self.take(signal, column)
+            if gain is not None:
+                self.gains[signal] = gain
+                self.guesses.append(f"{signal} is {gain:g} times that column: given")
             return
         self.take(signal, column, str(unit))
-        factor = rated / 100 if rated is not None and column.quantity == "percent" else gain
+        in_percent = column.quantity == "percent"
+        factor = rated / 100 if rated is not None and in_percent else gain
+        per = "% (rated value / 100)" if in_percent else column.unit or "A"
         if factor is not None:
             self.gains[signal] = factor
+            self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
             return
-        per = "% (rated value / 100)" if column.quantity == "percent" else "A"
         self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
+
+
+def _measures(written: str | None, unit: Unit) -> bool:
+    """Whether a written unit is one of the drive's force; without one, it is taken to be."""
+    try:
+        return written is None or to_si(written, unit) > 0
+    except LogError:
+        return False
 
 
 def require_known(mapping: LogMapping, axis: Axis) -> None:

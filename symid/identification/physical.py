@@ -132,6 +132,8 @@ def _fitted(
     """Weighted fit from a start, in parameters scaled by it; those that start as nan are not seen and stay so."""
     seen = np.isfinite(start)
     guess = start[seen]
+    if guess.size > minimal.size:
+        return None  # fewer minimal parameters than physical ones: no start leads to a single solution
     scale = np.where(guess == 0, 1.0, np.abs(guess))
     spread = np.sqrt(np.diag(covariance))
     spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)

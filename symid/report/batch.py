@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from rich.table import Table
-from rich.text import Text
 
-from symid.report.console import report_console
+from symid.report.console import plain, report_console
 from symid.report.numbers import MISSING, significant, words
 
 _MOST_LINES = 10
@@ -29,13 +28,13 @@ def print_batch(record: dict[str, Any]) -> None:
         )
         console.print(_effects(record["effects"]))
     for trouble in record["not_ok"][:_MOST_LINES]:
-        console.print(Text(f"{trouble['log']}: {trouble['status']}: {trouble['message']}"))
+        console.print(plain(f"{trouble['log']}: {trouble['status']}: {trouble['message']}"))
     if (more := record["logs"] - record["status"].get("ok", 0) - _MOST_LINES) > 0:
         console.print(f"and {more} more that are not ok: see the column message")
     if record["former_table"]:
-        console.print(Text(f"the former table held other logs too: it is kept as {record['former_table']}"))
+        console.print(plain(f"the former table held other logs too: it is kept as {record['former_table']}"))
     if record["output"]:
-        console.print(Text(f"rows: {', '.join(record['output'])}"))
+        console.print(plain(f"rows: {', '.join(record['output'])}"))
 
 
 def _parameters(axis: str, parameters: list[dict[str, Any]]) -> Table:
@@ -73,7 +72,7 @@ def _table(title: str, headings: tuple[str, ...], lines: Sequence[tuple[str, ...
     for heading in headings:
         table.add_column(heading, justify="right" if heading in _NUMBERS else "left")
     for line in lines:
-        table.add_row(*map(Text, line))
+        table.add_row(*map(plain, line))
     return table
 
 

@@ -64,6 +64,7 @@ class Palette:
         named = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
         return {
             "font.size": 9,
+            "text.parse_math": False,  # names of columns may hold dollars
             "axes.spines.top": False,
             "axes.spines.right": False,
             "axes.grid": True,

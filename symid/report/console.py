@@ -2,14 +2,53 @@
 
 from __future__ import annotations
 
+import io
 import sys
+from typing import Any
 
 from rich.console import Console
+from rich.errors import MarkupError
+from rich.markup import escape
+from rich.text import Text
+
+from symid.text import visible
 
 _WIDTH_OF_FILES = 160
+_TAGS = ("[bold]", "[/bold]", "[italic]", "[/italic]")
+"""All markup that reports use: other brackets stand in names of files and columns and are printed."""
+
+
+class ReportConsole(Console):
+    """A console to which text is text: brackets in names are no markup, control characters are written out."""
+
+    def render_str(self, text: str, *, markup: bool | None = None, **options: Any) -> Text:
+        """Text with the markup of reports."""
+        shown = visible(text)
+        if markup is False:
+            return super().render_str(shown, markup=False, **options)
+        marked = escape(shown)
+        for tag in _TAGS:
+            marked = marked.replace(f"\\{tag}", tag)
+        try:
+            return super().render_str(marked, markup=True, **options)
+        except MarkupError:  # a name holds such a tag
+            return super().render_str(shown, markup=False, **options)
+
+
+def plain(text: str, style: str = "") -> Text:
+    r"""Text of one style, its control characters written out.
+
+    Examples
+    --------
+    >>> plain("a[b]\x1b").plain
+    'a[b]\\x1b'
+    """
+    return Text(visible(text), style=style)
 
 
 def report_console() -> Console:
     """Console on standard output: as wide as the terminal, and 160 columns where the output goes to a file or pipe."""
+    if sys.stdout is None:  # closed by whoever started the program
+        return ReportConsole(file=io.StringIO(), width=_WIDTH_OF_FILES)
     width = None if sys.stdout.isatty() else _WIDTH_OF_FILES
-    return Console(highlight=False, soft_wrap=True, width=width)
+    return ReportConsole(highlight=False, soft_wrap=True, width=width)

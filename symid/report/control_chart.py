@@ -159,8 +159,9 @@ def _time(chart: ControlChart) -> FloatArray:
 
 
 def _horizontal(time: FloatArray, of: FloatArray | None = None) -> FloatArray:
-    length = float(np.ptp(time)) or 1.0
-    share = ((time if of is None else of) - time.min()) / length if np.ptp(time) else np.full(time.shape, 0.5)
+    shown = time if of is None else of
+    length = float(np.ptp(time))
+    share = (shown - time.min()) / length if length else np.full(shown.shape, 0.5)
     return np.asarray(_LEFT + 6 + share * (WIDTH - _LEFT - _RIGHT - 12))
 
 
@@ -228,6 +229,7 @@ def _time_ticks(chart: ControlChart, time: FloatArray) -> tuple[Tick, ...]:
         step = next((s.total_seconds() for s in _STEPS if length / s.total_seconds() <= 7), length / 5)
         begin = math.ceil(time.min() / step) * step
         moments = np.arange(begin, time.max() + 1, step) if length else time[:1]
+        moments = moments[moments <= time.max()]
         form = "%Y-%m-%d" if step >= 86400 else "%m-%d %H:%M"
         texts = [datetime.fromtimestamp(float(m), tz=first.tzinfo).strftime(form) for m in moments]
     else:

@@ -8,7 +8,6 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from symid.diagnosis.result import (
     Alternative,
@@ -21,7 +20,7 @@ from symid.diagnosis.result import (
     ParameterChange,
     Simulator,
 )
-from symid.report.console import report_console
+from symid.report.console import plain, report_console
 from symid.report.numbers import (
     MISSING,
     band,
@@ -185,7 +184,7 @@ def _change(change: ParameterChange) -> dict[str, Any]:
 def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> None:
     """Print what `diagnosis_record` holds, the verdict first."""
     console = console or report_console()
-    console.print(Text(record["sentence"], style="bold"))
+    console.print(plain(record["sentence"], style="bold"))
     console.print(
         f"{record['axis']} from {', '.join(record['measured'])}: {', '.join(record['logs'])}", markup=False
     )
@@ -220,7 +219,7 @@ def closed_line(gap: dict[str, Any]) -> str:
 
 
 def _table(title: str, left: tuple[str, ...], right: tuple[str, ...], last: tuple[str, ...] = ()) -> Table:
-    table = Table(title=Text(title), title_justify="left", box=None, pad_edge=False)
+    table = Table(title=plain(title), title_justify="left", box=None, pad_edge=False)
     for heading in (*left, *right, *last):
         table.add_column(heading, justify="right" if heading in right else "left")
     return table
@@ -228,7 +227,7 @@ def _table(title: str, left: tuple[str, ...], right: tuple[str, ...], last: tupl
 
 def _add(table: Table, *cells: str) -> None:
     """A row of plain text: names of logs and signals may look like markup."""
-    table.add_row(*(Text(cell) for cell in cells))
+    table.add_row(*(plain(cell) for cell in cells))
 
 
 def _gap_table(record: dict[str, Any]) -> Table:

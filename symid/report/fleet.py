@@ -9,10 +9,9 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from symid.fleet import AxisReview, Change, FleetReview, JointIdentification, ParameterReview
-from symid.report.console import report_console
+from symid.report.console import plain, report_console
 from symid.report.numbers import MISSING, percent, probability, significant, with_deviation, words
 
 _MOST_EFFECTS = 10
@@ -160,12 +159,12 @@ def change_sentence(change: Change) -> str:
 def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
     """Print what `fleet_record` holds, the sentence first, then axis by axis."""
     console = console or report_console()
-    console.print(Text(record["sentence"], style="bold"))
+    console.print(plain(record["sentence"], style="bold"))
     if record["effects"]:
         console.print("", _effects_table(record), sep="\n")
     for axis in record["axes"]:
         counts = ", ".join(f"{count} {words(name)}" for name, count in axis["statuses"].items())
-        console.print("", Text(f"{axis['name']}: {axis['logs']} logs ({counts})", style="bold"), sep="\n")
+        console.print("", plain(f"{axis['name']}: {axis['logs']} logs ({counts})", style="bold"), sep="\n")
         if not axis["parameters"]:
             console.print("no log has parameters to compare", markup=False)
             continue
@@ -235,7 +234,7 @@ def _events(axis: dict[str, Any]) -> list[str]:
 
 
 def _table(title: str, *headings: str) -> Table:
-    table = Table(title=Text(title) if title else None, title_justify="left", box=None, pad_edge=False)
+    table = Table(title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False)
     for heading in headings:
         number = heading in ("logs", "axes", "median", "between runs", "promised", "p", "joint")
         table.add_column(heading, justify="right" if number else "left")
@@ -244,4 +243,4 @@ def _table(title: str, *headings: str) -> Table:
 
 def _add(table: Table, *cells: str) -> None:
     """A row of plain text: names of logs may look like markup."""
-    table.add_row(*(Text(cell) for cell in cells))
+    table.add_row(*(plain(cell) for cell in cells))

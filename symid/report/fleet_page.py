@@ -13,6 +13,7 @@ from typing import Any
 import polars as pl
 
 from symid import __version__
+from symid.files import write_whole
 from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview
 from symid.fleet.results import numbers, parameter_names
 from symid.report import control_chart
@@ -71,7 +72,7 @@ def write_fleet_html(
         If the suffix is another one, or the folder does not exist.
     """
     path = html_path(file)
-    path.write_text(_page(found, joined), encoding="utf-8")
+    write_whole(path, _page(found, joined))
 
 
 def _page(found: FleetReview, joined: Mapping[str, JointIdentification] | None) -> str:

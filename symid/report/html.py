@@ -10,6 +10,7 @@ import jinja2
 from symid import __version__
 from symid.diagnosis.result import Diagnosis
 from symid.errors import SettingError
+from symid.files import write_whole
 from symid.report import colours, numbers
 from symid.report.bars import Scale, scale_of
 from symid.report.diagnosis import diagnosis_record
@@ -65,7 +66,7 @@ def write_html(found: Diagnosis, file: str | Path) -> None:
         If the suffix is another one, or the folder does not exist.
     """
     path = html_path(file)
-    path.write_text(_page(found), encoding="utf-8")
+    write_whole(path, _page(found))
 
 
 def _page(found: Diagnosis) -> str:

@@ -15,6 +15,7 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
+from symid.files import replacing
 from symid.identification import Identification, Prediction
 from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
@@ -36,6 +37,12 @@ def figure_path(file: str | Path) -> Path:
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
     return path
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as a whole or not at all."""
+    with replacing(path) as unfinished:
+        figure.savefig(unfinished, dpi=150, format=path.suffix.lower()[1:])
 
 
 def plot_identification(
@@ -74,7 +81,7 @@ def plot_identification(
         If the suffix is not known, or the parameters are not determined.
     """
     path = figure_path(file)
-    identification_figure(found, validation, axis=axis, runs=runs, palette=palette).savefig(path, dpi=150)
+    save_figure(identification_figure(found, validation, axis=axis, runs=runs, palette=palette), path)
 
 
 def identification_figure(

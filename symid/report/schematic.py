@@ -40,7 +40,7 @@ from symid.axis import (
 )
 from symid.report import symbols
 from symid.report.colours import LIGHT, Palette
-from symid.report.plots import figure_path
+from symid.report.plots import figure_path, save_figure
 from symid.report.symbols import Line, Sign
 
 _GAP, _LANE, _WALL = 1.75, 0.72, 0.28
@@ -108,7 +108,7 @@ def plot_schematic(axis: Axis, file: str | Path, palette: Palette = LIGHT) -> No
         If the suffix is not known.
     """
     path = figure_path(file)
-    schematic(axis, palette).savefig(path, dpi=150)
+    save_figure(schematic(axis, palette), path)
 
 
 def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
-from symid.report.plots import figure_path
+from symid.report.plots import figure_path, save_figure
 from symid.tuning import TotalTuning
 
 
@@ -97,4 +97,4 @@ def plot_total_tuning(found: TotalTuning, file: str | Path, palette: Palette = L
         axes.set_xlabel("cutoff frequency [Hz]")
         axes.set_ylabel("total error, rms over parameters [%]")
         axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)
-        figure.savefig(path, dpi=150)
+        save_figure(figure, path)

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
-from symid.report.plots import figure_path
+from symid.report.plots import figure_path, save_figure
 from symid.tuning import BoundSearch, Tuning
 
 
@@ -124,7 +124,7 @@ def plot_tuning(found: Tuning, file: str | Path, palette: Palette = LIGHT) -> No
         left.set_ylabel("largest error of a parameter [%]")
         for axes in (left, right):
             axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
-        figure.savefig(path, dpi=150)
+        save_figure(figure, path)
 
 
 def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Palette) -> None:

@@ -172,3 +172,34 @@ def test_mistakes_are_one_line(
     err = capsys.readouterr().err
     assert words in err
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("header", "options", "unit", "gain"),
+    [
+        ("Moment [N*m]", "--gain 257", "N", 257.0),
+        ("Moment [mNm]", "--gain 0.257", "N", 0.257),
+        ("Kraft [kN]", "--gain -1", "kN", -1.0),
+        ("Kraft [kN]", "", "kN", None),
+        ("Kraft [kN]", "--rated 5", "kN", None),
+    ],
+)
+def test_a_factor_that_is_given_is_used(
+    header: str, options: str, unit: str, gain: float | None, recorded, folder: Path
+) -> None:
+    text = table({"t [s]": recorded.time, "Lage [m]": recorded["q"], header: recorded["F"]}, ";")
+    (folder / "a.csv").write_text(text)
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json", *options.split()) == 0
+    mapping = json.loads((folder / "map.json").read_text())
+    assert (mapping["units"]["F"], mapping["gains"].get("F"), mapping["missing"]) == (unit, gain, [])
+    if options:
+        assert any("given" in guess or "rated value is not used" in guess for guess in mapping["guesses"])
+
+
+def test_a_torque_is_no_force_without_a_factor(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = table({"t [s]": recorded.time, "Lage [m]": recorded["q"], "Moment [N*m]": recorded["F"]}, ";")
+    (folder / "a.csv").write_text(text)
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0
+    assert "F has no factor: give gains F in N per N*m" in capsys.readouterr().out

@@ -1,13 +1,13 @@
 """`symid show` and `symid generate` from the command line."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
 from axes.catalogue import cases
 
 from symid.cli import main
-from symid.codegen import store
 
 AXIS_FILE = """
 from symid import Axis, Body, Drive, Position, ViscousFriction
@@ -166,9 +166,9 @@ def test_a_failing_disk_leaves_the_old_module_and_one_line(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", "mine__q.py")
 
-    monkeypatch.setattr(store.os, "replace", full)
+    monkeypatch.setattr(os, "replace", full)
     code, _, err = run(capsys, "generate", "mine")
-    assert (code, err) == (2, "symid: mine__q.py: No space left on device\n")
+    assert (code, err) == (2, f"symid: {module}: No space left on device\n")
     assert module.read_text(encoding="utf-8") == before
 
 

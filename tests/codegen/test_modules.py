@@ -11,7 +11,7 @@ import pytest
 from axes.catalogue import cases, every_set, generated
 
 from symid.axis import load_axis
-from symid.codegen import GeneratedModel, load_generated, store
+from symid.codegen import GeneratedModel, load_generated
 from symid.codegen.generate import plan
 from symid.codegen.module import module_text
 from symid.codegen.store import compile_module, module_name, planned_file, write
@@ -230,7 +230,7 @@ def test_a_failure_while_writing_leaves_the_old_module(
     def full(*_: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(store.os, "replace", full)
+    monkeypatch.setattr(os, "replace", full)
     with pytest.raises(OSError, match="no space left"):
         write(files)
     assert path.read_text(encoding="utf-8") == before

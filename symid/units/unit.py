@@ -1,20 +1,8 @@
-"""Units of signals and parameters as products of powers of base units.
-
-Parameters need only an exact algebra of exponents (`Unit`). Units that users write in log headers are
-read by pint (`to_si`), which knows them all.
-"""
+"""Units of signals and parameters as products of powers of base units: an exact algebra of exponents."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from functools import cache
-from typing import TYPE_CHECKING
-
-from symid.errors import LogError
-
-if TYPE_CHECKING:
-    import pint
 
 BASE_UNITS = ("kg", "A", "V", "m", "s", "rad")
 """Base units in printing order. The volt is kept as its own unit: drives are often identified in volts."""
@@ -70,9 +58,6 @@ def _base(name: str) -> Unit:
     return Unit(tuple(int(name == base) for base in BASE_UNITS))
 
 
-_WRITTEN = re.compile(r"[\w\s*/^().%°·⋅×⁻+-]*")
-"""What units are written in; pint passes over any other sign."""
-
 _METRE, _SECOND, _NEWTON = _base("m"), _base("s"), _base("kg") * _base("m") / _base("s") ** 2
 _NAMED: dict[str, Unit] = {
     "1": Unit(),
@@ -107,58 +92,3 @@ def _symbol_of(unit: Unit) -> str:
 
 def _power(name: str, power: int) -> str:
     return name if power == 1 else f"{name}^{power}"
-
-
-@cache
-def _registry() -> pint.UnitRegistry[float]:
-    # pint takes half a second to load; logs in plain SI never need it.
-    import pint
-
-    return pint.UnitRegistry(autoconvert_offset_to_baseunit=False)
-
-
-@cache
-def to_si(text: str, expected: Unit | None = None) -> float:
-    """Factor that takes a quantity from a written unit to SI base units.
-
-    Parameters
-    ----------
-    text : str
-        A unit as users write it: ``"mm"``, ``"deg/s"``, ``"kN"``, ``"um"``.
-    expected : Unit, optional
-        What the signal must be measured in. Angles count as dimensionless, as in pint.
-
-    Returns
-    -------
-    float
-        Multiply a value in `text` by this to have it in SI.
-
-    Raises
-    ------
-    LogError
-        If the unit is unknown, has an offset (degC), or has not the expected dimension.
-
-    Examples
-    --------
-    >>> to_si("mm")
-    0.001
-    """
-    if expected is not None and text == str(expected):
-        return 1.0
-    registry = _registry()
-    try:
-        if not _WRITTEN.fullmatch(text):
-            raise ValueError(text)
-        quantity = registry.Quantity(1.0, registry.parse_units(text)).to_base_units()
-    except Exception as error:
-        raise LogError(
-            f"unit {text!r} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
-        ) from error
-    if expected is not None:
-        wanted = registry.parse_units(str(expected).replace("^", "**"))
-        if quantity.dimensionality != wanted.dimensionality:
-            raise LogError(
-                f"unit {text!r} does not measure what is expected here: give a unit that converts to {expected}"
-            )
-        return float(quantity.to(wanted).magnitude)
-    return float(quantity.magnitude)

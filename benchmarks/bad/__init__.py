@@ -1,0 +1,1 @@
+"""Bad options, bad JSON and bad tables for the command line."""

@@ -1,0 +1,191 @@
+"""What is drawn: a command that works, with a few of its options, JSON fields, columns or lines made strange."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+from hypothesis import strategies as st
+
+WORDS = (
+    "", " ", "0", "-0", "-1", "1", "2", "1e-9", "1e9", "1e300", "1e-300", "1e400", "nan", "inf", "-inf", "²", "½", "١٢",
+    "0x10", "1_000", "+5", " 5 ", "1,5", "1;2", "1,2,3", ",", "=", "a=", "=b", "q", "F", "t", "q=q", "q=", "F=nan",
+    "F=1e9", "F=-500us", "F=9**9**9**9", "q=m", "q=Grad", "q=9**9**9**9", "q=1e9s", "q=1e-320", "Kpp=30", "Kpp=nan",
+    "Kpp=-1", "Kxx=1", "M", "q,ddq", "1e300GB", "1kB", "1e-9MB", "-5GB", "nanGB", "run.csv", "P.json", "M.json",
+    "R.json", "nowhere.csv", ".", "..", "/dev/null", "/dev/zero", "pipe", "../x", "a/b", "a" * 300, "\x1b[2J",
+    "caf\udce9", "\x00", "[/bold]", "$x_{$", "None", "lambda: 0", "wls", "oe", "all", "motion", "trapezoids", "chirp",
+    "multisine", "0.5,20", "20,0.5", "0,0", "nan,1", "1,1e9", "speed=0.1", "speed=-1", "lowest=nan", "ok,biased",
+)  # fmt: skip
+VALUES: tuple[Any, ...] = (
+    None, True, False, 0, -1, 1, 1e308, -1e308, 1e-320, 10**400, "", "12", "x", [], [1], {}, {"value": 1},
+    {"value": None}, {"a": {"b": []}}, [[1, 2], [3]], ["q"], "hex", "rot13", "utf-16", ";", "\n", "\x1b[2J",
+    "9**9**9**9", {"q": 5}, [None], float("nan"), float("inf"), "[" * 2000,
+)  # fmt: skip
+
+OPTIONS: dict[str, tuple[str, ...]] = {
+    "identify rigid_1m run.csv": (
+        "--method", "--measured", "--column", "--unit", "--gain", "--mapping", "--cutoff", "--order", "--filter",
+        "--decimation", "--trim", "--standstill", "--held", "--late", "--controller-gain", "--rate", "--ddof",
+        "--nominal", "--memory", "--validation", "--plot", "--json",
+    ),
+    "import foreign.csv --axis rigid_1m": ("--axis", "--rate", "--gain", "--rated", "--output", "--plot", "--json"),
+    "simulate rigid_1m --parameters P.json --rate 500 --output out/s.csv --overwrite": (
+        "--parameters", "--trajectory", "--seconds", "--band", "--travel", "--speed", "--acceleration", "--jerk",
+        "--dwell", "--rate", "--bandwidth", "--controller-gain", "--force-limit", "--open-loop", "--log-rate",
+        "--noise", "--resolution", "--delay", "--seed", "--output", "--json",
+    ),
+    "export rigid_1m --parameters R.json --to json": ("--parameters", "--to", "--measured", "--output", "--json"),
+    "export rigid_1m --parameters P.json --to c": ("--parameters", "--measured", "--output"),
+    "export rigid_1m --parameters P.json --to mjcf": ("--parameters", "--measured", "--output"),
+    "batch rigid_1m run.csv --output out/r.parquet --jobs 1": (
+        "--also", "--jobs", "--memory", "--timeout", "--report", "--method", "--measured", "--column", "--unit",
+        "--gain", "--mapping", "--cutoff", "--order", "--decimation", "--trim", "--standstill", "--late", "--ddof",
+        "--nominal", "--output", "--json",
+    ),
+    "fleet results.parquet": ("--by", "--order", "--status", "--without", "--joint", "--axis", "--report", "--json"),
+    "show rigid_1m": ("--measured", "--plot", "--json"),
+    "new own": ("--bodies", "--springs", "--encoder", "--accelerometer", "--json"),
+    "generate own_axis.py": ("--measured", "--json"),
+}  # fmt: skip
+"""Commands that work and are quick, and the options that are made strange."""
+FLAGS = ("--joint",)
+READ_BY = {
+    "P.json": ("export rigid_1m --parameters P.json --to json", "simulate rigid_1m --parameters P.json --rate 500 "
+               "--travel 0.01 --output out/s.csv --overwrite", "identify rigid_1m run.csv --nominal P.json"),
+    "R.json": ("export rigid_1m --parameters R.json --to json", "identify rigid_1m run.csv --nominal R.json"),
+    "M.json": ("identify rigid_1m foreign.csv --mapping M.json", "batch rigid_1m foreign.csv --mapping M.json --output "
+               "out/m.parquet --jobs 1"),
+}  # fmt: skip
+"""Commands that read a JSON file."""
+COLUMNS = (
+    "log",
+    "axis",
+    "status",
+    "measured",
+    "M",
+    "M_std",
+    "Fv",
+    "X1",
+    "recorded",
+    "factors",
+    "key",
+    "samples",
+)
+LINES = (
+    "t,q,F", 't,"q,F', "t;q;F", "t,q [9**9**9**9],F", "t,q [],F", "t,q,q", ",,", "t,q,F\x00", "t\tq\tF",
+    "t,q [µm],F [Nm]", '"' * 70_000, "t,q,F" + "," * 3000, "1,2,3", "t,q,F\x1b[2J", "", "{}",
+    "t [min],q [Grad],F [kN]", "caf\udce9,q,F",
+)  # fmt: skip
+
+
+_ROWS = "".join(f"{i / 100},{i % 9},{i % 7}\n" for i in range(300))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A command and the changes of its files.
+
+    Parameters
+    ----------
+    arguments : tuple of str
+        Of the command line.
+    file : str
+        File that is changed; empty for none.
+    change : str
+        Its new text; for a table of results ``COLUMN`` and a JSON value that all its cells get.
+    """
+
+    arguments: tuple[str, ...]
+    file: str = ""
+    change: str = ""
+
+    def prepare(self, folder: Path) -> None:
+        """Change the file."""
+        if self.file.endswith(".parquet"):
+            _change_table(folder / self.file, *self.change.split(" ", 1))
+        elif self.file:
+            (folder / self.file).write_text(self.change, encoding="utf-8", errors="surrogateescape")
+
+
+def _change_table(file: Path, column: str, value: str) -> None:
+    table = pl.read_parquet(file)
+    with contextlib.suppress(TypeError, OverflowError, ValueError, pl.exceptions.PolarsError):
+        cells = pl.Series(column, [json.loads(value)] * table.height, strict=False)
+        changed = io.BytesIO()
+        table.with_columns(cells).write_parquet(changed)
+        file.write_bytes(changed.getvalue())
+
+
+@st.composite
+def _options(draw: st.DrawFn) -> Case:
+    base = draw(st.sampled_from(sorted(OPTIONS)))
+    arguments = base.split()
+    for option in draw(st.lists(st.sampled_from(OPTIONS[base]), min_size=1, max_size=3)):
+        word = draw(st.sampled_from(WORDS) | st.text(max_size=12))
+        arguments += [option] if option in FLAGS else [option, word]
+    if draw(st.integers(0, 9)) == 0:
+        arguments[draw(st.integers(1, len(base.split()) - 1))] = draw(st.sampled_from(WORDS))
+    return Case(tuple(arguments))
+
+
+@st.composite
+def _json(draw: st.DrawFn, texts: dict[str, str]) -> Case:
+    file = draw(st.sampled_from(sorted(READ_BY)))
+    record = json.loads(texts[file])
+    place: Any = record
+    while True:
+        keys = sorted(place) if isinstance(place, dict) else list(range(len(place)))
+        key = draw(st.sampled_from(keys))
+        if not (isinstance(place[key], (dict, list)) and place[key] and draw(st.booleans())):
+            break
+        place = place[key]
+    how = draw(st.integers(0, 9))
+    if how == 0:
+        del place[key]
+    elif how == 1 and isinstance(place, dict):
+        place[draw(st.sampled_from(WORDS))] = place.pop(key)
+    else:
+        place[key] = draw(st.sampled_from(VALUES))
+    text = json.dumps(record)
+    if how == 2:
+        text = text[: draw(st.integers(0, len(text)))]
+    return Case(tuple(draw(st.sampled_from(READ_BY[file])).split()), file, text)
+
+
+_tables = st.builds(
+    lambda column, value, joint: Case(
+        ("fleet", "results.parquet", *joint, "--report", "out/f.html"), "results.parquet", f"{column} {value}"
+    ),
+    st.sampled_from(COLUMNS),
+    st.sampled_from([json.dumps(value) for value in VALUES if value != 10**400]),
+    st.sampled_from([(), ("--joint",), ("--by", "folder")]),
+)
+_journals = st.builds(
+    lambda name, value: Case(
+        ("batch", "rigid_1m", "run.csv", "--output", "out/j.parquet", "--jobs", "1"),
+        "out/j.parquet.journal",
+        json.dumps({"log": "run.csv", "status": "ok", "key": "k", "axis": "rigid_1m", name: value}) + "\n",
+    ),
+    st.sampled_from(COLUMNS),
+    st.sampled_from(VALUES),
+)
+_headers = st.builds(
+    lambda line, command: Case(
+        (*command, "changed.csv"),
+        "changed.csv",
+        line + "\n" + "".join(f"{i / 100},{i % 9},{i % 7}\n" for i in range(300)),
+    ),
+    st.sampled_from(LINES) | st.text(max_size=20),
+    st.sampled_from([("identify", "rigid_1m"), ("import", "--axis", "rigid_1m"), ("import",)]),
+)
+
+
+def cases(texts: dict[str, str]) -> st.SearchStrategy[Case]:
+    """Cases; `texts` are those of the JSON files as they should be."""
+    options = _options()
+    return st.one_of(options, options, options, _json(texts), _json(texts), _tables, _journals, _headers)

@@ -1,0 +1,94 @@
+"""Bad input by the thousand: no command ends in a traceback, hangs, warns, or changes a file that it reads.
+
+Hypothesis draws commands with strange options, JSON files with strange fields, tables of results and journals with
+strange columns, and CSV files with strange headers (benchmarks/bad/cases.py). Each runs in this process in a copy of a
+folder of good files. A failure is a traceback, a warning, more than a minute, a message of another form than one line,
+an input that is changed or gone, an unfinished file left behind, or an escape sequence on the terminal. Printed are the
+counts by command and outcome, and every failure once for each place in the code. The exit code is 1 if there is one.
+
+Usage: python -m benchmarks.bad_input [--examples 2000] [--seed 0]
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from benchmarks.bad.cases import Case, cases
+from benchmarks.bad.outcome import Outcome, good_folder, outcome_in_a_copy
+
+
+def examined(examples: int, number: int) -> dict[Case, Outcome]:
+    """Outcomes of so many cases, or of those until Ctrl-C; failures are told at once."""
+    found: dict[Case, Outcome] = {}
+    places: set[str] = set()
+    with tempfile.TemporaryDirectory() as good:
+        texts = good_folder(Path(good))
+
+        @seed(number)
+        @settings(
+            max_examples=examples,
+            deadline=None,
+            database=None,
+            derandomize=False,
+            phases=[Phase.generate],
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(cases(texts))
+        def look(case: Case) -> None:
+            if case in found:
+                return
+            outcome = found[case] = outcome_in_a_copy(case, Path(good))
+            if outcome.is_failure and (place := _place(outcome)) not in places:
+                places.add(place)
+                print(
+                    f"{outcome.verdict}: {case!r:.600}\n{outcome.detail[-1500:]}", file=sys.stderr, flush=True
+                )
+
+        with contextlib.suppress(KeyboardInterrupt):
+            look()
+    return found
+
+
+def _place(outcome: Outcome) -> str:
+    """Where a failure comes from: the last line of the code in a trace."""
+    lines = [line for line in outcome.detail.splitlines() if line.lstrip().startswith("File ")]
+    return outcome.verdict + (lines[-1] if lines else outcome.detail[:80])
+
+
+def table(found: dict[Case, Outcome]) -> str:
+    """Counts by command and outcome."""
+    verdicts = sorted({outcome.verdict for outcome in found.values()})
+    lines = [" ".join(["command".ljust(10), *(verdict.rjust(max(len(verdict), 5)) for verdict in verdicts)])]
+    for command in [*sorted({case.arguments[0] for case in found}), None]:
+        counts = Counter(o.verdict for c, o in found.items() if command in (c.arguments[0], None))
+        cells = (str(counts[v] or "-").rjust(max(len(v), 5)) for v in verdicts)
+        lines.append(" ".join([(command or "all").ljust(10), *cells]))
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Print the table; failures are told as they are found."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--examples", type=int, default=2000)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    begin = time.perf_counter()
+    found = examined(options.examples, options.seed)
+    failures = sum(outcome.is_failure for outcome in found.values())
+    print(table(found))
+    print(f"{len(found)} cases, {failures} failures, {time.perf_counter() - begin:.0f} s")
+    return int(bool(failures))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

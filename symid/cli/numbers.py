@@ -1,0 +1,41 @@
+"""Numbers that options take, checked when they are read."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import click
+
+
+class Number(click.types.FloatParamType):
+    """A finite number above a bound.
+
+    Parameters
+    ----------
+    above : float
+        Lower bound.
+    included : bool
+        Whether the bound itself is possible.
+    infinite : bool
+        Whether infinity is possible, as for limits that do not bind.
+    """
+
+    def __init__(self, above: float = 0.0, *, included: bool = False, infinite: bool = False) -> None:
+        self.above, self.included, self.infinite = above, included, infinite
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number; click's error, which names the option, for any other text."""
+        number = float(super().convert(value, param, ctx))
+        big_enough = number >= self.above if self.included else number > self.above
+        if not big_enough or not (math.isfinite(number) or (self.infinite and number > 0)):
+            least = f"{self.above:g} or more" if self.included else f"above {self.above:g}"
+            self.fail(f"{value} is not possible: give a number {least}", param, ctx)
+        return number
+
+
+POSITIVE = Number()
+NOT_NEGATIVE = Number(included=True)
+LIMIT = Number(infinite=True)
+COUNT = click.IntRange(1, 10**9)
+ORDER = click.IntRange(1, 50)

@@ -1,0 +1,181 @@
+"""Files that commands write: checked before any work is done, so that no recording and no input is ever overwritten."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from symid.axis import axis_file
+from symid.errors import SettingError, SymidError
+
+Kind = str | Callable[[Mapping[str, Any]], str]
+_BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
+    "json": (b"{",),
+    "html": (b"<!doctype html",),
+    "picture": (b"\x89png", b"%pdf", b"<?xml", b"<svg"),
+    "c": (b"#include <math.h>", b"/* axis "),
+    "mjcf": (b"<",),
+    "fmu": (b"pk\x03\x04",),
+    "log": (),
+    "axis": (),
+    "results": (b"",),  # a batch looks into them itself
+}
+"""How files begin that a command may replace: those of its own kind. A log or an axis file may be a user's work."""
+_BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "json"), "c": (".h", "c")}
+"""Suffix and kind of a second file that is written beside one of some kind."""
+_LOOK: Final = 4096
+_AXES: Final = ("axis", "axes", "also", "declared")
+"""Parameters of commands that name axes."""
+
+overwrite_option = click.option(
+    "--overwrite", is_flag=True, help="Replace a log that is there under the name of the one to be written."
+)
+
+
+class Output(click.types.StringParamType):
+    """A file to write.
+
+    Parameters
+    ----------
+    kind : str or callable
+        One of json, html, picture, c, mjcf, fmu, log, axis, results; or a function of all options that gives it.
+    """
+
+    name = "FILE"
+
+    def __init__(self, kind: Kind) -> None:
+        self.kind = kind
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """A file that a command is going to write."""
+
+    option: str
+    path: Path
+    kind: str
+
+    @property
+    def said(self) -> str:
+        """The option as its user wrote it."""
+        return f"{self.option} {str(self.path)!r}"
+
+
+class Command(click.Command):
+    """A command whose outputs are checked before it does anything."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Check the outputs, then do the work.
+
+        Raises
+        ------
+        SettingError
+            If an output is an input, is there and something else, or cannot be written.
+        """
+        wanted = tuple(_wanted(self, ctx.params))
+        if wanted:
+            _require_apart(wanted)
+            inputs = dict(_inputs(self, ctx.params))
+            for output in wanted:
+                _require_writable(output, inputs, overwrite=bool(ctx.params.get("overwrite")))
+        return super().invoke(ctx)
+
+
+def _wanted(command: click.Command, values: Mapping[str, Any]) -> Iterator[_Wanted]:
+    for parameter in command.params:
+        if not isinstance(parameter.type, Output) or parameter.name is None:
+            continue
+        for file in _texts(values.get(parameter.name)):
+            if file == "-":
+                continue
+            given, option = parameter.type.kind, parameter.opts[-1]
+            kind = given if isinstance(given, str) else given(values)
+            yield _Wanted(option, Path(file), kind)
+            if kind in _BESIDE and Path(file).name:
+                suffix, other = _BESIDE[kind]
+                yield _Wanted(option, Path(file).with_suffix(suffix), other)
+
+
+def _inputs(command: click.Command, values: Mapping[str, Any]) -> Iterator[tuple[tuple[int, int], str]]:
+    """Files that the command is given, by what the system knows them by."""
+    outputs = {parameter.name for parameter in command.params if isinstance(parameter.type, Output)}
+    for name, value in values.items():
+        if name in outputs:
+            continue
+        for text in _texts(value):
+            path = text
+            if name in _AXES:
+                try:
+                    path = str(axis_file(text))
+                except SymidError:
+                    continue  # said when the axis is loaded
+            found = _identity(path)
+            if found is not None and os.path.isfile(path):
+                yield found, path
+
+
+def _texts(value: object) -> tuple[str, ...]:
+    if isinstance(value, str):
+        return (value,)
+    return tuple(item for item in value if isinstance(item, str)) if isinstance(value, tuple) else ()
+
+
+def _identity(path: str | Path) -> tuple[int, int] | None:
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _require_apart(wanted: tuple[_Wanted, ...]) -> None:
+    """SettingError if two outputs are one file."""
+    seen: dict[str, _Wanted] = {}
+    for output in wanted:
+        if not output.path.exists() or output.path.is_file():
+            other = seen.setdefault(os.path.realpath(output.path), output)
+            if other is not output:
+                raise SettingError(f"{other.said} and {output.said} are one file: give each its own")
+
+
+def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *, overwrite: bool) -> None:
+    path = output.path
+    if not path.name:
+        raise SettingError(f"{output.said} names no file: give one")
+    if path.is_dir():
+        raise SettingError(f"{output.said} is a folder: give the name of a file")
+    if not path.exists():
+        folder = path.parent
+        if not folder.is_dir():
+            raise SettingError(f"{path}: No such file or directory: give a file in a folder that exists")
+        if not os.access(folder, os.W_OK):
+            raise SettingError(f"{path}: Permission denied: choose a folder that can be written")
+        return
+    if not path.is_file():
+        return  # a pipe or a device, such as /dev/stdout
+    if (used := inputs.get(_identity(path) or (0, 0))) is not None:
+        raise SettingError(
+            f"{output.said} is {used!r}, which this command reads: give another name, it would be lost"
+        )
+    if output.kind == "log" and overwrite:
+        return
+    if path.stat().st_size and not _is_of_kind(path, output.kind):
+        cure = "give another name, remove it first"
+        cure += ", or add --overwrite" if output.kind == "log" else ""
+        what = "" if output.kind == "log" else " and is nothing that this command writes"
+        raise SettingError(f"{output.said} is there{what}: {cure}")
+
+
+def _is_of_kind(path: Path, kind: str) -> bool:
+    with path.open("rb") as file:
+        begin = file.read(_LOOK).removeprefix(b"\xef\xbb\xbf").lstrip().lower()
+    if kind == "axis":
+        return b"with what a diagnosis found." in begin.partition(b"\n")[0]
+    if kind == "c" and b"symid" not in begin:
+        return False
+    return begin.startswith(_BEGINNINGS[kind]) if _BEGINNINGS[kind] else False

@@ -1,0 +1,149 @@
+"""Generated modules are run only as they were generated: a hash of their text, and no code but arithmetic of arrays.
+
+The hash finds what was edited or damaged. It is no secret: whoever edits a module on purpose can write another. What
+then runs is still arithmetic, as every statement is checked before any is run.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import hashlib
+import re
+from collections.abc import Set
+from typing import Final
+
+import numpy as np
+
+from symid.errors import GeneratedModuleError
+
+_MARK: Final = "# SHA-256 of all above: "
+_END: Final = re.compile(rf"{re.escape(_MARK)}([0-9a-f]{{64}})\n?\Z")
+_FUNCTIONS: Final = frozenset({"max", "map", "min", "abs"})
+_ARRAYS: Final = frozenset({"size", "empty", "zeros", "array", "select", "where", "amax", "amin", "clip"})
+_CONSTANTS: Final = frozenset({"nan", "inf", "pi", "e", "True_", "False_"})
+_LARGEST_POWER: Final = 64
+_EXPRESSIONS: Final = (
+    ast.Name,
+    ast.Constant,
+    ast.BinOp,
+    ast.UnaryOp,
+    ast.Compare,
+    ast.BoolOp,
+    ast.IfExp,
+    ast.Subscript,
+    ast.Slice,
+    ast.Tuple,
+    ast.List,
+    ast.Dict,
+    ast.Call,
+    ast.keyword,
+    ast.Attribute,
+    ast.operator,
+    ast.unaryop,
+    ast.cmpop,
+    ast.boolop,
+    ast.expr_context,
+)
+
+
+def signed(text: str) -> str:
+    """Text of a module with a last line that holds its hash.
+
+    Examples
+    --------
+    >>> require_vetted(signed("a = 1\\n"))
+    """
+    return f"{text.rstrip()}\n\n{_MARK}{_hash(text.rstrip())}\n"
+
+
+def require_vetted(text: str) -> None:
+    """Raise GeneratedModuleError unless a module is as it was generated and nothing but arithmetic."""
+    end = _END.search(text)
+    if end is None or _hash(text[: end.start()].rstrip()) != end[1]:
+        raise GeneratedModuleError("was changed after it was generated")
+    for statement in ast.parse(text).body:
+        if fault := _fault(statement):
+            raise GeneratedModuleError(f"holds what no generated module holds (line {fault})")
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", errors="surrogateescape")).hexdigest()
+
+
+def _fault(statement: ast.stmt) -> int | None:
+    """Line of the first thing in a statement at the top of a module that does not belong there."""
+    match statement:
+        case ast.Import(names=[ast.alias(name="numpy", asname="np")]):
+            return None
+        case ast.FunctionDef(decorator_list=[], returns=None):
+            arguments = statement.args
+            own = {one.arg for one in arguments.args}
+            own |= {
+                n.id for n in ast.walk(statement) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+            }
+            lines = (_fault_within(part, own) for part in (*statement.body, *arguments.defaults))
+            odd = (*arguments.kwonlyargs, *arguments.posonlyargs, arguments.vararg, arguments.kwarg)
+            if any(odd) or "np" in own:
+                return statement.lineno
+            return next((line for line in lines if line is not None), None)
+        case _:
+            return _fault_within(statement)
+
+
+def _fault_within(statement: ast.AST, own: Set[str] = frozenset()) -> int | None:
+    """Line of the first node in a statement that is no arithmetic; `own` are the names of its function."""
+    if not isinstance(statement, (ast.Assign, ast.Return, ast.Expr, ast.Constant)):
+        return int(getattr(statement, "lineno", 0))
+    for node in ast.walk(statement):
+        foreign = (
+            isinstance(node, ast.Name) and hasattr(builtins, node.id) and node.id not in own | _FUNCTIONS
+        )
+        known = node is statement or (isinstance(node, _EXPRESSIONS) and _is_arithmetic(node))
+        if foreign or not known:
+            return int(getattr(node, "lineno", getattr(statement, "lineno", 0)))
+    return None
+
+
+def _is_arithmetic(node: ast.AST) -> bool:
+    match node:
+        case ast.Call(func=ast.Name(id=name)):
+            return name in _FUNCTIONS
+        case ast.Call(func=ast.Attribute()):
+            return True  # the attribute is looked at by itself
+        case ast.Call():
+            return False
+        case ast.Attribute(value=ast.Name(id="np"), attr=name):
+            known = name in _ARRAYS or name in _CONSTANTS
+            return known or isinstance(getattr(np, name, None), np.ufunc)
+        case ast.Attribute(attr=name, ctx=ast.Load()):
+            return name == "transpose"
+        case ast.Attribute():
+            return False
+        case ast.Name(id=name, ctx=ast.Store()):
+            return name != "np"
+        case ast.Name(id=name):
+            return not name.startswith("__")
+        case ast.BinOp(left=left, op=ast.Pow(), right=right):
+            return not _is_power(left) and _is_small(right)
+        case ast.Constant(value=value):
+            return isinstance(value, (str, int, float, bool)) or value is None
+        case _:
+            return True
+
+
+def _is_power(node: ast.expr) -> bool:
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)
+
+
+def _is_small(node: ast.expr) -> bool:
+    """Whether a power is a small number or a name: towers of powers would never end."""
+    match node:
+        case ast.UnaryOp(operand=operand):
+            return _is_small(operand)
+        case ast.BinOp(left=ast.Constant() as left, op=ast.Div(), right=ast.Constant() as right):
+            return _is_small(left) and _is_small(right)
+        case ast.Constant(value=value):
+            return isinstance(value, (int, float)) and abs(value) <= _LARGEST_POWER
+        case _:
+            return isinstance(node, ast.Name)

@@ -1,0 +1,74 @@
+"""Tables as CSV and Parquet files, written as a whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import polars as pl
+
+from symid.data.log import Log
+from symid.data.table import first_line
+from symid.errors import SettingError
+from symid.files import replacing
+
+WRITTEN_SUFFIXES = (".csv", ".parquet")
+"""Kinds of tables that are written."""
+
+
+def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | None = None) -> None:
+    """Write a table as a .parquet file, else as CSV.
+
+    Parameters
+    ----------
+    frame : polars.DataFrame
+        The table.
+    file : Path
+        Its suffix says which kind.
+    metadata : mapping of str to str, optional
+        Of a Parquet file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written, as on a full disk; what the file held before stays.
+    """
+    with replacing(file) as unfinished:
+        try:
+            if file.suffix == ".parquet":
+                frame.write_parquet(unfinished, metadata=dict(metadata) if metadata else None)
+            else:
+                frame.write_csv(unfinished)
+        except pl.exceptions.PolarsError as error:
+            raise OSError(_number_of(error), first_line(error), str(file)) from error
+
+
+def _number_of(error: pl.exceptions.PolarsError) -> int:
+    """Number of the system's error behind one of polars."""
+    said = str(error)
+    return next((n for n in (errno.ENOSPC, errno.EDQUOT, errno.EACCES) if os.strerror(n) in said), errno.EIO)
+
+
+def write_log(log: Log, file: str | os.PathLike[str]) -> None:
+    """Write a log, SI, with its time as the first column.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    file : path-like
+        Ends with .csv or .parquet.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is another one.
+    OSError
+        If it cannot be written.
+    """
+    path = Path(file)
+    if path.suffix not in WRITTEN_SUFFIXES:
+        raise SettingError(f"log {str(file)!r} is of no known kind: end its name with .csv or .parquet")
+    write_frame(pl.DataFrame({"t": log.time, **log.signals}), path)

@@ -1,0 +1,230 @@
+"""Files: those that are read must be files and not pipes or devices, those that are written are whole or not there.
+
+A writer fills a file beside the one that is wanted and then renames it: a full disk, a crash or Ctrl-C leaves what was
+there before.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import math
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from symid.errors import SettingError
+
+_LARGEST_JSON: Final = 64_000_000
+"""Bytes of a JSON file of settings at most: what is longer is something else."""
+
+_KINDS: Final = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def irregular(path: str | os.PathLike[str]) -> str | None:
+    """What a path leads to if that is no regular file, whose reading might never end; None if it is one.
+
+    Raises
+    ------
+    OSError
+        If there is nothing.
+
+    Examples
+    --------
+    >>> irregular("/"), irregular(__file__)
+    ('a folder', None)
+    """
+    mode = os.stat(path).st_mode
+    return next((name for is_kind, name in _KINDS if is_kind(mode)), None)
+
+
+def require_regular(path: str | os.PathLike[str], error: type[Exception] = SettingError) -> None:
+    """Raise an error unless the path leads to a regular file.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    error : type
+        Of the error.
+
+    Raises
+    ------
+    Exception
+        Of the given type; it names the path and what is wrong.
+    """
+    try:
+        kind = irregular(path)
+    except FileNotFoundError as failure:
+        raise error(f"{path}: there is no such file: check the path") from failure
+    except (OSError, ValueError) as failure:  # ValueError: a null byte in the path
+        cause = getattr(failure, "strerror", None) or str(failure)
+        raise error(f"{path}: cannot be read ({cause}): check the path") from failure
+    if kind:
+        raise error(f"{path}: is {kind}: give a regular file")
+
+
+def read_json(file: str | os.PathLike[str]) -> Any:
+    """What a JSON file of settings holds.
+
+    Raises
+    ------
+    SettingError
+        If it is no regular file, too long, not UTF-8, no JSON, or nested too deep.
+    """
+    path = Path(file)
+    require_regular(path)
+    try:
+        if path.stat().st_size > _LARGEST_JSON:
+            raise SettingError(f"{path}: is longer than {_LARGEST_JSON // 10**6} MB: give a file of settings")
+        return json.loads(path.read_text(encoding="utf-8-sig"), parse_int=_integer)
+    except RecursionError as error:
+        raise SettingError(f"{path}: is nested too deep: correct it") from error
+    except ValueError as error:
+        raise SettingError(f"{path}: is no JSON ({error}): correct it") from error
+    except OSError as error:
+        raise SettingError(f"{path}: cannot be read ({error.strerror}): check the file") from error
+
+
+def is_finite_number(value: object) -> bool:
+    """Whether a value of a JSON file is a number that is finite; true and false are none.
+
+    Examples
+    --------
+    >>> [is_finite_number(value) for value in (1, 2.5, True, "1", float("nan"), None)]
+    [True, True, False, False, False, False]
+    """
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer that no float holds
+        return False
+
+
+def shortened(value: object, longest: int = 60) -> str:
+    """How a value of a JSON file is named in a message.
+
+    Examples
+    --------
+    >>> shortened("12"), shortened([0] * 100, 10)
+    ("'12'", '[0, 0, ...')
+    """
+    text = repr(value)
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def _integer(digits: str) -> int | float:
+    """An integer; one that no float holds as infinity, which those who ask for a finite number refuse."""
+    return int(digits) if len(digits) <= 300 else float(digits)
+
+
+@contextlib.contextmanager
+def replacing(file: str | os.PathLike[str]) -> Iterator[Path]:
+    """A path to fill, which takes the place of a file once it is filled; what fails leaves the file as it was.
+
+    A link stays a link to the file that is replaced. A pipe or a device, such as /dev/stdout, is written to.
+
+    Parameters
+    ----------
+    file : path-like
+        The file that is wanted.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; names the file.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with replacing(Path(folder) / "a.txt") as path:
+    ...         _ = path.write_text("whole")
+    ...     [(file.name, file.read_text()) for file in Path(folder).iterdir()]
+    [('a.txt', 'whole')]
+    """
+    target = Path(os.path.realpath(file))
+    try:
+        special = target.exists() and not target.is_file()
+        if special and target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        with (
+            tempfile.TemporaryDirectory() if special else contextlib.nullcontext(str(target.parent)) as folder
+        ):
+            unfinished = _created(Path(folder), target)
+            try:
+                yield unfinished
+                _sync(unfinished)
+                if special:
+                    _poured(unfinished, target)
+                else:
+                    os.replace(unfinished, target)
+            finally:
+                unfinished.unlink(missing_ok=True)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, str(file)) from error
+
+
+def write_whole(file: str | os.PathLike[str], text: str) -> None:
+    """Write a text file in UTF-8 as a whole or not at all; OSError if that is not possible."""
+    with replacing(file) as unfinished:
+        unfinished.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
+
+
+def free_name(file: Path, suffix: str) -> Path:
+    """The first of FILE.SUFFIX, FILE.SUFFIX2, FILE.SUFFIX3, ... that is not there.
+
+    Examples
+    --------
+    >>> free_name(Path("no_such_file.csv"), ".before").name
+    'no_such_file.csv.before'
+    """
+    place = file.with_name(file.name + suffix)
+    count = 1
+    while os.path.lexists(place):
+        count += 1
+        place = file.with_name(f"{file.name}{suffix}{count}")
+    return place
+
+
+def _created(folder: Path, target: Path) -> Path:
+    """An empty file with the rights that the target has, or that a new file gets; its suffix is that of the target."""
+    for attempt in range(1000):
+        path = folder / f".symid-{os.getpid()}-{attempt}{target.suffix}"
+        try:
+            os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        except FileExistsError:
+            continue
+        if target.is_file():
+            shutil.copymode(target, path)
+        return path
+    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(folder))
+
+
+def _sync(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _poured(source: Path, target: Path) -> None:
+    """Copy a file into a pipe or a device; a pipe that nobody reads is an error, not a wait."""
+    handle = os.open(target, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0))
+    os.set_blocking(handle, True)
+    with source.open("rb") as read, os.fdopen(handle, "wb") as written:
+        shutil.copyfileobj(read, written)

@@ -1,0 +1,101 @@
+"""What a worker may take: time, memory, and no life after that of its batch.
+
+The system itself ends a worker that takes too long, by an alarm: no computation, however it holds the interpreter, can
+keep that from happening. Systems without alarms (Windows) have no limits but the check of the parent.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import math
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from typing import Final
+
+LONGEST: Final = 3600.0
+"""Seconds that a log may take, unless told."""
+_LEAST_MEMORY: Final = 4e9
+_SHARES: Final = 2.0
+"""A worker may take twice its share of the memory, as few need it at the same time, and 4 GB in any case."""
+_PARENT_DEATH: Final = 1  # PR_SET_PDEATHSIG of prctl
+_ALARMS: Final = hasattr(signal, "setitimer")
+
+
+class TooLongError(Exception):
+    """A log took longer than it may."""
+
+
+def share_of_memory(jobs: int) -> float:
+    """Bytes that each of several workers may take."""
+    try:
+        whole = float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, OSError, ValueError):
+        return math.inf
+    return max(_LEAST_MEMORY, _SHARES * whole / jobs)
+
+
+def limit_memory(n_bytes: float) -> None:
+    """Let this process take no more memory; what asks for more fails there, and not elsewhere on the machine."""
+    try:
+        import resource  # not on Windows
+    except ImportError:
+        return
+    with contextlib.suppress(ValueError, OSError, OverflowError):
+        resource.setrlimit(resource.RLIMIT_DATA, (int(n_bytes), resource.getrlimit(resource.RLIMIT_DATA)[1]))
+
+
+def end_with_parent() -> None:
+    """End this process when its parent is gone: at once on Linux, else within a second of being able to look."""
+    parent = os.getppid()
+    with contextlib.suppress(AttributeError, OSError, TypeError):
+        ctypes.CDLL(None).prctl(_PARENT_DEATH, signal.SIGKILL, 0, 0, 0)
+    threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
+
+
+def _end_after(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+@contextlib.contextmanager
+def ending_after(seconds: float) -> Iterator[None]:
+    """Let the system end this process if what is done takes longer."""
+    if not _ALARMS:
+        yield
+        return
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+@contextlib.contextmanager
+def raising_after(seconds: float) -> Iterator[None]:
+    """Raise TooLongError if what is done takes longer; only in a main thread, which alone can be interrupted.
+
+    Examples
+    --------
+    >>> with raising_after(60.0):
+    ...     1 + 1
+    2
+    """
+    if not _ALARMS or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def too_long(*_: object) -> None:
+        raise TooLongError(f"took longer than {seconds:g} s: give it more time, or cut the log")
+
+    before = signal.signal(signal.SIGALRM, too_long)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

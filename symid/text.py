@@ -1,0 +1,42 @@
+"""Text of foreign origin - names of files and columns, messages of libraries - made safe to print."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+_UNSEEN: Final = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]"
+)
+"""Control characters but for tab and line feed, marks that reorder or hide text, and lone surrogates."""
+
+
+def visible(text: str) -> str:
+    r"""Text whose control characters are written out, so that a terminal prints them and obeys none.
+
+    A lone surrogate, by which Python keeps a byte of a file name that is not UTF-8, is written as that byte.
+
+    Examples
+    --------
+    >>> print(visible("a\x1b[2Jb\udce9"))
+    a\x1b[2Jb\xe9
+    """
+    return _UNSEEN.sub(_written, text)
+
+
+def _written(match: re.Match[str]) -> str:
+    code = ord(match[0])
+    if 0xDC80 <= code <= 0xDCFF:
+        code -= 0xDC00
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
+
+
+def one_line(text: str) -> str:
+    """Visible text without line ends and double spaces.
+
+    Examples
+    --------
+    >>> one_line("two\\n  lines")
+    'two lines'
+    """
+    return visible(" ".join(text.split()))

@@ -1,0 +1,204 @@
+"""Units as they are written in headers and options: what is taken is only what a unit means for its signal.
+
+    unit   = ["/"] factor { ["*" | "·" | " " | "/" | "per"] factor }
+    factor = number | name [power] | "(" unit ")"
+
+A power is a small integer. No text, however long or nested, takes time.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+from symid.errors import LogError
+from symid.units.names import COUNTS, NAMES, PER_TURN
+from symid.units.unit import Unit
+
+_LONGEST: Final = 60
+_DEEPEST: Final = 4
+_LARGEST_POWER: Final = 9
+_TOKEN: Final = re.compile(
+    r"""\s*(?:
+      (?P<number>\d+(?:\.\d+)?(?:[eE][-+]?\d{1,3})?)(?![\w.])
+    | (?P<name>(?:(?![⁻⁺¹²³⁴])[^\W\d_])+0?|°)
+      (?P<power>(?:\s?(?:\^|\*\*)\s?[-+]?\d+|-?[1-9]|[⁻⁺]?[¹²³⁴]+)(?![\w.^]|\*\*))?
+    | (?P<times>[*·⋅×.])
+    | (?P<over>/)
+    | (?P<open>\()
+    | (?P<close>\))
+    )""",
+    re.VERBOSE,
+)
+_SUPERSCRIPTS: Final = str.maketrans("⁻⁺¹²³⁴", "-+1234")
+_NONE: Final = Unit()
+_RADIAN: Final = Unit.of("rad")
+_ACCELERATION: Final = Unit.of("m/s^2")
+_ROTATIONS: Final = (Unit.of("rad/s"), Unit.of("rad/s^2"))
+_GRAVITY: Final = {"g": 9.80665, "mg": 9.80665e-3}
+_CLOCKED: Final = ("Hz", "min")
+"""Endings of names by which a frequency is one of turns and not of radians."""
+
+
+@dataclass(frozen=True)
+class _Read:
+    """What a text says: a factor to SI, a unit, the names in it, and whether a number was in it."""
+
+    factor: float = 1.0
+    unit: Unit = _NONE
+    names: tuple[str, ...] = ()
+    number: float | None = None
+
+    def times(self, other: _Read, power: int = 1) -> _Read:
+        """Product with a power of another one."""
+        number = other.number if self.number is None else self.number
+        factor = self.factor * other.factor**power
+        return _Read(factor, self.unit * other.unit**power, self.names + other.names, number)
+
+
+@lru_cache(maxsize=1024)
+def to_si(text: str, expected: Unit | None = None) -> float:
+    """Factor that takes a quantity from a written unit to SI base units.
+
+    Parameters
+    ----------
+    text : str
+        A unit as users write it: ``"mm"``, ``"deg/s"``, ``"kN"``, ``"1/min"``, ``"4096 counts/rev"``.
+    expected : Unit, optional
+        What the signal must be measured in. Where that is an angular velocity, ``Hz`` and ``1/min`` count turns; where
+        it is an acceleration, ``g`` is that of gravity; where it is a position, counts per turn or length are taken.
+
+    Returns
+    -------
+    float
+        Multiply a value in `text` by this to have it in SI.
+
+    Raises
+    ------
+    LogError
+        If the unit is unknown, may mean several things, or does not measure what is expected.
+
+    Examples
+    --------
+    >>> to_si("mm"), round(to_si("1/min", Unit.of("rad/s")), 6), round(to_si("4096 counts/rev", Unit.of("rad")), 6)
+    (0.001, 0.10472, 0.001534)
+    """
+    said = text.strip()
+    if expected is not None and said == str(expected):
+        return 1.0
+    if expected == _ACCELERATION and said in _GRAVITY:
+        return _GRAVITY[said]
+    read = _parsed(text)
+    factor = read.factor if expected is None else _in(expected, read, text)
+    if not (math.isfinite(factor) and factor > 0.0):
+        raise LogError(f"unit {_quoted(text)} is not possible: write a unit such as m, mm or rad")
+    if expected is None and (read.unit == Unit() or _is_counted(read)):
+        raise _says_nothing(text)
+    return factor
+
+
+def _in(expected: Unit, read: _Read, text: str) -> float:
+    """Factor to an expected unit."""
+    counted = _is_counted(read)
+    if read.unit == expected and not counted:
+        return read.factor
+    if expected in (Unit.of("m"), _RADIAN) and read.unit * expected == Unit() and (read.number or 1.0) > 1.0:
+        return 1.0 / read.factor  # so many counts per turn or per length
+    if expected in _ROTATIONS and expected / read.unit == _RADIAN and not counted:
+        if any(name.endswith(_CLOCKED) for name in read.names):
+            return 2.0 * math.pi * read.factor
+        raise LogError(f"unit {_quoted(text)} may count radians or turns: write rad/s or rev/s, say")
+    if counted or read.unit == Unit():
+        raise _says_nothing(text)
+    raise LogError(
+        f"unit {_quoted(text)} does not measure what is expected here: give a unit that converts to {expected}"
+    )
+
+
+def _is_counted(read: _Read) -> bool:
+    return any(name in COUNTS for name in read.names)
+
+
+def _says_nothing(text: str) -> LogError:
+    return LogError(
+        f"unit {_quoted(text)} does not say how much one is: write a unit such as mm or deg, what one count is "
+        "(0.1 um), or the counts per turn or length (4096 counts/rev, 1000 counts/mm)"
+    )
+
+
+def _quoted(text: str) -> str:
+    return repr(text if len(text) <= _LONGEST else text[:_LONGEST] + "...")
+
+
+def _parsed(text: str) -> _Read:
+    """What a text says, whatever is expected; LogError if it is no unit."""
+    unknown = LogError(
+        f"unit {_quoted(text)} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
+    )
+    said = re.sub(r"\b(?:per|pro)\b", "/", text.strip())
+    if said in ("", "-", "1", "%"):
+        raise _says_nothing(text)
+    if said == "grad":
+        raise LogError("unit 'grad' may be a degree or a gon: write deg or gon")
+    if len(said) > _LONGEST:
+        raise unknown
+    try:
+        read, rest = _product(said, 0)
+    except (ValueError, OverflowError, ZeroDivisionError) as error:
+        raise unknown from error
+    if rest:
+        raise unknown
+    return read
+
+
+def _product(text: str, depth: int) -> tuple[_Read, str]:
+    """A product and what is left of the text behind it; ValueError if there is none."""
+    read, sign, wanted = _Read(), 1, True
+    while text.strip():
+        token = _TOKEN.match(text)
+        if token is None:
+            raise ValueError(text)
+        if token["close"]:
+            break
+        text = text[token.end() :]
+        if token["over"] or token["times"]:
+            if wanted and (read != _Read() or token["times"]):
+                raise ValueError(text)
+            sign, wanted = (-1 if token["over"] else 1), True
+            continue
+        if token["open"]:
+            if depth == _DEEPEST:
+                raise ValueError(text)
+            factor, text = _product(text, depth + 1)
+            if not text.startswith(")"):
+                raise ValueError(text)
+            text = text[1:]
+        else:
+            factor = _factor(token)
+        read, sign, wanted = read.times(factor, sign), 1, False
+    if wanted:
+        raise ValueError(text)
+    return read, text.lstrip()
+
+
+def _factor(token: re.Match[str]) -> _Read:
+    """A number, or a name with its power."""
+    if token["number"]:
+        return _Read(float(token["number"]), number=float(token["number"]))
+    name = token["name"]
+    power = int((token["power"] or "1").translate(_SUPERSCRIPTS).replace("**", "").lstrip(" ^"))
+    if abs(power) > _LARGEST_POWER:
+        raise ValueError(name)
+    if name in COUNTS:
+        return _Read(names=(name,))
+    if name in PER_TURN:
+        return _Read(1.0 / (2.0 * math.pi), Unit() / _RADIAN, (name,))
+    factor, unit = NAMES[name] if name in NAMES else _unknown(name)
+    return _Read(factor**power, unit**power, (name,))
+
+
+def _unknown(name: str) -> tuple[float, Unit]:
+    raise ValueError(name)
