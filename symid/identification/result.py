@@ -93,6 +93,11 @@ class Identification(EstimatedParameters):
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
+    def physical_deviations(self) -> FloatArray:
+        """Standard deviations of the physical parameters of the first branch, as they are printed."""
+        return self.physical[0].propagated_deviations(self.covariance) if self.physical else np.empty(0)
+
+    @property
     def physical_bias(self) -> Bias | None:
         """Expected error of the physical parameters of the first branch; None if it is not known."""
         return self.bias.mapped(self.physical[0].sensitivity) if self.bias and self.physical else None
