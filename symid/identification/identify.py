@@ -14,6 +14,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
 from symid.data import AnyLog, Log, LongLog
@@ -41,6 +43,11 @@ from symid.identification.verdict import verdict
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
 
+_MOST_COULOMB_ROUNDS = 4
+"""Each leaves about a tenth of the error of the one before."""
+_COULOMB_SETTLED = 0.005
+"""Relative change of the friction that ends the rounds: what it leaves in the derivatives is below one per cent of what
+the paper drops."""
 _CONDITION_THAT_COSTS_DIGITS = 1e4
 _MANY_ROWS = 1_000_000
 """Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
@@ -105,8 +112,7 @@ def identify(
         raise SettingError(
             f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
         )
-    runs = tuple(Run.of(model, log, preparation or Preparation()) for log in every)
-    fit = _estimated(runs, method, ddof)
+    runs, fit = _with_coulomb(model, every, preparation or Preparation(), method, ddof)
     observations = tuple(run.observation for run in runs)
     found = found_from(model, every, observations, fit, blocks=lambda: blocks_of_runs(runs), nominal=nominal)
     return distrusted(found, every) if examine and fit.status == "ok" else found
@@ -169,6 +175,26 @@ def distrusted(
         whole = [log.window(0, log.n_samples) for log in logs]
         bias = bias_of_instruments(found.model, whole, found.observations, found.fit, instruments)
     return distrust(replace(found, timing=timing, bias=bias), misfit_of(found.model, parts, found.fit))
+
+
+def _with_coulomb(
+    model: GeneratedModel, logs: Sequence[AnyLog], preparation: Preparation, method: Method, ddof: int | None
+) -> tuple[tuple[Run, ...], LeastSquares]:
+    """Rows and estimate; friction beside a differentiated force is taken off it, and found by fixed-point iteration."""
+    runs = tuple(Run.of(model, log, preparation) for log in logs)
+    fit = _estimated(runs, method, ddof)
+    if not model.coulomb_at_drive or preparation.coulomb is not None:
+        return runs, fit
+    places, taken = [parameter for _, parameter in model.coulomb_at_drive], np.zeros(1)
+    for _ in range(_MOST_COULOMB_ROUNDS):
+        levels = np.maximum(fit.solution[places], 0.0)
+        if fit.status != "ok" or np.all(np.abs(levels - taken) <= _COULOMB_SETTLED * levels):
+            break
+        taken = levels
+        settled = replace(preparation, coulomb=tuple(map(float, levels)))
+        runs = tuple(Run.of(model, log, settled) for log in logs)
+        fit = _estimated(runs, method, ddof)
+    return runs, fit
 
 
 def _estimated(runs: Sequence[Run], method: Method, ddof: int | None) -> LeastSquares:

@@ -20,12 +20,17 @@ from symid.data import (
     kept_of,
 )
 from symid.errors import SettingError
-from symid.identification.sampling import WORKERS, Sampling, filtered, sampled, sampling_of
-from symid.identification.scheme import PAPER, Scheme
+from symid.identification.sampling import (
+    STANDSTILL_SHARE,
+    WORKERS,
+    Sampling,
+    filtered,
+    sampled,
+    sampling_of,
+)
+from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
 
-_STANDSTILL_SHARE = 0.01
-"""Part of the highest speed below which the sign of a velocity is not trusted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +62,7 @@ def observe(
     model: GeneratedModel,
     log: Log,
     preparation: Preparation,
-    scheme: Scheme = PAPER,
+    scheme: Scheme | None = None,
     *,
     highest: FloatArray | None = None,
 ) -> Observation:
@@ -71,8 +76,8 @@ def observe(
         A run of the axis.
     preparation : Preparation
         What is left open is chosen from the log.
-    scheme : Scheme
-        Another one than the paper's, to compare with it.
+    scheme : Scheme, optional
+        Another one than the preparation says, to compare with it.
     highest : array of shape (n_sliding,), optional
         Highest speed of each sliding velocity, where that of the log itself is not the one that tells what standstill
         is.
@@ -86,7 +91,7 @@ def observe(
     """
     chosen = completed(preparation, log, model)
     before, after = ends_of(chosen, log.n_samples)
-    sampling = sampling_of(model, log, chosen, scheme)
+    sampling = sampling_of(model, log, chosen, scheme or Scheme(chosen.difference_order))
     if sampling.n_samples <= sampling.padding:
         raise SettingError(
             f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
@@ -117,7 +122,7 @@ def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> Floa
     chosen : Preparation
         Complete.
     """
-    sampling = sampling_of(model, log, chosen, PAPER)
+    sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order))
     signals = sampling.window(0, sampling.n_samples)
     velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
     return np.asarray(np.max(np.abs(velocities), axis=1))
@@ -137,10 +142,11 @@ def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[
     """
     assert chosen.cutoff_hz is not None
     signals = LowPass(chosen.cutoff_hz, chosen.order).zero_phase(1 / period).reach
-    signals += max(model.highest_derivatives.values()) * PAPER.reach
+    scheme = Scheme(chosen.difference_order)
+    signals += max(model.highest_derivatives.values()) * scheme.reach
     if chosen.late:
         signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
-    rows = Sampling(model, chosen, PAPER, period, {}, 0, 0).reach
+    rows = Sampling(model, chosen, scheme, period, {}, 0, 0).reach
     return signals, rows + (_standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
 
 
@@ -171,10 +177,11 @@ class ForceRows:
         """That of a log, with the complete preparation of its observation."""
         before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
-        force = filtered(model, log, chosen, PAPER.widening, (model.force,))
+        scheme = Scheme(chosen.difference_order)
+        force = filtered(model, log, chosen, scheme.widening, (model.force,))
         signals = {**dict.fromkeys(model.highest_derivatives, still), **force}
         rest = log.n_samples - before - after
-        sampling = Sampling(_linear(model), chosen, PAPER, log.sampling_period, signals, before, rest)
+        sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, before, rest)
         return cls(sampling, QuinticSpline(signals[model.force]))
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
@@ -201,6 +208,7 @@ def _linear(model: GeneratedModel) -> GeneratedModel:
     return replace(
         model,
         law_columns=(),
+        coulomb_at_drive=(),
         regressor=lambda *signals: model.regressor(*signals) - W,
         output=lambda *signals: model.output(*signals) - y,
     )
@@ -222,7 +230,7 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
             own = (
                 max(float(velocity.max()), -float(velocity.min())) if highest is None else float(highest[row])
             )
-            threshold = _STANDSTILL_SHARE * own
+            threshold = STANDSTILL_SHARE * own
         concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
         mark = partial(
             _leave_out, velocity, threshold, margin, (offset, factor), [usable[j] for j in concerned]

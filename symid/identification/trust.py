@@ -95,7 +95,8 @@ def _cause_of_preparation(found: Identification) -> str:
     if not chosen.filter_force:
         return "the force is not filtered as the motion is: take --filter all"
     differences = max(found.model.highest_derivatives.values())
-    gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period)) ** differences
+    order = chosen.difference_order
+    gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period, order=order)) ** differences
     if gain < _FAITHFUL:
         return "central differences lose what is fast: lower --cutoff, or record faster"
     return "the low-pass moves the reversals of friction: raise --cutoff"
