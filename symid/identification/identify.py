@@ -30,15 +30,19 @@ from symid.estimation import (
 )
 from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.blocks import Run, blocks_of_runs
-from symid.identification.excerpts import blocks_of, excerpts
-from symid.identification.misfit import misfit_of
+from symid.identification.excerpts import Excerpt, blocks_of, excerpts
+from symid.identification.misfit import misfit_of, noiseless_misfit
+from symid.identification.nonlinearity import nonlinearity_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
+from symid.identification.recording import fault_of
 from symid.identification.result import Identification, trusted_covariance
 from symid.identification.settings import Preparation
-from symid.identification.timing import timing_of
-from symid.identification.trust import distrust
+from symid.identification.stability import greatest_change, scatter
+from symid.identification.timing import drift_of, timing_of
+from symid.identification.trust import Faults, distrust
 from symid.identification.verdict import verdict
+from symid.identification.whitened import Segment, segments
 
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
@@ -167,14 +171,32 @@ def distrusted(
     found: Identification, logs: Sequence[AnyLog], instruments: tuple[FloatArray, ...] | None = None
 ) -> Identification:
     """The identification with what was found about timing and bias; parameters as in `found_from`."""
-    parts = excerpts(found.model, logs, found.observations)
-    timing = timing_of(found.model, parts, found.fit)
+    model, fit = found.model, found.fit
+    parts = excerpts(model, logs, found.observations)
     if instruments is None:
-        bias = bias_of(found.model, parts, found.fit)
+        bias = bias_of(model, parts, fit)
     else:
         whole = [log.window(0, log.n_samples) for log in logs]
-        bias = bias_of_instruments(found.model, whole, found.observations, found.fit, instruments)
-    return distrust(replace(found, timing=timing, bias=bias), misfit_of(found.model, parts, found.fit))
+        bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
+    timing, sums = timing_of(model, parts, fit), segments(parts, fit)
+    share = sum(fit.rows) / max(sum(s.rows for s in sums), 1)
+    examined = replace(found, timing=timing, bias=bias, scatter=scatter(sums, fit) / share)
+    return distrust(examined, _faults(examined, parts, sums))
+
+
+def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
+    """What contradicts the estimate, in words: of a channel, of a part of the logs, of the force's size or its clock."""
+    model, fit = found.model, found.fit
+    inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
+    change = greatest_change(sums, fit, inflation)
+    return Faults(
+        recording=fault_of(model, parts, fit),
+        misfit=misfit_of(model, parts, fit)
+        or nonlinearity_of(model, parts, fit)
+        or (change.statement(model) if change else "")
+        or noiseless_misfit(model, parts, fit),
+        drift=drift_of(model, parts, fit),
+    )
 
 
 def _with_coulomb(
@@ -191,8 +213,9 @@ def _with_coulomb(
         if fit.status != "ok" or np.all(np.abs(levels - taken) <= _COULOMB_SETTLED * levels):
             break
         taken = levels
-        settled = replace(preparation, coulomb=tuple(map(float, levels)))
-        runs = tuple(Run.of(model, log, settled) for log in logs)
+        coulomb = tuple(map(float, levels))
+        settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
+        runs = tuple(Run.of(model, log, one) for log, one in zip(logs, settled, strict=True))
         fit = _estimated(runs, method, ddof)
     return runs, fit
 

@@ -158,45 +158,52 @@ def _standstill_margin(chosen: Preparation, period: float) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class ForceRows:
-    """By how much the rows of a log change if its force is moved in time: they are linear in it.
+class SignalRows:
+    """The part of the rows of a log that one signal makes, and how it changes with its time: rows are linear in it.
 
     Parameters
     ----------
     sampling : Sampling
-        Of the part of the model that is linear in the signals, of which all but the force are still.
-    force : QuinticSpline
-        The filtered force.
+        Of the part of the model that is linear in the signals, of which all but this one are still.
+    name : str
+        The signal.
+    spline : QuinticSpline
+        The filtered signal.
     """
 
     sampling: Sampling
-    force: QuinticSpline
+    name: str
+    spline: QuinticSpline
 
     @classmethod
-    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation) -> ForceRows:
+    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
         """That of a log, with the complete preparation of its observation."""
         before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
         scheme = Scheme(chosen.difference_order)
-        force = filtered(model, log, chosen, scheme.widening, (model.force,))
-        signals = {**dict.fromkeys(model.highest_derivatives, still), **force}
+        own = filtered(model, log, chosen, scheme.widening, (name,))
+        signals = {**dict.fromkeys(model.highest_derivatives, still), **own}
         rest = log.n_samples - before - after
         sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, before, rest)
-        return cls(sampling, QuinticSpline(signals[model.force]))
+        return cls(sampling, name, QuinticSpline(signals[name]))
+
+    def rows(self) -> tuple[FloatArray, FloatArray]:
+        """Its part of W and y."""
+        return self._rows(self.spline.values)
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y, by a force that is moved `late` seconds to an earlier time."""
-        return self._rows(self._earlier(late) - self.force.values)
+        """Of W and y, by a signal that is moved `late` seconds to an earlier time."""
+        return self._rows(self._earlier(late) - self.spline.values)
 
     def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y by second, from forces that are moved `step` seconds to either side."""
+        """Of W and y by second, from signals that are moved `step` seconds to either side."""
         return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
 
     def _earlier(self, late: float) -> FloatArray:
-        return self.force.earlier(late / self.sampling.period)
+        return self.spline.earlier(late / self.sampling.period)
 
-    def _rows(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        signals = {**self.sampling.signals, self.sampling.model.force: force}
+    def _rows(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        signals = {**self.sampling.signals, self.name: values}
         W, y, _ = sampled(replace(self.sampling, signals=signals), with_velocities=False)
         return W.transpose(0, 2, 1), y
 
