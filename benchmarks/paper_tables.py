@@ -178,7 +178,7 @@ def identified(
     method: int, log: Log, cutoff_hz: float, setup: Setup = DEFAULT, late: float = 0.0
 ) -> dict[str, float]:
     """Minimal and physical parameters of a log by a method."""
-    settings = Preparation(cutoff_hz=cutoff_hz, order=setup.order, decimation=1, late={"Fm": late})
+    settings = Preparation(cutoff_hz=cutoff_hz, order=setup.order, decimation=1, late={"Fm": late}, difference_order=2)
     found = identify(model(method), log, preparation=settings, examine=False)
     return {**found.minimal_parameters, **found.physical_parameters}
 
@@ -197,7 +197,7 @@ def rigid_estimate(setup: Setup = DEFAULT) -> dict[str, float]:
     """Rigid model [45] from the flexible axis with Coulomb friction, 20 Hz, 250 Hz."""
     log = trapezoid_run(setup, coulomb=True).log(250.0, ("q2",))
     renamed = Log.from_arrays({"q": log["q2"], "F": log["Fm"]}, sampling_period=log.sampling_period)
-    settings = Preparation(cutoff_hz=20.0, order=setup.order, decimation=1)
+    settings = Preparation(cutoff_hz=20.0, order=setup.order, decimation=1, difference_order=2)
     return identify(load_generated("rigid_1m"), renamed, preparation=settings).physical_parameters
 
 

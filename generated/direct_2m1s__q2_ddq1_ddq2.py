@@ -22,8 +22,9 @@ SIGNED = ()  # physical parameters that may be negative
 PER_LOG = ()  # minimal parameters that differ from log to log
 HELD = False  # whether the force is held from sample to sample, so that it acts half a sample late
 ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
-SLIDING = ((0,), ())  # for each equation, the rows of sliding_velocities whose sign enters it
+SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
+COULOMB_AT_DRIVE = ((0, 2),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

@@ -23,6 +23,7 @@ HELD = False  # whether the force is held from sample to sample, so that it acts
 ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
+COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

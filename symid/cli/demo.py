@@ -17,7 +17,7 @@ from symid.report.html import html_path, write_html
 from symid.report.identification import identification_record, print_identification
 
 PUBLISHED_RECIPE = Preparation(
-    cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0
+    cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2
 )
 """Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 

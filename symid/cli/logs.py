@@ -24,6 +24,7 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping
 from symid.identification.mapping import require_known
+from symid.identification.scheme import DIFFERENCE_ORDER
 
 log_options = shared(
     click.option(
@@ -61,6 +62,14 @@ preparation_options = shared(
     ),
     click.option(
         "--decimation", type=COUNT, metavar="N", help="One row for every N samples [chosen from the cutoff]."
+    ),
+    click.option(
+        "--differences",
+        type=int,
+        default=DIFFERENCE_ORDER,
+        show_default=True,
+        metavar="ORDER",
+        help="Order of accuracy of differences, an even number; 2 is the paper's.",
     ),
     click.option(
         "--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."
@@ -122,6 +131,7 @@ def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparati
         trim=_trim(options["trim"]),
         standstill=standstill_of(options),
         late=late,
+        difference_order=options["differences"],
     )
 
 

@@ -45,6 +45,9 @@ class GeneratedModel:
         For each equation, the rows of `sliding_velocities` whose sign enters it.
     law_columns : tuple of tuple of int
         Equation and parameter index of the columns that hold values of nonlinear laws.
+    coulomb_at_drive : tuple of tuple of int
+        Coulomb friction that acts as the drive does, in equations that lack its derivatives: row of its velocity among
+        `sliding_velocities`, and its minimal parameter.
     branches : int
         Number of solutions of the inverse map in closed form; 0 without one.
     regressor, output, sliding_velocities, minimal_parameters : callable
@@ -67,6 +70,7 @@ class GeneratedModel:
     assumptions: tuple[str, ...]
     sliding: tuple[tuple[int, ...], ...]
     law_columns: tuple[tuple[int, int], ...]
+    coulomb_at_drive: tuple[tuple[int, int], ...]
     branches: int
     regressor: ArrayFunction
     output: ArrayFunction
@@ -92,6 +96,7 @@ class GeneratedModel:
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
             law_columns=namespace["LAW_COLUMNS"],
+            coulomb_at_drive=namespace.get("COULOMB_AT_DRIVE", ()),
             branches=namespace["BRANCHES"],
             regressor=namespace["regressor"],
             output=namespace["output"],

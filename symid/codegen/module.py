@@ -42,6 +42,7 @@ HELD = {held}  # whether the force is held from sample to sample, so that it act
 ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = {law_columns}  # (equation, parameter) of the columns that hold values of nonlinear laws
+COULOMB_AT_DRIVE = {coulomb}  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
 BRANCHES = {branches}  # solutions of the inverse map in closed form
 {constants}
 
@@ -127,6 +128,7 @@ def module_text(model: DerivedModel) -> str:
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
         law_columns=repr(_law_columns(model)),
+        coulomb=repr(_coulomb_at_drive(model, velocities)),
         branches=solution.branches if solution else 0,
         constants=_constants(model),
         arguments=", ".join(signals),
@@ -182,20 +184,56 @@ def _log_parameters(model: DerivedModel) -> tuple[str, ...]:
 
 
 def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
-    """For each equation the indices of the velocities in its laws with jumps, and these velocities."""
+    """For each equation the indices of the velocities in its laws with jumps, and these velocities.
+
+    An equation that lacks the derivative of a jump does not hold at it either, though no column shows it.
+    """
     velocities: dict[sp.Expr, int] = {}
     by_equation = []
     constants = {sp.Symbol(name) for name in model.minimal.source.source.constants}
-    for row in model.minimal.regressor:
-        jumps = sorted(
-            (f for entry in row for f in entry.atoms(sp.Function) if not is_smooth(f)),
-            key=sp.default_sort_key,
-        )
+    for row, equation in zip(model.minimal.regressor, model.minimal.source.equations, strict=True):
+        shown = {f for entry in row for f in entry.atoms(sp.Function) if not is_smooth(f)}
+        jumps = sorted(shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key)
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
         # What jumps elsewhere, such as a stiffness at the edge of a gap, is no matter of standstill.
         arguments = [a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols - constants, 0))]
         by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
     return tuple(by_equation), tuple(velocities)
+
+
+def _coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> tuple[tuple[int, int], ...]:
+    """Coulomb friction that acts on the bodies as the drive does, where an equation lacks its derivatives.
+
+    The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated. Each is
+    told by the row of its velocity and the index of its minimal parameter.
+    """
+    if not any(equation.dropped for equation in model.minimal.source.equations):
+        return ()
+    operators, found = model.minimal.source.operators, []
+    for entry in operators.source.inputs:
+        if entry.expression != sp.sign(sp.Symbol("v")):
+            continue
+        for generator in operators.ring.gens[1:]:
+            beside = [
+                row.get(str(entry.symbol), operators.ring.zero) + generator * operators.force[body]
+                for body, row in operators.inputs.items()
+            ]
+            if not any(beside):
+                found += _place_of_coulomb(model, velocities, str(generator))
+    return tuple(found)
+
+
+def _place_of_coulomb(
+    model: DerivedModel, velocities: tuple[sp.Expr, ...], parameter: str
+) -> list[tuple[int, int]]:
+    """Velocity and index of a minimal parameter that is this physical one, from its column sign(velocity)."""
+    for j, minimal in enumerate(model.minimal.parameters):
+        if str(minimal.function.expression) == parameter:
+            columns = {row[j] for row in model.minimal.regressor} - {0}
+            return [
+                (i, j) for i, velocity in enumerate(velocities) if columns == {sp.sign(velocity)}
+            ]
+    return []
 
 
 def _law_columns(model: DerivedModel) -> tuple[tuple[int, int], ...]:

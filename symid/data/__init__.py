@@ -10,6 +10,7 @@ from symid.data.filtering import (
     decimate,
     decimation_filter,
     derivatives,
+    difference_factors,
     faithful_share,
     kept_indices,
 )
@@ -48,6 +49,7 @@ __all__ = [
     "decimate",
     "decimation_filter",
     "derivatives",
+    "difference_factors",
     "faithful_share",
     "foreign_columns",
     "guessed_layout",

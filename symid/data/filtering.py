@@ -125,7 +125,7 @@ def _squared_butterworth(ratio: FloatArray, order: int) -> FloatArray:
 
 
 def central_difference(
-    x: npt.ArrayLike, sampling_period: float, *, out: FloatArray | None = None
+    x: npt.ArrayLike, sampling_period: float, *, order: int = 2, out: FloatArray | None = None
 ) -> FloatArray:
     """First derivative by central differences, equation [31], one-sided at the two ends.
 
@@ -135,6 +135,9 @@ def central_difference(
         Signal, or one signal a row; at least two samples.
     sampling_period : float
         Time between two samples, s.
+    order : int
+        Order of accuracy, an even number: 2 is the paper's difference of the two neighbours. A higher one takes more
+        neighbours on either side, half as many as its number; near the ends it falls to what is there.
     out : array of the shape of `x`, optional
         Where to write the result; it must not share memory with `x`.
 
@@ -145,7 +148,7 @@ def central_difference(
     Raises
     ------
     SettingError
-        If there are fewer than two samples.
+        If there are fewer than two samples, or the order is not possible.
 
     Examples
     --------
@@ -157,22 +160,54 @@ def central_difference(
         raise SettingError("a difference needs at least 2 samples: give a longer signal")
     slope = np.empty(values.shape) if out is None else out
     for row in np.ndindex(values.shape[:-1]):
-        _difference_row(values[row], sampling_period, slope[row])
+        _difference_row(values[row], sampling_period, difference_factors(order), slope[row])
     return slope
 
 
-def _difference_row(x: FloatArray, period: float, out: FloatArray) -> None:
-    last = x.size - 1
-    for first in range(1, last, _BLOCK):
-        stop = min(first + _BLOCK, last)
+@lru_cache(maxsize=16)
+def difference_factors(order: int) -> tuple[float, ...]:
+    """Factors c_k of (x[i+k] - x[i-k]) in the central difference of an even order, k = 1 to order/2.
+
+    With m = order/2, c_k = (-1)^(k+1) (m!)^2 / (k (m-k)! (m+k)!) (B. Fornberg, Math. Comp. 51, 1988).
+
+    Raises
+    ------
+    SettingError
+        If the order is not even, or not from 2 to 20.
+
+    Examples
+    --------
+    >>> difference_factors(2), [round(60 * c) for c in difference_factors(6)]
+    ((0.5,), [45, -9, 1])
+    """
+    if order % 2 or not 2 <= order <= 20:
+        raise SettingError(f"differences of order {order} are not possible: give an even number from 2 to 20")
+    m = order // 2
+    return tuple(
+        (-1) ** (k + 1) * math.factorial(m) ** 2 / (k * math.factorial(m - k) * math.factorial(m + k))
+        for k in range(1, m + 1)
+    )
+
+
+def _difference_row(x: FloatArray, period: float, factors: tuple[float, ...], out: FloatArray) -> None:
+    last, reach = x.size - 1, min(len(factors), (x.size - 1) // 2)
+    factors = factors if reach == len(factors) else difference_factors(2 * max(reach, 1))
+    for first in range(reach, last + 1 - reach, _BLOCK):
+        stop = min(first + _BLOCK, last + 1 - reach)
         block = out[first:stop]
         np.subtract(x[first + 1 : stop + 1], x[first - 1 : stop - 1], out=block)
-        block *= 0.5 / period
+        block *= factors[0] / period
+        for k, factor in enumerate(factors[1:], 2):
+            block += (x[first + k : stop + k] - x[first - k : stop - k]) * (factor / period)
+    for i in range(1, reach):
+        fewer = np.array(difference_factors(2 * i)) / period
+        out[i] = fewer @ (x[i + 1 : 2 * i + 1] - x[:i][::-1])
+        out[last - i] = fewer @ (x[last - i + 1 :] - x[last - 2 * i : last - i][::-1])
     out[0] = (x[1] - x[0]) / period
     out[last] = (x[last] - x[last - 1]) / period
 
 
-def derivatives(x: npt.ArrayLike, sampling_period: float, order: int) -> list[FloatArray]:
+def derivatives(x: npt.ArrayLike, sampling_period: float, order: int, *, accuracy: int = 2) -> list[FloatArray]:
     """Derivatives of order 1 to `order`, each the central difference of the one before.
 
     Parameters
@@ -182,7 +217,9 @@ def derivatives(x: npt.ArrayLike, sampling_period: float, order: int) -> list[Fl
     sampling_period : float
         Time between two samples, s.
     order : int
-        Highest order; 0 gives an empty list.
+        Highest derivative; 0 gives an empty list.
+    accuracy : int
+        Order of accuracy of each difference, as in `central_difference`.
 
     Returns
     -------
@@ -191,23 +228,29 @@ def derivatives(x: npt.ArrayLike, sampling_period: float, order: int) -> list[Fl
     found: list[FloatArray] = []
     current = np.asarray(x, dtype=np.float64)
     for _ in range(order):
-        current = central_difference(current, sampling_period)
+        current = central_difference(current, sampling_period, order=accuracy)
         found.append(current)
     return found
 
 
-def central_difference_gain(frequency: npt.ArrayLike, sampling_period: float) -> FloatArray:
-    """Share of the true derivative that the central difference gives at `frequency` (Hz): sin(w T) / (w T).
+def central_difference_gain(
+    frequency: npt.ArrayLike, sampling_period: float, *, order: int = 2
+) -> FloatArray:
+    """Share of the true derivative that the central difference gives at `frequency` (Hz): sin(w T) / (w T) [33].
+
+    That of a higher `order` of accuracy is the sum of 2 c_k sin(k w T) / (w T).
 
     Examples
     --------
     >>> float(central_difference_gain(0.0, 0.001))
     1.0
     """
-    return np.asarray(np.sinc(2.0 * np.asarray(frequency, dtype=np.float64) * sampling_period))[()]
+    turns = np.asarray(frequency, dtype=np.float64) * sampling_period
+    factors = enumerate(difference_factors(order), 1)
+    return np.asarray(sum(2.0 * k * factor * np.sinc(2.0 * k * turns) for k, factor in factors))[()]
 
 
-def faithful_share(differences: int, gain: float) -> float:
+def faithful_share(differences: int, gain: float, *, order: int = 2) -> float:
     """Frequency over sampling frequency at which successive central differences keep a gain, equation [36].
 
     [sin(w T) / (w T)]^m = A is solved for w T / (2 pi). A cutoff frequency divided by it is the first guess of the
@@ -219,6 +262,8 @@ def faithful_share(differences: int, gain: float) -> float:
         Number m of successive differences, at least 1.
     gain : float
         Gain A to keep, between 0 and 1.
+    order : int
+        Order of accuracy of each difference, as in `central_difference`.
 
     Raises
     ------
@@ -237,7 +282,13 @@ def faithful_share(differences: int, gain: float) -> float:
             f"{differences} differences with a gain of {gain:g} are not possible: give 1 or more, "
             "and a gain between 0 and 1"
         )
-    return float(scipy.optimize.brentq(lambda share: np.sinc(2.0 * share) ** differences - gain, 1e-9, 0.5))
+    return float(
+        scipy.optimize.brentq(
+            lambda share: max(float(central_difference_gain(share, 1.0, order=order)), 0.0) ** differences - gain,
+            1e-9,
+            0.5,
+        )
+    )
 
 
 def kept_indices(n_samples: int, factor: int) -> slice:

@@ -24,10 +24,11 @@ from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
 from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
 from symid.identification.observation import Observation, observe
-from symid.identification.scheme import SHARP
+from symid.identification.scheme import sharper
 
 _COUNTS = 0.1
 """Share of the standard deviation beyond which a bias changes the coverage of an interval."""
+_NOWHERE = -1
 _MOST_NOISE = 0.9
 """Share of a column's power up to which its noise is taken off again."""
 
@@ -132,26 +133,32 @@ def _rest_of_sharper_rows(
     model: GeneratedModel, log: Log, seen: Observation, X: FloatArray, levels: Mapping[str, float]
 ) -> FloatArray:
     """What an estimate leaves of rows that are made with sharper differences; 0 in rows that are not used."""
-    scheme = replace(SHARP, widening=quiet_widening(model, log, seen.preparation, levels, SHARP.widening))
+    scheme = sharper(seen.preparation.difference_order)
+    widening = quiet_widening(model, log, seen.preparation, levels, scheme.widening)
     preparation = replace(
         seen.preparation, filter_force=True, standstill=0.0
     )  # its rows are those that were fitted
-    sharper = observe(_rest(model, X), log, preparation, scheme)
-    return np.where(seen.valid, sharper.y - sharper.W[..., 0], 0.0)
+    other = observe(_rest(model, X, preparation.coulomb or ()), log, preparation, replace(scheme, widening=widening))
+    return np.where(seen.valid, other.y - other.W[..., 0], 0.0)
 
 
-def _rest(model: GeneratedModel, X: FloatArray) -> GeneratedModel:
+def _rest(model: GeneratedModel, X: FloatArray, coulomb: tuple[float, ...]) -> GeneratedModel:
     """A model of what parameters leave of the output: laws as its only column, and as output what the others leave.
 
-    Filters are linear: two rows an equation tell the rest that all columns would tell.
+    Filters are linear: two rows an equation tell the rest that all columns would tell. Friction that is taken off the
+    force beforehand, `coulomb`, is not given back to the output, but taken off the column of laws.
     """
     of_laws = np.zeros((len(model.output_names), X.size, 1))
     for equation, parameter in model.law_columns:
         of_laws[equation, parameter] = X[parameter]
     of_others = X[:, None] - of_laws
+    for (_, parameter), level in zip(model.coulomb_at_drive, coulomb, strict=False):
+        for equation, column in model.law_columns:
+            of_laws[equation, parameter] -= level if column == parameter else 0.0
     return replace(
         model,
         minimal_units={"laws": "1"},
+        coulomb_at_drive=tuple((row, _NOWHERE) for row, _ in model.coulomb_at_drive),
         law_columns=tuple((equation, 0) for equation in sorted({place[0] for place in model.law_columns})),
         regressor=lambda *signals: model.regressor(*signals) @ of_laws,
         output=lambda *signals: model.output(*signals) - (model.regressor(*signals) @ of_others)[..., 0],

@@ -14,6 +14,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
 from symid.data import AnyLog, Log, LongLog
@@ -28,19 +30,28 @@ from symid.estimation import (
 )
 from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.blocks import Run, blocks_of_runs
-from symid.identification.excerpts import blocks_of, excerpts
-from symid.identification.misfit import misfit_of
+from symid.identification.excerpts import Excerpt, blocks_of, excerpts
+from symid.identification.misfit import misfit_of, noiseless_misfit
+from symid.identification.nonlinearity import nonlinearity_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
+from symid.identification.recording import fault_of
 from symid.identification.result import Identification, trusted_covariance
 from symid.identification.settings import Preparation
-from symid.identification.timing import timing_of
-from symid.identification.trust import distrust
+from symid.identification.stability import greatest_change, scatter
+from symid.identification.timing import drift_of, timing_of
+from symid.identification.trust import Faults, distrust
 from symid.identification.verdict import verdict
+from symid.identification.whitened import Segment, segments
 
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
 
+_MOST_COULOMB_ROUNDS = 4
+"""Each leaves about a tenth of the error of the one before."""
+_COULOMB_SETTLED = 0.005
+"""Relative change of the friction that ends the rounds: what it leaves in the derivatives is below one per cent of what
+the paper drops."""
 _CONDITION_THAT_COSTS_DIGITS = 1e4
 _MANY_ROWS = 1_000_000
 """Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
@@ -105,8 +116,7 @@ def identify(
         raise SettingError(
             f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
         )
-    runs = tuple(Run.of(model, log, preparation or Preparation()) for log in every)
-    fit = _estimated(runs, method, ddof)
+    runs, fit = _with_coulomb(model, every, preparation or Preparation(), method, ddof)
     observations = tuple(run.observation for run in runs)
     found = found_from(model, every, observations, fit, blocks=lambda: blocks_of_runs(runs), nominal=nominal)
     return distrusted(found, every) if examine and fit.status == "ok" else found
@@ -161,14 +171,53 @@ def distrusted(
     found: Identification, logs: Sequence[AnyLog], instruments: tuple[FloatArray, ...] | None = None
 ) -> Identification:
     """The identification with what was found about timing and bias; parameters as in `found_from`."""
-    parts = excerpts(found.model, logs, found.observations)
-    timing = timing_of(found.model, parts, found.fit)
+    model, fit = found.model, found.fit
+    parts = excerpts(model, logs, found.observations)
     if instruments is None:
-        bias = bias_of(found.model, parts, found.fit)
+        bias = bias_of(model, parts, fit)
     else:
         whole = [log.window(0, log.n_samples) for log in logs]
-        bias = bias_of_instruments(found.model, whole, found.observations, found.fit, instruments)
-    return distrust(replace(found, timing=timing, bias=bias), misfit_of(found.model, parts, found.fit))
+        bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
+    timing, sums = timing_of(model, parts, fit), segments(parts, fit)
+    share = sum(fit.rows) / max(sum(s.rows for s in sums), 1)
+    examined = replace(found, timing=timing, bias=bias, scatter=scatter(sums, fit) / share)
+    return distrust(examined, _faults(examined, parts, sums))
+
+
+def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
+    """What contradicts the estimate, in words: of a channel, of a part of the logs, of the force's size or its clock."""
+    model, fit = found.model, found.fit
+    inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
+    change = greatest_change(sums, fit, inflation)
+    return Faults(
+        recording=fault_of(model, parts, fit),
+        misfit=misfit_of(model, parts, fit)
+        or nonlinearity_of(model, parts, fit)
+        or (change.statement(model) if change else "")
+        or noiseless_misfit(model, parts, fit),
+        drift=drift_of(model, parts, fit),
+    )
+
+
+def _with_coulomb(
+    model: GeneratedModel, logs: Sequence[AnyLog], preparation: Preparation, method: Method, ddof: int | None
+) -> tuple[tuple[Run, ...], LeastSquares]:
+    """Rows and estimate; friction beside a differentiated force is taken off it, and found by fixed-point iteration."""
+    runs = tuple(Run.of(model, log, preparation) for log in logs)
+    fit = _estimated(runs, method, ddof)
+    if not model.coulomb_at_drive or preparation.coulomb is not None:
+        return runs, fit
+    places, taken = [parameter for _, parameter in model.coulomb_at_drive], np.zeros(1)
+    for _ in range(_MOST_COULOMB_ROUNDS):
+        levels = np.maximum(fit.solution[places], 0.0)
+        if fit.status != "ok" or np.all(np.abs(levels - taken) <= _COULOMB_SETTLED * levels):
+            break
+        taken = levels
+        coulomb = tuple(map(float, levels))
+        settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
+        runs = tuple(Run.of(model, log, one) for log, one in zip(logs, settled, strict=True))
+        fit = _estimated(runs, method, ddof)
+    return runs, fit
 
 
 def _estimated(runs: Sequence[Run], method: Method, ddof: int | None) -> LeastSquares:

@@ -14,7 +14,9 @@ from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import cut_in_motion
 from symid.estimation import LeastSquares, estimate, triangular_factors
+from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.noise import noise_levels, noise_of_rows
 
 _CLIPPED_SAMPLES = 5
 """Shortest run at an extreme value that is a limit, not a peak."""
@@ -49,6 +51,31 @@ def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
         The parameters, all determined.
     """
     return _cut(model, parts) or _clipped(model, parts, fit) or _local(parts, fit)
+
+
+def noiseless_misfit(
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+) -> str:
+    """Outputs of which a large part is left that the noise of the signals does not explain, in words."""
+    equations = len(model.output_names)
+    norms = np.reshape((fit.residual_norm, fit.y_norm), (2, -1, equations))
+    left, y = np.sqrt(np.sum(norms**2, axis=1))
+    rows = np.sum(np.reshape(fit.rows, (-1, equations)), axis=0)
+    noise = np.zeros(equations)
+    for part in parts:
+        covariance = noise_of_rows(
+            model, part.log, part.observation.preparation, noise_levels(model, part.log)
+        )
+        error = np.append(fit.solution, -1.0)
+        noise += np.einsum("a,jab,b->j", error, covariance, error) / len(parts)
+    expected = criteria.noise_explains * np.sqrt(np.maximum(noise, 0.0) * rows)
+    said = [
+        f"{100 * r / o:.3g} % of {name}"
+        for name, r, o, e in zip(model.output_names, left, y, expected, strict=True)
+        if o > 0 and r > criteria.worst_fit * o and r > e
+    ]
+    cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
+    return f"the parameters leave {', '.join(said)}, more than noise explains: {cause}" if said else ""
 
 
 def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:

@@ -16,7 +16,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, decimation_filter
+from symid.data import Log, LowPass, central_difference_gain, decimation_filter
 from symid.identification.settings import Preparation
 from symid.signals import split_derivative
 
@@ -143,7 +143,8 @@ def _signal_gains(
     """Gain from each recorded signal to its flat name as it enters the rows, of shape (n_signals, n_frequencies)."""
     assert chosen.cutoff_hz is not None
     angle = 2 * np.pi * frequency * period
-    difference = 1j * np.sin(angle) / period
+    share = central_difference_gain(frequency, period, order=chosen.difference_order)
+    difference = 1j * angle / period * share
     low_pass = LowPass(chosen.cutoff_hz, chosen.order).sampled_gain(frequency, 1 / period)
     thinned = np.ones_like(frequency)
     if chosen.decimation is not None and chosen.decimation > 1:

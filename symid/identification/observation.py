@@ -20,12 +20,17 @@ from symid.data import (
     kept_of,
 )
 from symid.errors import SettingError
-from symid.identification.sampling import WORKERS, Sampling, filtered, sampled, sampling_of
-from symid.identification.scheme import PAPER, Scheme
+from symid.identification.sampling import (
+    STANDSTILL_SHARE,
+    WORKERS,
+    Sampling,
+    filtered,
+    sampled,
+    sampling_of,
+)
+from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
 
-_STANDSTILL_SHARE = 0.01
-"""Part of the highest speed below which the sign of a velocity is not trusted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +62,7 @@ def observe(
     model: GeneratedModel,
     log: Log,
     preparation: Preparation,
-    scheme: Scheme = PAPER,
+    scheme: Scheme | None = None,
     *,
     highest: FloatArray | None = None,
 ) -> Observation:
@@ -71,8 +76,8 @@ def observe(
         A run of the axis.
     preparation : Preparation
         What is left open is chosen from the log.
-    scheme : Scheme
-        Another one than the paper's, to compare with it.
+    scheme : Scheme, optional
+        Another one than the preparation says, to compare with it.
     highest : array of shape (n_sliding,), optional
         Highest speed of each sliding velocity, where that of the log itself is not the one that tells what standstill
         is.
@@ -86,7 +91,7 @@ def observe(
     """
     chosen = completed(preparation, log, model)
     before, after = ends_of(chosen, log.n_samples)
-    sampling = sampling_of(model, log, chosen, scheme)
+    sampling = sampling_of(model, log, chosen, scheme or Scheme(chosen.difference_order))
     if sampling.n_samples <= sampling.padding:
         raise SettingError(
             f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
@@ -117,7 +122,7 @@ def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> Floa
     chosen : Preparation
         Complete.
     """
-    sampling = sampling_of(model, log, chosen, PAPER)
+    sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order))
     signals = sampling.window(0, sampling.n_samples)
     velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
     return np.asarray(np.max(np.abs(velocities), axis=1))
@@ -137,10 +142,11 @@ def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[
     """
     assert chosen.cutoff_hz is not None
     signals = LowPass(chosen.cutoff_hz, chosen.order).zero_phase(1 / period).reach
-    signals += max(model.highest_derivatives.values()) * PAPER.reach
+    scheme = Scheme(chosen.difference_order)
+    signals += max(model.highest_derivatives.values()) * scheme.reach
     if chosen.late:
         signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
-    rows = Sampling(model, chosen, PAPER, period, {}, 0, 0).reach
+    rows = Sampling(model, chosen, scheme, period, {}, 0, 0).reach
     return signals, rows + (_standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
 
 
@@ -152,44 +158,52 @@ def _standstill_margin(chosen: Preparation, period: float) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class ForceRows:
-    """By how much the rows of a log change if its force is moved in time: they are linear in it.
+class SignalRows:
+    """The part of the rows of a log that one signal makes, and how it changes with its time: rows are linear in it.
 
     Parameters
     ----------
     sampling : Sampling
-        Of the part of the model that is linear in the signals, of which all but the force are still.
-    force : QuinticSpline
-        The filtered force.
+        Of the part of the model that is linear in the signals, of which all but this one are still.
+    name : str
+        The signal.
+    spline : QuinticSpline
+        The filtered signal.
     """
 
     sampling: Sampling
-    force: QuinticSpline
+    name: str
+    spline: QuinticSpline
 
     @classmethod
-    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation) -> ForceRows:
+    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
         """That of a log, with the complete preparation of its observation."""
         before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
-        force = filtered(model, log, chosen, PAPER.widening, (model.force,))
-        signals = {**dict.fromkeys(model.highest_derivatives, still), **force}
+        scheme = Scheme(chosen.difference_order)
+        own = filtered(model, log, chosen, scheme.widening, (name,))
+        signals = {**dict.fromkeys(model.highest_derivatives, still), **own}
         rest = log.n_samples - before - after
-        sampling = Sampling(_linear(model), chosen, PAPER, log.sampling_period, signals, before, rest)
-        return cls(sampling, QuinticSpline(signals[model.force]))
+        sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, before, rest)
+        return cls(sampling, name, QuinticSpline(signals[name]))
+
+    def rows(self) -> tuple[FloatArray, FloatArray]:
+        """Its part of W and y."""
+        return self._rows(self.spline.values)
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y, by a force that is moved `late` seconds to an earlier time."""
-        return self._rows(self._earlier(late) - self.force.values)
+        """Of W and y, by a signal that is moved `late` seconds to an earlier time."""
+        return self._rows(self._earlier(late) - self.spline.values)
 
     def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y by second, from forces that are moved `step` seconds to either side."""
+        """Of W and y by second, from signals that are moved `step` seconds to either side."""
         return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
 
     def _earlier(self, late: float) -> FloatArray:
-        return self.force.earlier(late / self.sampling.period)
+        return self.spline.earlier(late / self.sampling.period)
 
-    def _rows(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        signals = {**self.sampling.signals, self.sampling.model.force: force}
+    def _rows(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        signals = {**self.sampling.signals, self.name: values}
         W, y, _ = sampled(replace(self.sampling, signals=signals), with_velocities=False)
         return W.transpose(0, 2, 1), y
 
@@ -201,6 +215,7 @@ def _linear(model: GeneratedModel) -> GeneratedModel:
     return replace(
         model,
         law_columns=(),
+        coulomb_at_drive=(),
         regressor=lambda *signals: model.regressor(*signals) - W,
         output=lambda *signals: model.output(*signals) - y,
     )
@@ -222,7 +237,7 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
             own = (
                 max(float(velocity.max()), -float(velocity.min())) if highest is None else float(highest[row])
             )
-            threshold = _STANDSTILL_SHARE * own
+            threshold = STANDSTILL_SHARE * own
         concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
         mark = partial(
             _leave_out, velocity, threshold, margin, (offset, factor), [usable[j] for j in concerned]

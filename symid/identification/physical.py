@@ -66,15 +66,13 @@ class PhysicalEstimate:
         )
 
     def negative(self, model: GeneratedModel) -> tuple[str, ...]:
-        """Parameters that are negative beyond what their deviation explains, and must not be."""
-        return negative_parameters(model, self.parameters, self.standard_deviations)
+        """Parameters that are negative, and must not be."""
+        return negative_parameters(model, self.parameters)
 
 
-def negative_parameters(
-    model: GeneratedModel, physical: FloatArray, deviations: FloatArray
-) -> tuple[str, ...]:
-    """Physical parameters that are negative beyond what their deviation (nan: none) explains, and must not be."""
-    below = zip(model.physical_units, physical < -3 * np.nan_to_num(deviations), strict=True)
+def negative_parameters(model: GeneratedModel, physical: FloatArray) -> tuple[str, ...]:
+    """Physical parameters that are negative, and must not be: deviations excuse nothing, they say "not determined"."""
+    below = zip(model.physical_units, physical < 0.0, strict=True)
     return tuple(name for name, is_below in below if is_below and name not in model.signed)
 
 

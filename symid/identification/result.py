@@ -67,6 +67,8 @@ class Identification(EstimatedParameters):
         At which other time the force seems to act; None if that was not examined or cannot be told.
     bias : Bias, optional
         Expected error of the minimal parameters; None if that was not examined.
+    scatter : array of shape (n_minimal, n_minimal), optional
+        Covariance of the minimal parameters by their scatter between segments of the logs; None if not examined.
     """
 
     model: GeneratedModel
@@ -81,6 +83,7 @@ class Identification(EstimatedParameters):
     notes: tuple[str, ...]
     timing: Timing | None = None
     bias: Bias | None = None
+    scatter: FloatArray | None = None
 
     @property
     def covariance(self) -> FloatArray:
@@ -89,8 +92,34 @@ class Identification(EstimatedParameters):
 
     @property
     def standard_deviations(self) -> FloatArray:
-        """Of the minimal parameters, corrected as `covariance` is."""
+        """Of the minimal parameters, as they are printed: widened as `widened` says."""
+        return self.widened(np.eye(self.fit.solution.size))
+
+    @property
+    def physical_deviations(self) -> FloatArray:
+        """Standard deviations of the physical parameters of the first branch, as they are printed."""
+        return self.widened(self.physical[0].sensitivity) if self.physical else np.empty(0)
+
+    @property
+    def sampling_deviations(self) -> FloatArray:
+        """Of the minimal parameters, by the residual's correlation alone."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def widened(self, sensitivity: FloatArray) -> FloatArray:
+        """Deviations of functions of the minimal parameters that cover what remains: noise, scatter and bias.
+
+        Parameters
+        ----------
+        sensitivity : array of shape (n, n_minimal)
+            Derivatives of the functions. The larger of the covariance of a correlated residual and that of the scatter
+            between segments counts, and the square of the expected bias is added.
+        """
+        variance = np.einsum("ia,ab,ib->i", sensitivity, self.covariance, sensitivity)
+        if self.scatter is not None:
+            by_segments = np.einsum("ia,ab,ib->i", sensitivity, self.scatter, sensitivity)
+            variance = np.maximum(variance, by_segments)
+        bias = self.bias.mapped(sensitivity).total if self.bias is not None else 0.0
+        return np.asarray(np.sqrt(variance + np.square(bias)))
 
     @property
     def physical_bias(self) -> Bias | None:
@@ -106,7 +135,7 @@ class Identification(EstimatedParameters):
         if self.bias is None:
             return ()
         if self.physical_bias is None:
-            names, places = list(self.model.minimal_units), self.bias.dominates(self.standard_deviations)
+            names, places = list(self.model.minimal_units), self.bias.dominates(self.sampling_deviations)
         else:
             deviations = self.physical[0].propagated_deviations(self.covariance)
             names, places = list(self.model.physical_units), self.physical_bias.dominates(deviations)

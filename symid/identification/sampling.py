@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,8 @@ from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation
 from symid.signals import derivative_name
 
+STANDSTILL_SHARE = 0.01
+"""Part of the highest speed below which the sign of a velocity is not trusted."""
 _WIDEST = 0.4
 """Of the sampling frequency: the highest cutoff to which a filter is widened."""
 
@@ -124,9 +126,54 @@ def sampling_of(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Sc
     """A model and a log with its signals filtered, for a complete preparation."""
     before, after = chosen.trim or (0, 0)
     signals = filtered(model, log, chosen, scheme.widening, model.highest_derivatives)
-    return Sampling(
-        model, chosen, scheme, log.sampling_period, signals, before, log.n_samples - before - after
+    n_samples = log.n_samples - before - after
+    found = Sampling(model, chosen, scheme, log.sampling_period, signals, before, n_samples)
+    if not chosen.coulomb:
+        return found
+    signals[model.force] = signals[model.force] - _coulomb_friction(found, log)
+    return replace(found, signals=signals)
+
+
+def _coulomb_friction(sampling: Sampling, log: Log) -> FloatArray:
+    """Friction beside the drive along a whole log, filtered as the force is."""
+    model, chosen = sampling.model, sampling.chosen
+    assert chosen.coulomb is not None and chosen.cutoff_hz is not None
+    motion = replace(sampling, before=0, n_samples=log.n_samples).window(0, log.n_samples)
+    velocities = model.sliding_velocities(*(motion[name] for name in model.signals))
+    friction = np.zeros(log.n_samples)
+    for (row, _), level in zip(model.coulomb_at_drive, chosen.coulomb, strict=True):
+        friction += level * direction(velocities[row])
+    if not chosen.filter_force:
+        return friction
+    return low_pass_of(chosen, sampling.scheme.widening, log.sampling_frequency).apply(
+        friction, log.sampling_frequency, workers=WORKERS
     )
+
+
+def direction(velocity: FloatArray) -> FloatArray:
+    """Sign of a velocity, which changes once in a reversal; while the machine stands it stays what it was.
+
+    Examples
+    --------
+    >>> direction(np.array([1.0, 0.001, -0.001, 0.001, -0.001, -1.0, 0.0, -0.001, -1.0])).tolist()
+    [1.0, 1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0]
+    """
+    fast = np.abs(velocity) > STANDSTILL_SHARE * np.max(np.abs(velocity), initial=0.0)
+    sign, every = np.sign(velocity), np.arange(velocity.size)
+    last = np.maximum.accumulate(np.where(fast, every, 0))
+    after = np.minimum.accumulate(np.where(fast, every, velocity.size - 1)[::-1])[::-1]
+    before, behind = sign[last], sign[after]
+    turned = (sign == behind) & (before != behind)
+    # the first sample of a reversal that has the new direction, and all behind it
+    turned_since = np.maximum.accumulate(np.where(turned, every, -1)) > last
+    return np.where(before == behind, before, np.where(turned_since, behind, before))
+
+
+def low_pass_of(chosen: Preparation, widening: float, sampling_frequency: float) -> LowPass:
+    """Low-pass of signals before they are differentiated."""
+    assert chosen.cutoff_hz is not None
+    cutoff = max(chosen.cutoff_hz, min(widening * chosen.cutoff_hz, _WIDEST * sampling_frequency))
+    return LowPass(cutoff, chosen.order)
 
 
 def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -159,7 +206,18 @@ def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, Floa
             velocities[:, piece.start : piece.stop] = model.sliding_velocities(*arguments)
 
     in_pieces(sample, sampling.n_samples, sampling.reach, WORKERS)
+    _give_back(sampling, W, y)
     return W, y, velocities
+
+
+def _give_back(sampling: Sampling, W: FloatArray, y: FloatArray) -> None:
+    """Add the friction that was taken off the force to the outputs that have a column of it."""
+    for (_, parameter), level in zip(
+        sampling.model.coulomb_at_drive, sampling.chosen.coulomb or (), strict=False
+    ):
+        for equation, column in sampling.model.law_columns:
+            if column == parameter:
+                y[equation] += level * W[equation, column]
 
 
 def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray, chosen: slice) -> None:
@@ -175,10 +233,8 @@ def filtered(
     model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
 ) -> dict[str, FloatArray]:
     """Low-passed signals at the times at which they were; the force is filtered only if the preparation says so."""
-    assert chosen.cutoff_hz is not None
     signals = {name: log[name] for name in names}
-    cutoff = max(chosen.cutoff_hz, min(widening * chosen.cutoff_hz, _WIDEST * log.sampling_frequency))
-    lowpass = LowPass(cutoff, chosen.order)
+    lowpass = low_pass_of(chosen, widening, log.sampling_frequency)
     for name, values in signals.items():
         if chosen.filter_force or name != model.force:
             signals[name] = lowpass.apply(values, log.sampling_frequency, workers=WORKERS)

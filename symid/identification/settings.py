@@ -12,8 +12,9 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, LowPass, derivatives, faithful_share
+from symid.data import AnyLog, LowPass, derivatives, difference_factors, faithful_share
 from symid.errors import SettingError
+from symid.identification.scheme import DIFFERENCE_ORDER
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -52,6 +53,12 @@ class Preparation:
     held : bool, optional
         Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
         the axis declares it if not given.
+    difference_order : int
+        Order of accuracy of the differences that take the place of derivatives, an even number; 2 is the paper's.
+    coulomb : tuple of float, optional
+        Coulomb friction beside the drive that is taken off the force before it is differentiated, in the force's unit,
+        one for each of the model's `coulomb_at_drive`; found by iteration if not given. The empty tuple takes derivatives
+        of friction as zero, as the paper does.
     """
 
     cutoff_hz: float | None = None
@@ -62,10 +69,13 @@ class Preparation:
     standstill: float | None = None
     late: Mapping[str, float] = field(default_factory=dict)
     held: bool | None = None
+    difference_order: int = DIFFERENCE_ORDER
+    coulomb: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         if self.cutoff_hz is not None:
             LowPass(self.cutoff_hz, self.order)
+        difference_factors(self.difference_order)
         for name, value, least in (("decimation", self.decimation, 1), ("standstill", self.standstill, 0.0)):
             if value is not None and not (math.isfinite(value) and value >= least):
                 raise SettingError(f"{name} is {value}: it must be at least {least:g}")
@@ -180,13 +190,13 @@ def _power(transforms: ComplexArray) -> FloatArray:
     return np.asarray(np.mean(transforms.real**2 + transforms.imag**2, axis=0))
 
 
-def faithful_band(log: AnyLog, model: GeneratedModel) -> float:
+def faithful_band(log: AnyLog, model: GeneratedModel, accuracy: int) -> float:
     """Frequency at which repeated central differences lose 3 % of the highest derivative [36], in Hz.
 
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
     """
     order = max(model.highest_derivatives.values())
-    share = faithful_share(order, _FAITHFUL) if order else 0.5
+    share = faithful_share(order, _FAITHFUL, order=accuracy) if order else 0.5
     return share * log.sampling_frequency
 
 
@@ -217,11 +227,12 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
         bands = (
             _MARGIN * coherent_band(log, model, spectra),
             quiet_band(log, model, spectra),
-            faithful_band(log, model),
+            faithful_band(log, model, given.difference_order),
         )
         cutoff = float(f"{min(bands):.3g}")
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
-    edge = min(math.ceil(3 * rate / cutoff) + max(model.highest_derivatives.values()), log.n_samples // 10)
+    reach = max(model.highest_derivatives.values()) * given.difference_order // 2
+    edge = min(math.ceil(3 * rate / cutoff) + reach, log.n_samples // 10)
     trim = given.trim if given.trim is not None else (edge, edge)
     late = given.with_hold(model, log.sampling_period)
     return replace(given, cutoff_hz=cutoff, decimation=decimation, trim=trim, late=late, held=False)

@@ -1,6 +1,7 @@
-"""Is the force recorded at the time at which it acts? The delay that leaves the least residual.
+"""Is a signal recorded at the time at which it acts? The delay that leaves the least residual.
 
-The rows W and y of a log depend on the force F linearly, so that those of F(t + tau) follow from those of F alone.
+The rows W and y of a log depend on the force F linearly, so that those of F(t + tau) follow from those of F alone, and
+so with every sensor that no friction law depends on.
 The delay tau and the parameters X minimise the weighted residual of y(tau) - W(tau) X together, by Gauss and Newton:
 the derivative by tau is one more column, and the rows are made anew for every tau, since a first-order term is not a
 shift. The last step's regression gives the deviation of tau as that of any parameter, corrected for the correlation of
@@ -18,7 +19,8 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification.excerpts import Excerpt, blocks_of
-from symid.identification.observation import ForceRows, Observation
+from symid.identification.lag_scan import LagScan, scan, shiftable
+from symid.identification.observation import Observation, SignalRows
 
 _STEP = 0.25
 """Half the shift between the rows whose difference is the derivative, in samples."""
@@ -27,6 +29,15 @@ _SETTLED = 0.01
 _MOST_ROUNDS = 8
 _FARTHEST = 0.25
 """Periods of the cutoff frequency, beyond which a delay of filtered signals is not unique."""
+_WORTH_MOVING = 0.7
+"""Part of the residual's power that another lag must leave at most, for the search to begin there."""
+_PREFERENCE = 1.25
+"""Times the residual that a late sensor must leave less than a late force."""
+_ROWS_A_DEVIATION = 6.0
+"""A delay that is only scanned is known to half a row, taken as three deviations."""
+_THIRD = 1 / 3
+_DRIFTED_ROWS = 2
+"""Rows by which the delays of two thirds must differ: noise moves them by one."""
 _SIGNIFICANT = 5.0
 """Standard deviations that a delay must have to be told."""
 _NOTICEABLE = 0.2
@@ -39,12 +50,12 @@ _HELD = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """By how much the force of the logs seems to be recorded at another time than that at which it acts.
+    """Estimated delay of a signal against the others.
 
     Parameters
     ----------
     signal : str
-        Name of the force.
+        Name of the force, or of a sensor.
     late : float
         Seconds by which it seems recorded later than the motion, beyond what the preparation takes out; negative
         for a force that acts after it is recorded.
@@ -58,6 +69,8 @@ class Timing:
         Residual with the delay taken out, as part of that without.
     parameters : array of shape (n_parameters,)
         Minimal parameters with the delay taken out.
+    is_force : bool
+        Whether the signal is the force, which may be held from sample to sample.
     """
 
     signal: str
@@ -67,6 +80,7 @@ class Timing:
     declared: float
     remaining: float
     parameters: FloatArray
+    is_force: bool = True
 
     @property
     def samples(self) -> float:
@@ -82,7 +96,7 @@ class Timing:
     @property
     def seems_held(self) -> bool:
         """Whether the delay is the half sample of a force that is held from sample to sample."""
-        return self.declared == 0.0 and abs(self.samples + 0.5) < _HELD
+        return self.is_force and self.declared == 0.0 and abs(self.samples + 0.5) < _HELD
 
     @property
     def suggested(self) -> float:
@@ -111,7 +125,9 @@ class Timing:
 
 
 def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Timing | None:
-    """Estimate the delay of the force from the logs that parameters were identified from.
+    """Estimate the delay of the force, or of a sensor that explains more, from the logs that were identified from.
+
+    Every signal is first moved by up to a second, row by row; from where the residual is least, the delay is refined.
 
     Parameters
     ----------
@@ -127,11 +143,54 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     Timing or None
         None if the rows do not determine a delay.
     """
+    found = [timing for name in shiftable(model) if (timing := _timing_of_signal(model, parts, fit, name))]
+    certain = [timing for timing in found if timing.is_significant]
+    of_force = [timing for timing in found if timing.signal == model.force]
+    if certain:
+        # the force is what usually is late: a sensor must explain clearly more
+        return min(certain, key=lambda t: t.remaining * (1.0 if t.signal == model.force else _PREFERENCE))
+    return of_force[0] if of_force else None
+
+
+def _timing_of_signal(
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, name: str
+) -> Timing | None:
+    scanned = scan(model, parts, fit, name)
+    late, left = scanned.best
+    start = late if left < _WORTH_MOVING else 0.0
+    refined = _refined(model, parts, fit, name, start)
+    if refined is None and start:
+        return _coarse(parts, fit, name, scanned, is_force=name == model.force)
+    return refined
+
+
+def _coarse(
+    parts: Sequence[Excerpt], fit: LeastSquares, name: str, scanned: LagScan, *, is_force: bool
+) -> Timing:
+    """The delay of the scan, to a row, where it cannot be refined."""
+    late, left = scanned.best
+    chosen, period = parts[0].observation.preparation, parts[0].log.sampling_period
+    return Timing(
+        signal=name,
+        late=late,
+        deviation=period * (chosen.decimation or 1) / _ROWS_A_DEVIATION,
+        sampling_period=period,
+        declared=chosen.late.get(name, 0.0),
+        remaining=float(np.sqrt(left)),
+        parameters=fit.solution,
+        is_force=is_force,
+    )
+
+
+def _refined(
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, name: str, start: float
+) -> Timing | None:
+    """The delay near a start, by Gauss and Newton; None if it runs away."""
     period = parts[0].log.sampling_period
     cutoff = parts[0].observation.preparation.cutoff_hz
     assert cutoff is not None
-    shifting = [_Shifting(model, part) for part in parts]
-    late, X = 0.0, fit.solution
+    shifting = [_Shifting(model, part, name) for part in parts]
+    late, X = start, fit.solution
     for _ in range(_MOST_ROUNDS):
         extended = [shifted.with_tangent(late, X) for shifted in shifting]
         blocks = blocks_of(extended)
@@ -140,7 +199,7 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
             return None
         X, step = found.solution[:-1], float(found.solution[-1])
         late += step
-        if abs(late) > max(_FARTHEST / cutoff, 5 * period):
+        if abs(late - start) > max(_FARTHEST / cutoff, 5 * period):
             return None
         if abs(step) < _SETTLED * period:
             break
@@ -150,22 +209,40 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     before = [np.linalg.norm(_residual(part.observation, fit.solution)) for part in parts]
     after = float(np.linalg.norm(found.residual_norm))
     return Timing(
-        signal=model.force,
+        signal=name,
         late=late,
         deviation=float(correlated.standard_deviations[-1]),
         sampling_period=period,
-        declared=parts[0].observation.preparation.late.get(model.force, 0.0),
+        declared=parts[0].observation.preparation.late.get(name, 0.0),
         remaining=after / float(np.linalg.norm(before)),
         parameters=X,
+        is_force=name == model.force,
+    )
+
+
+def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    """Whether the force's clock runs at another rate: its delays in the first and the last third differ; in words."""
+    (first, left_first), (last, left_last) = (
+        scan(model, parts, fit, model.force, within).best for within in ((0.0, _THIRD), (1.0 - _THIRD, 1.0))
+    )
+    chosen, period = parts[0].observation.preparation, parts[0].log.sampling_period
+    row = period * (chosen.decimation or 1)
+    if abs(first - last) < _DRIFTED_ROWS * row or max(left_first, left_last) > 1.0:
+        return ""
+    if min(left_first, left_last) > _WORTH_MOVING:
+        return ""
+    return (
+        f"{model.force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its clock "
+        "runs at another rate; resample it by its own time stamps"
     )
 
 
 class _Shifting:
-    """Rows of a log whose force is moved in time."""
+    """Rows of a log of which one signal is moved in time."""
 
-    def __init__(self, model: GeneratedModel, part: Excerpt) -> None:
+    def __init__(self, model: GeneratedModel, part: Excerpt, name: str) -> None:
         self.observation = part.observation
-        self._rows = ForceRows.of(model, part.log, part.observation.preparation)
+        self._rows = SignalRows.of(model, part.log, part.observation.preparation, name)
         self._slope = self._rows.slope(_STEP * part.log.sampling_period)
 
     def with_tangent(self, late: float, X: FloatArray) -> Observation:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data import central_difference_gain
+from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.result import Identification
 from symid.identification.timing import Timing
+from symid.identification.verdict import Status
 
 _USUAL_LAG = 0.85
 """Samples by which a force may act after it is recorded, as a hold and the lag of a drive explain, for a mere note."""
@@ -21,28 +23,71 @@ _FAITHFUL = 0.997
 """Gain of the differences at the cutoff above which they are not the cause of a bias."""
 
 
-def distrust(found: Identification, misfit: str = "") -> Identification:
-    """The identification with status, message and notes about its timing, its bias, and what contradicts it.
+@dataclass(frozen=True)
+class Faults:
+    """What contradicts an estimate, in words; empty where nothing does.
 
-    A status that it has already stays, and learns of the timing as a possible cause.
+    Parameters
+    ----------
+    recording : str
+        Of the samples of a channel.
+    misfit : str
+        Of the residual: in a part of the logs, where the force is large, or by its size.
+    drift : str
+        Of the force's clock.
+    """
+
+    recording: str = ""
+    misfit: str = ""
+    drift: str = ""
+
+
+def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERIA) -> Identification:
+    """The identification with status, message and notes about all that was examined.
+
+    A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of
+    these is the status: a fault of a channel, the timing, a misfit, a large bias, a parameter that is not determined.
     """
     timing = found.timing if found.timing is not None and found.timing.is_significant else None
     status, message, notes = found.status, found.message, list(found.notes)
-    if timing is not None and status in ("ok", "poor_fit") and _is_fault(timing):
-        status, message = "timing", timing.statement
-    elif timing is not None and status != "ok":
-        message = f"{message}; {timing.statement}"
-    elif timing is not None:
-        notes.append(timing.statement)
-    if misfit and status == "ok":
-        status, message = "poor_fit", misfit
+    large_bias = ""
     if names := found.dominated_by_bias:
         statement, is_large = _bias_statement(found, names)
-        if status == "ok" and is_large:
-            status, message = "biased", f"bias dominates; {statement}"
-        else:
-            notes.append(statement)
+        large_bias = f"bias dominates; {statement}" if is_large else ""
+        notes += [] if is_large else [statement]
+    causes: list[tuple[Status, str]] = [
+        ("recording", faults.recording),
+        ("timing", faults.drift),
+        ("timing", timing.statement if timing is not None and _is_fault(timing) else ""),
+        ("poor_fit", faults.misfit),
+        ("biased", large_bias),
+        ("undetermined", _undetermined(found, criteria)),
+    ]
+    said = [cause for cause in causes if cause[1]]
+    if status == "ok" and said:
+        status, message = said[0]
+    elif status != "ok":
+        hints = [text for kind, text in said if kind in ("recording", "timing")]
+        message = "; ".join([message, *hints[:1]])
+    if timing is not None and not _is_fault(timing):
+        notes.append(timing.statement)
     return replace(found, status=status, message=message, notes=tuple(notes))
+
+
+def _undetermined(found: Identification, criteria: Criteria) -> str:
+    """Physical parameters whose deviation exceeds their value, in words; those that may be 0 by declaration apart."""
+    if not found.physical:
+        return ""
+    values, deviations = found.physical[0].parameters, found.physical_deviations
+    vague = [
+        f"{name} ({value:.2g} +- {deviation:.2g} {unit})"
+        for (name, unit), value, deviation in zip(
+            found.model.physical_units.items(), values, deviations, strict=True
+        )
+        if name not in found.model.signed and not deviation < criteria.undetermined * value and np.isfinite(value)
+    ]
+    cure = "excite it more (other speeds, accelerations, frequencies), or record longer"
+    return f"the log does not determine {', '.join(vague)}: {cure}" if vague else ""
 
 
 def _is_fault(timing: Timing) -> bool:
@@ -50,13 +95,13 @@ def _is_fault(timing: Timing) -> bool:
 
     A force that acts before it is recorded has no natural cause.
     """
-    return timing.late > 0 or timing.samples < -_USUAL_LAG
+    return not timing.is_force or timing.late > 0 or timing.samples < -_USUAL_LAG
 
 
 def _reported(found: Identification) -> tuple[FloatArray, FloatArray]:
     """Values and deviations of the physical parameters, of the minimal ones if there are none."""
     if not found.physical:
-        return found.fit.parameters, found.standard_deviations
+        return found.fit.parameters, found.sampling_deviations
     return found.physical[0].parameters, found.physical[0].propagated_deviations(found.covariance)
 
 
@@ -95,7 +140,8 @@ def _cause_of_preparation(found: Identification) -> str:
     if not chosen.filter_force:
         return "the force is not filtered as the motion is: take --filter all"
     differences = max(found.model.highest_derivatives.values())
-    gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period)) ** differences
+    order = chosen.difference_order
+    gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period, order=order)) ** differences
     if gain < _FAITHFUL:
         return "central differences lose what is fast: lower --cutoff, or record faster"
     return "the low-pass moves the reversals of friction: raise --cutoff"

@@ -20,6 +20,8 @@ Status = Literal[
     "poor_fit",
     "timing",
     "biased",
+    "undetermined",
+    "recording",
     "weak_instruments",
 ]
 
@@ -64,13 +66,22 @@ def verdict(
     if not physical:
         cure = "give --nominal P.json with nominal values as a start"
         return "no_physical_parameters", f"the inverse map has no closed form: {cure}"
-    if negative := physical[0].negative(model):
+    if negative := certainly_negative(physical[0].negative(model), model, physical[0]):
         cause = "the model, the filter, the timing or the log does not fit"
         return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
     if unexplained := _unexplained(model, fit):
         cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
+
+
+def certainly_negative(
+    negative: tuple[str, ...], model: GeneratedModel, estimate: PhysicalEstimate
+) -> tuple[str, ...]:
+    """Those of which the deviation is smaller than the value; the others are not determined."""
+    deviations = dict(zip(model.physical_units, estimate.standard_deviations, strict=True))
+    values = dict(zip(model.physical_units, estimate.parameters, strict=True))
+    return tuple(name for name in negative if abs(values[name]) > deviations[name])
 
 
 def _rows_needed(correlated: CorrelatedCovariance) -> int:

@@ -100,6 +100,11 @@ class OutputErrorIdentification:
         error = self.fit.search.errors[0]
         return error.run.late * error.run.period if isinstance(error, PredictionError) else 0.0
 
+    @property
+    def physical_deviations(self) -> FloatArray:
+        """Standard deviations of the physical parameters, as they are printed."""
+        return np.asarray(np.sqrt(np.diag(self.physical_covariance(corrected=True))))
+
     def physical_covariance(self, *, corrected: bool) -> FloatArray:
         """Covariance of the physical parameters, classical or corrected for correlation, (n_physical, n_physical)."""
         names = list(self.model.physical_units)

@@ -28,7 +28,7 @@ def verdict_of(found: OutputErrorIdentification) -> tuple[Status, str]:
         )
     deviations = np.sqrt(np.diag(found.physical_covariance(corrected=True)))
     values = np.array(list(found.physical_parameters.values()))
-    if below := negative_parameters(found.model, values, deviations):
+    if below := negative_parameters(found.model, values):
         return (
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",

@@ -34,6 +34,7 @@ def identification_record(found: Identification, validation: Prediction | None =
             "cutoff_hz": prepared.cutoff_hz,
             "order": prepared.order,
             "decimation": prepared.decimation,
+            "difference_order": prepared.difference_order,
             "force_filtered": prepared.filter_force,
             "trim": list(prepared.trim or ()),
             "late_s": dict(prepared.late),

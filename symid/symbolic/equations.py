@@ -1,7 +1,7 @@
 """Equations in measured signals: their terms, and how rows of operators are written in flat signal names.
 
-The derivative of a jump, such as that of sign(v), is taken as zero, as the paper does below [11]; `SignalWriter` keeps
-account of where.
+The derivative of a jump, such as that of sign(v), is taken as zero, as the paper does below [11]; every equation
+says of which.
 """
 
 from __future__ import annotations
@@ -57,11 +57,14 @@ class InputOutputEquation:
         Coefficients of the drive force by order of its derivative; empty if the drive does not enter.
     multipliers : mapping of str to PolyElement
         What each body's balance was multiplied by.
+    dropped : tuple of sympy.Expr
+        Jumps such as ``sign(q2_d1)`` of which the equation lacks a derivative: it does not hold where they jump.
     """
 
     motion: tuple[RegressorTerm, ...]
     force: Mapping[int, PolyElement]
     multipliers: Mapping[str, PolyElement]
+    dropped: tuple[sp.Expr, ...] = ()
 
     @property
     def is_linear(self) -> bool:
@@ -74,7 +77,7 @@ class InputOutputEquation:
         motion = tuple(replace(t, coefficient=t.coefficient.mul_ground(factor)) for t in self.motion)
         force = {order: c.mul_ground(factor) for order, c in self.force.items()}
         multipliers = {balance: c.mul_ground(factor) for balance, c in self.multipliers.items()}
-        return InputOutputEquation(motion, force, multipliers)
+        return InputOutputEquation(motion, force, multipliers, self.dropped)
 
     def plus(self, other: InputOutputEquation) -> InputOutputEquation:
         """Sum of two equations."""
@@ -84,7 +87,8 @@ class InputOutputEquation:
             terms[t.expression] = replace(t, coefficient=t.coefficient + mine.coefficient) if mine else t
         motion = sorted((t for t in terms.values() if t.coefficient), key=lambda t: (not t.smooth, -t.order))
         force = add(self.force, other.force, 1)
-        return InputOutputEquation(tuple(motion), force, add(self.multipliers, other.multipliers, 1))
+        dropped = tuple(dict.fromkeys((*self.dropped, *other.dropped)))
+        return InputOutputEquation(tuple(motion), force, add(self.multipliers, other.multipliers, 1), dropped)
 
 
 class SignalWriter:
@@ -94,14 +98,15 @@ class SignalWriter:
         self.operators, self.known = operators, known
         self.axis: Axis = operators.source.axis
         self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
-        self.dropped: dict[str, None] = {}
 
     def equation(self, row: EliminationRow) -> InputOutputEquation:
         """Equation that a row stands for."""
         force, inputs = driving_terms(row, self.operators)
         terms = [*self._motion_terms(row), *self._law_terms(inputs)]
         forces = {order: -c for order, c in by_power(force).items()}
-        return InputOutputEquation(tuple(terms), dict(sorted(forces.items())), row.multipliers)
+        return InputOutputEquation(
+            tuple(terms), dict(sorted(forces.items())), row.multipliers, self._dropped(inputs)
+        )
 
     def _motion_terms(self, row: EliminationRow) -> list[RegressorTerm]:
         collected: dict[tuple[str, int], RegressorTerm] = {}
@@ -148,10 +153,20 @@ class SignalWriter:
             {sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]}
         )
         for _ in range(power):
-            jumps = expression.atoms(sp.sign, positive)
-            self.dropped.update(dict.fromkeys(sorted(str(self._written(jump, entry)) for jump in jumps)))
             expression = time_derivative(expression, displacements)
         return self._written(expression, entry) if expression != 0 else expression
+
+    def _dropped(self, inputs: Row) -> tuple[sp.Expr, ...]:
+        """Jumps in the laws of an equation that are differentiated in it."""
+        rate = sp.Symbol("u1", real=True)
+        dropped: dict[sp.Expr, None] = {}
+        for entry in self.operators.source.inputs:
+            if max(by_power(inputs.get(str(entry.symbol))), default=0) > 0:
+                position = sp.Symbol("u0", real=True)
+                law = entry.expression.xreplace({sp.Symbol("q"): position, sp.Symbol("v"): rate})
+                jumps = sorted(law.atoms(sp.sign, positive), key=sp.default_sort_key)
+                dropped.update(dict.fromkeys(self._written(jump, entry) for jump in jumps))
+        return tuple(sorted(dropped, key=str))
 
     def _written(self, expression: sp.Expr, entry: LawInput) -> sp.Expr:
         used = {symbol: int(str(symbol)[1:]) for symbol in expression.free_symbols}
@@ -199,7 +214,8 @@ class SignalWriter:
 
     def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
         """What has to be said about the equations written."""
-        said = [f"derivatives of {jump} are taken as zero" for jump in self.dropped]
+        jumps = dict.fromkeys(jump for e in equations for jump in e.dropped)
+        said = [f"derivatives of {jump} are taken as zero" for jump in jumps]
         written = {symbol for e in equations for term in e.motion for symbol in term.expression.free_symbols}
         used = {split_derivative(str(symbol))[0] for symbol in written}
         said += [

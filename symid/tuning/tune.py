@@ -86,7 +86,7 @@ class Tuning:
     @property
     def preparation(self) -> Preparation:
         """Settings for `identify` of a log sampled at the tuned period."""
-        return Preparation(cutoff_hz=self.cutoff.frequency_hz, order=self.order, decimation=1)
+        return Preparation(cutoff_hz=self.cutoff.frequency_hz, order=self.order, decimation=1, difference_order=2)
 
 
 def distortion_db(differences: int) -> float:
@@ -191,7 +191,9 @@ def tune(
     model = compiled(derive(tuned, measured))
     differences = max(model.highest_derivatives.values())
     first = first_sampling_frequency(cutoff.frequency_hz, differences)
-    settings = Preparation(cutoff_hz=cutoff.frequency_hz, order=order, decimation=1, held=False)
+    settings = Preparation(
+        cutoff_hz=cutoff.frequency_hz, order=order, decimation=1, held=False, difference_order=2
+    )
     at = partial(sampling_errors, model, run, parameters, settings, kind)
     rates = np.geomspace(max(first / 20, 2.2 * cutoff.frequency_hz), 2 * first, _RATES)
     sampling = lowest_within(at, [float(rate) for rate in rates], max_sampling_error, track)

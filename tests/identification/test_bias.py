@@ -9,7 +9,9 @@ from symid import Log, Preparation, identify, load_generated
 from symid.identification import observe
 from symid.identification.bias import _rest_of_sharper_rows
 from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
-from symid.identification.scheme import SHARP
+from symid.identification.scheme import DIFFERENCE_ORDER, sharper
+
+SHARP = sharper(DIFFERENCE_ORDER)
 
 RATE = 1000.0
 
@@ -29,7 +31,7 @@ def test_the_loss_of_central_differences_is_that_of_a_sine(frequency: float) -> 
     found = identify(
         load_generated("rigid_1m"),
         sine_log(frequency, 95.0, 200.0),
-        preparation=Preparation(cutoff_hz=100.0, standstill=0.0),
+        preparation=Preparation(cutoff_hz=100.0, standstill=0.0, difference_order=2),
     )
     assert found.bias is not None
     x = 2 * np.pi * frequency / RATE

@@ -1,0 +1,213 @@
+"""What recorders do to a log: one fault of random kind and extent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy
+
+from benchmarks.promise.machines import Case
+
+Fault = Callable[[Case, str, np.random.Generator], tuple[str, np.ndarray]]
+
+
+def _spans(n: int, count: int, length: int, rng: np.random.Generator) -> np.ndarray:
+    flags = np.zeros(n, dtype=bool)
+    for start in rng.integers(0, max(n - length, 1), count):
+        flags[start : start + length] = True
+    return flags
+
+
+def zero_filled(x, rng):
+    share = rng.uniform(0.01, 0.2)
+    return f"{share:.2f}", np.where(rng.random(x.size) < share, 0.0, x)
+
+
+def held_samples(x, rng):
+    share = rng.uniform(0.05, 0.5)
+    place = np.maximum.accumulate(np.where(rng.random(x.size) < share, 0, np.arange(x.size)))
+    return f"{share:.2f}", x[place]
+
+
+def zero_bursts(x, rng):
+    length = int(rng.uniform(0.002, 0.01) * x.size)
+    return f"{length}", np.where(_spans(x.size, int(rng.integers(5, 40)), length, rng), 0.0, x)
+
+
+def held_bursts(x, rng):
+    length = int(rng.uniform(0.002, 0.01) * x.size)
+    held = _spans(x.size, int(rng.integers(5, 40)), length, rng)
+    return f"{length}", x[np.maximum.accumulate(np.where(held, 0, np.arange(x.size)))]
+
+
+def clipped(x, rng):
+    level = rng.uniform(0.3, 0.9) * np.max(np.abs(x))
+    return f"{level / np.max(np.abs(x)):.2f}", np.clip(x, -level, level)
+
+
+def clipped_then_noise(x, rng):
+    level = rng.uniform(0.3, 0.8) * np.max(np.abs(x))
+    noise = rng.uniform(0.0005, 0.01) * level * rng.standard_normal(x.size)
+    return f"{level / np.max(np.abs(x)):.2f}", np.clip(x, -level, level) + noise
+
+
+def soft_limit(x, rng):
+    level = rng.uniform(0.4, 1.2) * np.max(np.abs(x))
+    return f"{level / np.max(np.abs(x)):.2f}", level * np.tanh(x / level)
+
+
+def slew_limited(x, rng):
+    most = np.quantile(np.abs(np.diff(x)), rng.uniform(0.3, 0.95))
+    found = np.empty_like(x)
+    last = x[0]
+    for k, value in enumerate(x):
+        last += min(max(value - last, -most), most)
+        found[k] = last
+    return f"{most:.3g}", found
+
+
+def half_gain(x, rng):
+    share = rng.uniform(0.1, 0.4)
+    start = int(rng.uniform(0, 1 - share) * x.size)
+    found = x.copy()
+    found[start : start + int(share * x.size)] *= 0.5
+    return f"{share:.2f}", found
+
+
+def sign_flips(x, rng):
+    share = rng.uniform(0.05, 0.3)
+    start = int(rng.uniform(0, 1 - share) * x.size)
+    found = x.copy()
+    found[start : start + int(share * x.size)] *= -1
+    return f"{share:.2f}", found
+
+
+def quantised(x, rng):
+    step = np.max(np.abs(x)) / rng.uniform(3, 60)
+    return f"{step / np.max(np.abs(x)):.3f}", np.round(x / step) * step
+
+
+def truncated(x, rng):
+    step = np.max(np.abs(x)) / rng.uniform(3, 60)
+    return f"{step / np.max(np.abs(x)):.3f}", np.trunc(x / step) * step
+
+
+def updated_rarely(x, rng):
+    every = int(rng.choice([2, 4, 8]))
+    return f"{every}", np.repeat(x[::every], every)[: x.size]
+
+
+def absolute(x, rng):
+    return "", np.abs(x)
+
+
+def sign(x, rng):
+    return "", -x
+
+
+def int8_overflow(x, rng):
+    top = np.max(np.abs(x)) * rng.uniform(0.5, 0.95)
+    return "", (np.round(x / top * 127) + 128) % 256 * (top / 127) - 128 * top / 127
+
+
+def clock_drift(x, rng):
+    drift = rng.choice([-1, 1]) * np.exp(rng.uniform(np.log(1e-4), np.log(1e-2)))
+    k = np.arange(x.size, dtype=float)
+    return f"{drift:.1e}", np.interp(k * (1 + drift), k, x)
+
+
+def lagged(x, rng):
+    samples = np.exp(rng.uniform(np.log(1.5), np.log(80)))
+    a = np.exp(-1 / samples)
+    return f"{samples:.1f}", scipy.signal.lfilter([1 - a], [1, -a], x, zi=[a * x[0]])[0]
+
+
+def smoothed(x, rng):
+    n = int(rng.choice([11, 51, 101, 201]))
+    return f"{n}", np.convolve(np.pad(x, n // 2, mode="edge"), np.full(n, 1 / n), mode="valid")
+
+
+def moving_average(x, rng):
+    n = int(rng.choice([5, 21, 51, 101]))
+    return f"{n}", np.convolve(np.pad(x, (n - 1, 0), mode="edge"), np.full(n, 1 / n), mode="valid")
+
+
+def spikes(x, rng):
+    share = np.exp(rng.uniform(np.log(1e-4), np.log(0.02)))
+    size = np.max(np.abs(x)) * rng.uniform(1, 5)
+    return f"{share:.1e}", x + size * (rng.random(x.size) < share) * rng.choice([-1, 1], x.size)
+
+
+def interpolated(x, rng):
+    every = int(rng.choice([2, 4]))
+    k = np.arange(x.size)
+    return f"{every}", np.interp(k, k[::every], x[::every])
+
+
+def noisy(x, rng):
+    return "", x + rng.uniform(0.3, 3) * np.std(x) * rng.standard_normal(x.size)
+
+
+def gain_drift(x, rng):
+    return "", x * np.linspace(1, rng.uniform(0.4, 0.8), x.size)
+
+
+def moved(x: np.ndarray, samples: int) -> np.ndarray:
+    """x later by so many samples; the first value before it."""
+    place = np.clip(np.arange(x.size) - samples, 0, x.size - 1)
+    return x[place]
+
+
+OF_FORCE = (
+    zero_filled, held_samples, zero_bursts, held_bursts, clipped, clipped_then_noise, soft_limit, slew_limited,
+    half_gain, sign_flips, quantised, truncated, updated_rarely, absolute, sign, int8_overflow, clock_drift, lagged,
+    smoothed, moving_average, spikes, interpolated, noisy, gain_drift,
+)  # fmt: skip
+OF_POSITION = (
+    held_samples, held_bursts, updated_rarely, clock_drift, lagged, smoothed, moving_average, interpolated, zero_filled,
+    clipped, spikes,
+)  # fmt: skip
+
+
+def damaged(case: Case, rng: np.random.Generator) -> Case:
+    """The log with one fault."""
+    kind = rng.choice(
+        ["force", "sensor", "late", "machines", "both", "g"], p=[0.5, 0.15, 0.2, 0.05, 0.07, 0.03]
+    )
+    accelerometers = [name for name in case.measured if name.startswith("dd")]
+    if kind == "late":
+        name = str(rng.choice(list(case.signals)))
+        seconds = rng.choice([-1, 1]) * np.exp(rng.uniform(np.log(1e-3), 0))
+        samples = int(np.sign(seconds) * max(1, round(abs(seconds) * case.rate)))
+        return case.changed(f"late {name}", **{name: moved(case.signals[name], samples)})
+    if kind == "g" and accelerometers:
+        name = str(rng.choice(accelerometers))
+        return case.changed(f"in g {name}", **{name: case.signals[name] / 9.80665})
+    if (
+        kind == "machines"
+    ):  # the second half as if another machine had been recorded: all forces times a factor
+        factor = rng.choice([0.4, 0.6, 1.5, 2.0])
+        half = np.where(
+            np.arange(case.signals[case.force].size) < rng.uniform(0.3, 0.7) * case.signals[case.force].size,
+            1,
+            factor,
+        )
+        return case.changed("two machines", **{case.force: case.signals[case.force] * half})
+    if kind == "both":
+        every = int(rng.choice([2, 4]))
+        k = np.arange(case.signals[case.force].size)
+        changed = {}
+        for name, x in case.signals.items():
+            rough = x[::every]
+            if not name.startswith("dd") and name != case.force:
+                rough = rough + np.exp(rng.uniform(np.log(1e-8), np.log(5e-5))) * rng.standard_normal(
+                    rough.size
+                )
+            changed[name] = np.interp(k, k[::every], rough)
+        return case.changed("both interpolated", **changed)
+    of_force = kind in ("force", "g")
+    name = case.force if of_force else str(rng.choice(case.measured))
+    fault = rng.choice(OF_FORCE if of_force else OF_POSITION)
+    extent, x = fault(case.signals[name], rng)
+    return case.changed(f"{fault.__name__} {'F' if of_force else 'sensor'}", **{name: x})

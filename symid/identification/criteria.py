@@ -1,0 +1,55 @@
+"""Every number that decides on a status or widens an interval, with its unit, its reason, and what fixed it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What a result has to meet for the status "ok".
+
+    Figures "on random logs" are those of ``python -m benchmarks.ok_promise`` with seeds that its reports do not use.
+
+    Parameters
+    ----------
+    undetermined : float
+        Printed deviation, as part of the value, from which on a parameter is not determined: an interval of 95 % then
+        holds zero and twice the value.
+    change : float
+        Relative change of a parameter within a log that is called another machine, gain or payload: well above the
+        10 % by which friction warms up, below the factors of the faults that were tried (20 % and more).
+    change_certain : float
+        Standard deviations of that change; 15 segments make 105 spans, and residuals are not normal.
+    change_explains : float
+        Part of the residual's power that parameters of their own for the two parts must take away: a change that explains
+        less is widened into the interval, but is not what is wrong with the log.
+    nonlinear : float
+        Part of the residual's power that a cubic of the predicted output must take away for the drive to be called
+        limited; on random undamaged logs it takes 0 to 0.1, on clipped ones 0.4 to 0.9.
+    nonlinear_output : float
+        Part of the output (rms) that this cubic must be.
+    worst_fit : float
+        Residual, as part of the output, beyond which an equation says nothing where noise does not explain it: shares of
+        damaged logs start there, EMPS leaves 0.04, a motor bench 0.1.
+    noise_explains : float
+        Times the noise found in a log that a residual may be and count as explained.
+    dead_share : float
+        Part of all samples that single repeated or zero values in motion may be; 3 samples at least.
+    step_share : float
+        Half a step of a quantised force, as part of the smallest friction level: a truncated force moves it by so much.
+    """
+
+    undetermined: float = 1.0
+    change: float = 0.15
+    change_certain: float = 6.0
+    change_explains: float = 0.25
+    nonlinear: float = 0.35
+    nonlinear_output: float = 0.01
+    worst_fit: float = 0.3
+    noise_explains: float = 3.0
+    dead_share: float = 1e-3
+    step_share: float = 0.05
+
+
+CRITERIA = Criteria()

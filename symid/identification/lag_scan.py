@@ -1,0 +1,166 @@
+"""Is a signal recorded up to a second early or late? The residual of every lag, by correlation.
+
+Columns of W and y are sums of a part that one signal makes and a part that the others make. With that part moved by a
+number of rows, the sums W'W, W'y and y'y of all lags at once are correlations, which the fast Fourier transform takes.
+The estimate's residual follows for each lag from its own normal equations: no start, no linearisation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import LeastSquares
+from symid.identification.excerpts import Excerpt
+from symid.identification.observation import SignalRows
+
+FARTHEST = 1.0
+"""Seconds to either side: what recorders are late by (network, video and PLC clocks)."""
+_MOST_OF_LOG = 0.25
+"""Part of a log by which it is moved at most."""
+_LEAST_EIGENVALUE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class LagScan:
+    """Residual of an estimate of its own at each lag of a signal.
+
+    Parameters
+    ----------
+    late : array of shape (n_lags,)
+        Seconds by which the signal would be recorded late.
+    residual : array of shape (n_lags,)
+        Power that is left, as part of the output's.
+    """
+
+    late: FloatArray
+    residual: FloatArray
+
+    @property
+    def at_zero(self) -> float:
+        """Residual as recorded."""
+        return float(self.residual[self.late.size // 2])
+
+    @property
+    def best(self) -> tuple[float, float]:
+        """Lag of least residual, s, and that residual as part of that at zero."""
+        i = int(np.argmin(self.residual))
+        return float(self.late[i]), float(self.residual[i]) / max(self.at_zero, np.finfo(float).tiny)
+
+
+def shiftable(model: GeneratedModel) -> tuple[str, ...]:
+    """Force and sensors that can be moved against the others: those whose laws have no jump, but one at least rests."""
+    names = list(model.highest_derivatives)
+    free = [name for name in names if not _has_law(model, name)]
+    return tuple(free) if len(free) < len(names) else tuple(free[:-1])
+
+
+def _has_law(model: GeneratedModel, name: str) -> bool:
+    """Whether a nonlinear law depends on a signal: W of twice the signal is then not twice W."""
+    generator = np.random.default_rng(0)
+    own = {flat: np.zeros(3) for flat in model.signals}
+    for flat in own:
+        if flat == name or flat.startswith(f"{name}_d"):
+            own[flat] = generator.standard_normal(3)
+    still = model.sample({flat: np.zeros(3) for flat in own})[0]
+    once, twice = (model.sample({flat: k * x for flat, x in own.items()})[0] - still for k in (1.0, 2.0))
+    return not np.allclose(2 * once, twice, rtol=1e-9, atol=0.0)
+
+
+def scan(
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    signal: str,
+    within: tuple[float, float] = (0.0, 1.0),
+) -> LagScan:
+    """Residual at every lag of a signal, in steps of a row.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        The model identified.
+    parts : sequence of Excerpt
+        Logs or parts of them, with their observations.
+    fit : LeastSquares
+        The estimate: it gives the weights of the equations.
+    signal : str
+        Which one is moved.
+    within : tuple of float
+        Share of each part at which rows begin and end.
+    """
+    period = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
+    shortest = min(part.observation.y.shape[1] for part in parts)
+    most = max(1, min(round(FARTHEST / period), int(_MOST_OF_LOG * shortest)))
+    p = fit.solution.size
+    total = np.zeros((2 * most + 1, p + 1, p + 1))
+    for part in parts:
+        own = SignalRows.of(model, part.log, part.observation.preparation, signal).rows()
+        seen = part.observation
+        n_equations, n = seen.y.shape
+        inside = np.zeros(n, dtype=bool)
+        inside[int(within[0] * n) : int(within[1] * n)] = True
+        for j in range(n_equations):
+            weight = fit.weights[part.of * n_equations + j]
+            moving = weight * np.column_stack([own[0][j], own[1][j]])
+            resting = weight * np.column_stack([seen.W[j], seen.y[j]]) - moving
+            total += _grams(resting, moving, seen.valid[j] & inside, most)
+    late = period * np.arange(-most, most + 1)
+    return LagScan(late, _residuals(total))
+
+
+def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) -> FloatArray:
+    """Sums over used rows t of the products of columns resting(t) + moving(t + lag), for lags from -most to most."""
+    n, columns = resting.shape
+    length = scipy.fft.next_fast_len(n + most, real=True)
+    lags = np.arange(-most, most + 1)
+    grams = np.zeros((lags.size, columns, columns))
+    alive = [i for i in range(columns) if np.any(moving[:, i])]
+    masked = np.where(used[:, None], resting, 0.0)
+    still = np.fft.rfft(masked, length, axis=0)
+    moved = {i: np.fft.rfft(moving[:, i], length) for i in alive}
+    mask = np.fft.rfft(used.astype(float), length)
+
+    def at_lags(a: FloatArray, b: FloatArray) -> FloatArray:
+        every = np.fft.irfft(np.conj(a) * b, length)
+        return every[lags]
+
+    for i in range(columns):
+        for k in alive:
+            crossed = at_lags(still[:, i], moved[k])
+            grams[:, i, k] += crossed
+            grams[:, k, i] += crossed
+    for a, i in enumerate(alive):
+        for k in alive[a:]:
+            product = at_lags(mask, np.fft.rfft(moving[:, i] * moving[:, k], length))
+            grams[:, i, k] += product
+            if i != k:
+                grams[:, k, i] += product
+    # rows whose partner t + lag lies outside do not count
+    first, stop = np.maximum(-lags, 0), np.minimum(n - lags, n)
+    for i in range(columns):
+        for k in range(i, columns):
+            sums = np.concatenate([[0.0], np.cumsum(masked[:, i] * masked[:, k])])
+            own = sums[stop] - sums[first]
+            grams[:, i, k] += own
+            if i != k:
+                grams[:, k, i] += own
+    return grams
+
+
+def _residuals(grams: FloatArray) -> FloatArray:
+    """Power of the last column that the others leave, as part of its own, for each matrix of sums."""
+    powers = np.diagonal(grams, axis1=1, axis2=2)
+    least = _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny  # below it there is rounding only
+    scale = np.sqrt(np.maximum(powers, least))
+    scaled = grams / (scale[:, :, None] * scale[:, None, :])
+    values, vectors = np.linalg.eigh(scaled[:, :-1, :-1])
+    shares = np.einsum("lai,la->li", vectors, scaled[:, :-1, -1]) ** 2
+    seen = values > _LEAST_EIGENVALUE * values[:, -1:]
+    explained = np.sum(np.where(seen, shares / np.where(seen, values, 1.0), 0.0), axis=1)
+    return np.asarray(np.clip(1.0 - explained, 0.0, 1.0))

@@ -1,0 +1,165 @@
+"""What recorders do to a channel: values missing, held, wrapped around, limited in slope, too coarse.
+
+Each check looks at the samples themselves, so that it needs no model, and counts what a machine does not do: a value
+that is exactly 0 between two that are far from it, a sample that repeats the last one in the middle of a motion, many
+steps of exactly the same largest size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import Log
+from symid.estimation import LeastSquares
+from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.excerpts import Excerpt
+
+_FEWEST = 3
+_FAR = 0.25
+"""Of the rms signal, by which a dropped sample must differ from its neighbours."""
+_STEPS = 12.0
+"""Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
+_FREE = 4.0
+"""Times the expected number of repeated values that is odd."""
+_WRAPPED = 0.8
+"""Of the range, in one sample: a force that reverses and a friction that does make half of it at most together."""
+_USUAL_STEP = 0.2
+"""Of the range: most steps of a channel must be smaller for a jump to stand out."""
+_SAME = 1e-6
+"""Relative difference of two steps that count as of the same size."""
+_LIMITED_SHARE = 0.01
+"""Of all steps that are as large as the largest: noise makes no two of them."""
+_COARSE_VALUES = 0.6
+"""Share of samples beyond which values that occur again make a channel one of steps."""
+
+
+def fault_of(
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+) -> str:
+    """What is wrong with a channel, in words; empty if nothing is.
+
+    Parameters
+    ----------
+    model : GeneratedModel
+        Says which signals are used.
+    parts : sequence of Excerpt
+        Logs or parts of them.
+    fit : LeastSquares
+        The estimate: friction tells which steps of the force are coarse.
+    criteria : Criteria
+        From when on it counts.
+    """
+    for part in parts:
+        for name in model.highest_derivatives:
+            if said := channel_fault(part.log[name], name, criteria):
+                return said
+    return _coarse_force(model, [part.log for part in parts], fit, criteria)
+
+
+def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA) -> str:
+    """What is wrong with the samples of a channel, in words; empty if nothing is.
+
+    Examples
+    --------
+    >>> x = np.sin(np.arange(4000) / 50) + 1e-6 * np.random.default_rng(0).standard_normal(4000)
+    >>> channel_fault(x, "F")
+    ''
+    >>> channel_fault(np.where(np.arange(4000) % 37, x, 0.0), "F")[:38]
+    'F is exactly 0 in 102 single samples be'
+    """
+    most = max(_FEWEST, criteria.dead_share * x.size)
+    if (dropped := _dropped(x)) >= most:
+        return f"{name} is exactly 0 in {dropped} single samples between others: samples were lost and filled with 0"
+    if (repeated := _repeated(x)) >= most:
+        return (
+            f"{name} repeats the last value in {repeated} samples ({100 * repeated / x.size:.2g} %) while it moves: "
+            "samples were lost and held, or the channel is updated more rarely than it is recorded"
+        )
+    if (wrapped := _wrapped(x)) >= _FEWEST:
+        return f"{name} jumps across its whole range {wrapped} times: its number overflows"
+    if (limited := _slew_limited(x)) > _LIMITED_SHARE:
+        return f"{name} changes by exactly its largest step in {100 * limited:.2g} % of the samples: its slope is limited"
+    return ""
+
+
+def _dropped(x: FloatArray) -> int:
+    """Zeros with values of one sign far from 0 on both sides, within three samples."""
+    far = _FAR * float(np.sqrt(np.mean(x**2)))
+    zero = np.flatnonzero(x == 0.0)
+    inner = zero[(zero > 0) & (zero < x.size - 1)]
+    before, after = (_next_not_zero(x, inner, step) for step in (-1, 1))
+    return int(np.count_nonzero((before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > far)))
+
+
+def _next_not_zero(x: FloatArray, places: np.ndarray, step: int) -> FloatArray:
+    found = np.zeros(places.size)
+    for k in (1, 2, 3):
+        there = x[np.clip(places + k * step, 0, x.size - 1)]
+        found = np.where(found == 0.0, there, found)
+    return found
+
+
+def _repeated(x: FloatArray) -> int:
+    """Samples equal to the one before, where the signal moves by many of its smallest steps around them."""
+    if x.size < 8:
+        return 0
+    step = np.abs(np.diff(x))
+    moving = step[step > 0]
+    if moving.size < x.size // 20:
+        return 0
+    smallest = float(np.quantile(moving, 0.01))
+    noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
+    around = np.abs(x[4:] - x[:-4])
+    odd = (step[1:-2] == 0.0) & (around > _STEPS * max(smallest, noise))
+    # the largest value of a clipped or limited channel is repeated for another reason
+    odd &= (x[2:-2] < x.max()) & (x[2:-2] > x.min())
+    return int(np.count_nonzero(odd))
+
+
+def _wrapped(x: FloatArray) -> int:
+    reach = float(np.ptp(x))
+    step = np.abs(np.diff(x))
+    if reach == 0.0 or float(np.quantile(step, 0.98)) > _USUAL_STEP * reach:
+        return 0
+    return int(np.count_nonzero(step > _WRAPPED * reach))
+
+
+def _slew_limited(x: FloatArray) -> float:
+    """Share of steps that are as large as the largest, of a channel whose values are not coarse."""
+    step = np.abs(np.diff(x))
+    largest = float(step.max(initial=0.0))
+    if largest == 0.0 or _is_coarse(x):
+        return 0.0
+    return float(np.mean(step > largest * (1.0 - _SAME)))
+
+
+def _is_coarse(x: FloatArray) -> bool:
+    """Whether values occur again and again."""
+    return np.unique(x).size < (1.0 - _COARSE_VALUES) * x.size
+
+
+def step_of(x: FloatArray) -> float:
+    """Smallest step of a channel of few values; 0 for one whose values are all its own."""
+    values = np.unique(x)
+    return float(np.diff(values).min()) if 1 < values.size < (1.0 - _COARSE_VALUES) * x.size else 0.0
+
+
+def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:
+    """Whether the force is recorded in steps that friction is not much larger than."""
+    step = max(step_of(log[model.force]) for log in logs)
+    laws = {parameter for _, parameter in model.law_columns}
+    units = list(model.minimal_units.items())
+    own = model.output_units[0] if model.output_units else ""
+    for j in sorted(laws):
+        name, unit = units[j]
+        level = abs(float(fit.solution[j]))
+        if unit == own and step / 2 > criteria.step_share * level:
+            return (
+                f"{model.force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the friction "
+                f"{name}: record it with more digits"
+            )
+    return ""

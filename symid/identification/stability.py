@@ -1,0 +1,123 @@
+"""Do parameters hold throughout? Scatter between segments of the logs, and spans in which they are others.
+
+The scatter is the covariance of clusters (K.-Y. Liang and S. Zeger, Biometrika 73, 1986): with the sums s_b = Z'r over
+segment b the estimate has the covariance T (sum s_b s_b') T', whatever the residual's correlation and size within a
+segment. Spans are compared with the rest as in the test of Chow (Econometrica 28, 1960), over all spans of segments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.estimation import LeastSquares
+from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.whitened import Segment
+
+_SEEN = 0.03
+"""Part of the information on a direction that a span must hold to be compared in it."""
+_FEWEST = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A span in which parameters are others than in the rest.
+
+    Parameters
+    ----------
+    begins : float
+        Time at which it begins, s.
+    inside, outside : array of shape (n_parameters,)
+        Minimal parameters in the span and in the rest.
+    deviations : array of shape (n_parameters,)
+        Standard deviations of their difference.
+    explained : float
+        Part of the residual's power that parameters of their own take away.
+    """
+
+    begins: float
+    inside: FloatArray
+    outside: FloatArray
+    deviations: FloatArray
+    explained: float
+
+    def statement(self, model: GeneratedModel, criteria: Criteria = CRITERIA) -> str:
+        """What changes, in words; empty if nothing does."""
+        moved = np.abs(self.inside - self.outside)
+        size = np.maximum(np.abs(self.inside), np.abs(self.outside))
+        certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
+        if self.explained < criteria.change_explains or not certain.any():
+            return ""
+        i = int(np.argmax(np.where(certain, moved / np.maximum(self.deviations, np.finfo(float).tiny), 0.0)))
+        name, unit = list(model.minimal_units.items())[i]
+        return (
+            f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} {unit}, "
+            f"elsewhere {self.outside[i]:.4g}: a gain, payload or machine changes, or a part is damaged; identify the "
+            "parts apart (--trim)"
+        )
+
+
+def scatter(parts: Sequence[Segment], fit: LeastSquares) -> FloatArray:
+    """Covariance of the minimal parameters from the scatter between segments; zeros if there are too few."""
+    p, n = fit.solution.size, len(parts)
+    if n < _FEWEST:
+        return np.zeros((p, p))
+    slopes = np.stack([segment.slope for segment in parts])
+    root = fit.rank.inverse_root
+    return np.asarray(root @ (slopes.T @ slopes) @ root.T * n / (n - 1))
+
+
+def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: float) -> Change | None:
+    """The span whose own parameters take most from the residual; None if there are too few segments.
+
+    Parameters
+    ----------
+    parts : sequence of Segment
+        In time order.
+    fit : LeastSquares
+        The estimate.
+    inflation : float
+        Rows for each independent one of the residual.
+    """
+    n = len(parts)
+    if n < _FEWEST:
+        return None
+    normal = np.cumsum([np.zeros_like(parts[0].normal), *(s.normal for s in parts)], axis=0)
+    slope = np.cumsum([np.zeros_like(parts[0].slope), *(s.slope for s in parts)], axis=0)
+    whole = sum(s.square for s in parts)
+    spans = [(i, j) for i in range(n) for j in range(i + 1, n + 1) if j - i <= n // 2 + 1 and j - i < n]
+    best = max(
+        ((_gain(normal[j] - normal[i], slope[j] - slope[i], normal[-1], slope[-1])[0], i, j) for i, j in spans),
+        default=(0.0, 0, 0),
+    )
+    gain, i, j = best
+    if not whole > 0.0 or gain <= 0.0:
+        return None
+    _, inside, outside, spread = _gain(normal[j] - normal[i], slope[j] - slope[i], normal[-1], slope[-1])
+    root, rows = fit.rank.inverse_root, sum(s.rows for s in parts)
+    sigma2 = max(whole - gain, 0.0) / max(rows - 2 * fit.solution.size, 1) * max(inflation, 1.0)
+    deviations = np.sqrt(np.diag(root @ spread @ root.T) * sigma2)
+    return Change(
+        parts[i].time, fit.solution + root @ inside, fit.solution + root @ outside, deviations, gain / whole
+    )
+
+
+def _gain(
+    inside: FloatArray, slope: FloatArray, normal: FloatArray, total: FloatArray
+) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+    """Fall of the residual's square by parameters of their own, both estimates, and the covariance of their difference.
+
+    Only directions that both parts see are compared.
+    """
+    values, vectors = np.linalg.eigh(inside)
+    every = np.maximum(np.einsum("ai,ab,bi->i", vectors, normal, vectors), np.finfo(float).tiny)
+    share = values / every
+    seen = (share > _SEEN) & (share < 1.0 - _SEEN)
+    V, a, b = vectors[:, seen], values[seen], (every - values)[seen]
+    inner, outer = V.T @ slope / a, V.T @ (total - slope) / b
+    gain = float(np.sum(a * inner**2 + b * outer**2))
+    return gain, V @ inner, V @ outer, (V * (1 / a + 1 / b)) @ V.T

@@ -1,0 +1,108 @@
+"""Rows of an estimate in coordinates in which its columns are orthonormal, and sums over segments of them.
+
+With T of the rank analysis, the weighted rows S W T of all logs have orthonormal columns, and what the estimate leaves,
+S (y - W X), is orthogonal to them. In these coordinates tests of parts against the whole need no scales.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.estimation import LeastSquares
+from symid.identification.excerpts import Excerpt
+
+_SEGMENTS = 15
+"""Segments of all logs together: spans from a fifteenth of a log to the half are compared with the rest."""
+_LEAST_ROWS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Sums over consecutive rows.
+
+    Parameters
+    ----------
+    time : float
+        Of its first row, s.
+    of : int
+        Number of its log.
+    normal : array of shape (n_parameters, n_parameters)
+        Z'Z of the whitened columns.
+    slope : array of shape (n_parameters,)
+        Z'r of the residual.
+    square : float
+        r'r.
+    rows : int
+        How many there are.
+    """
+
+    time: float
+    of: int
+    normal: FloatArray
+    slope: FloatArray
+    square: float
+    rows: int
+
+
+@dataclass(frozen=True, eq=False)
+class WhitenedRows:
+    """Used rows of one equation of a part of a log: columns Z, residual r, prediction S W X, and place in the part."""
+
+    part: int
+    equation: int
+    Z: FloatArray
+    residual: FloatArray
+    prediction: FloatArray
+    place: FloatArray
+
+
+def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRows]:
+    """Rows of each part and equation.
+
+    Parameters
+    ----------
+    parts : sequence of Excerpt
+        Logs or parts of them, with their observations.
+    fit : LeastSquares
+        The estimate, all parameters determined.
+    """
+    root = fit.rank.inverse_root
+    for k, part in enumerate(parts):
+        seen = part.observation
+        n_equations = seen.y.shape[0]
+        for j in range(n_equations):
+            weight, used = fit.weights[part.of * n_equations + j], seen.valid[j]
+            W = weight * seen.W[j][used]
+            prediction = W @ fit.solution
+            rest = weight * seen.y[j][used] - prediction
+            yield WhitenedRows(k, j, W @ root, rest, prediction, np.flatnonzero(used) / max(used.size, 1))
+
+
+def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]:
+    """Segments of equal length in time order; those with hardly a row are left out."""
+    each, p = max(1, round(_SEGMENTS / len(parts))), fit.solution.size
+    sums = [
+        [[np.zeros((p, p)), np.zeros(p), 0.0, 0] for _ in range(each)]
+        for _ in parts
+    ]
+    for rows in whitened(parts, fit):
+        edges = np.searchsorted(rows.place, np.linspace(0, 1, each + 1))
+        for i in range(each):
+            inside = slice(edges[i], edges[i + 1])
+            Z, r = rows.Z[inside], rows.residual[inside]
+            own = sums[rows.part][i]
+            own[0] += Z.T @ Z
+            own[1] += Z.T @ r
+            own[2] += float(r @ r)
+            own[3] += r.size
+    found = []
+    for part, of_part in zip(parts, sums, strict=True):
+        time = part.observation.time
+        for i, (normal, slope, square, count) in enumerate(of_part):
+            if count >= _LEAST_ROWS:
+                found.append(Segment(float(time[i * time.size // each]), part.of, normal, slope, square, count))
+    return tuple(found)
