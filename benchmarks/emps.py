@@ -14,7 +14,13 @@ import symid
 
 DATA = Path(__file__).parent.parent / "data" / "emps"
 PUBLISHED_RECIPE = symid.Preparation(
-    cutoff_hz=100.0, order=4, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2
+    cutoff_hz=100.0,
+    order=4,
+    filter_force=False,
+    decimation=10,
+    trim=(49, 0),
+    standstill=0.0,
+    difference_order=2,
 )
 Table = dict[str, float]
 

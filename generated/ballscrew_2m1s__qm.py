@@ -84,4 +84,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
 
-# SHA-256 of all above: 74c031e155490089d652121c7a8f7ea4072024328308a6609d37ac64cf1a0dc4
+# SHA-256 of all above: c905d17366626652db39e3269fc39763fb6b8719b64ae5b90459e405bfd542fc

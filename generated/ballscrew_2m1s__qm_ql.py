@@ -78,4 +78,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
 
-# SHA-256 of all above: 0bf8dfa38b47a27446f461049d19515e7bf90d219445dbd7cfba166b1920ed39
+# SHA-256 of all above: cf29cdf535bc944406afa0de7c312093339e1b6ec86f2be48ea1a094189cbe11

@@ -76,4 +76,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
 
-# SHA-256 of all above: 529aab872318a4eec56aa98c99eace1840d706355b6006031ca3d29221007902
+# SHA-256 of all above: 3d6e01e477e2f04a24fc59bb7113329b4998bf850ee779f2015c1df9f9f4ac82

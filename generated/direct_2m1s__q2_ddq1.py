@@ -74,4 +74,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Fsm = X3
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
 
-# SHA-256 of all above: 07c7255d90351de4203bb89b3b48f6aa92da8c598db7b0ae35747880d969160e
+# SHA-256 of all above: 46d85df718f211992b2891cbd5df3db64ad8574a42b51ef5179a7bc8b800fa25

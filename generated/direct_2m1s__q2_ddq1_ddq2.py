@@ -74,4 +74,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Fsm = X3
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
 
-# SHA-256 of all above: de675a347a8757023306d19bd9eeb2c6f05ddb6f9aa4155a9ab0ab11d4495369
+# SHA-256 of all above: dc75728b7b7d7d61d02f5e2fec177adca19dffc84d7c8771be65d21031d222d1

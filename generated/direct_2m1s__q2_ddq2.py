@@ -76,4 +76,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
 
-# SHA-256 of all above: 6bb64c3a2e28ae12d809a646b1d6479759b75983545763c18100d3892fee5e48
+# SHA-256 of all above: 1c291d3bbac66fa56322a91031a8cb882d6b3231f93644af0f556d77234d4af3

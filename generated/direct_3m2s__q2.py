@@ -91,4 +91,4 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml):
     c24 = Ms*c14 + c23
     return np.array([c0/(Ks*Kl), c3/(Ks*Kl), c7/(Ks*Kl), c8/(Ks*Kl), Fvm, Fsm, c12/(Ks*Kl), c18/(Ks*Kl), c22/(Ks*Kl), c24/(Ks*Kl), (Ms*(Mm*Ml))/(Ks*Kl)])
 
-# SHA-256 of all above: cf1ab0e7822cbe53ec9e041b85d71f6cf056435085e1c811716e5e7792f700ca
+# SHA-256 of all above: 4d8033556c823ab94551a8e506bfd80c4ec9e77fb03452c9bb3b019e0759874d

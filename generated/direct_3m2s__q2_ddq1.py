@@ -90,4 +90,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branc
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: 1b2994ff46f14e746d4783486206c6e38dbcc1c7ad34225952e5801b0b102572
+# SHA-256 of all above: 37e58dcf6e3330c990ee94754bb6c764cb99921fbd59963b3df484af02f15ffc

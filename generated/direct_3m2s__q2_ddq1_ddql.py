@@ -84,4 +84,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, branch=0):
     Fl = X8
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: 1d2d7e8d6308e789fa0531c9a9891562fec480317c12b448c29b1335ef32c851
+# SHA-256 of all above: 9c24b93d412d742a6947fc5dfc85d4cd437bb69773dc8fe2c41ad8300eb07ac8

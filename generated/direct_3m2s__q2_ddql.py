@@ -98,4 +98,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branc
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: f006d4801fa8df8dc5921a8da076967193da5efa576b381260eff9e1e7b1d1db
+# SHA-256 of all above: bc02a9b7fc15feb4e4cc159ca6155f6f4c1c2d521fe623f9d99dc7b767b9fe41

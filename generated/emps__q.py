@@ -67,4 +67,4 @@ def physical_parameters(X1, X2, X3, X4, branch=0):
     Fc = X3
     return np.array([M, Fv, Fc, OF])
 
-# SHA-256 of all above: d702f48bc831284a2ee20475ec30f91be2366650955f96b3cc17540336064c6c
+# SHA-256 of all above: 4780b6d8de029ada755a8767ef6a860f0dbbdcf4ad583de78bcf438cb313dc85

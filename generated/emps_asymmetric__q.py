@@ -70,4 +70,4 @@ def physical_parameters(X1, X2, X3, X4, X5, branch=0):
     Fcn = X5
     return np.array([M, Fvp, Fcp, Fvn, Fcn])
 
-# SHA-256 of all above: 2603c36f5c8b95a7ef642d7a1a6f5127ef6002bfbf52f2af106280cd42fbcbb0
+# SHA-256 of all above: 92b74a8b6a4369f40d4c7d512853639ff9743de81da24ff3668bb991e9ab257a

@@ -83,4 +83,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Kt = Jl*Jm/X6
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
 
-# SHA-256 of all above: 5ed8ff123f46c38f6ae54d107da80a8f5464a0b081efa2840977e6bf7bfca645
+# SHA-256 of all above: 68ba933ace693952b7ede181ba061ea0e1369b44ed7472c38c7da545d66c5d32

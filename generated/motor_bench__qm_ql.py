@@ -77,4 +77,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Ft = X3
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
 
-# SHA-256 of all above: 3e58609e0343703275e7fef03fa99ad99f7ca6081a7daac943e68e436b0c54e3
+# SHA-256 of all above: b5b8327df7c9f2a851cbf859dac8ca93dbc3b07666b56f385ae749bf2c1c6bce

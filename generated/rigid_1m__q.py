@@ -65,4 +65,4 @@ def physical_parameters(X1, X2, X3, branch=0):
     Fs = X3
     return np.array([M, Fv, Fs])
 
-# SHA-256 of all above: a30308ac198276d0f40786ede782a7ced97f10c36081350fa4d6e33f90fc1773
+# SHA-256 of all above: 503093c0c104a1fc091713788365ddd46fc6358faa497b0b16ba2c617b11a0d3

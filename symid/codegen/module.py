@@ -193,7 +193,9 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
     constants = {sp.Symbol(name) for name in model.minimal.source.source.constants}
     for row, equation in zip(model.minimal.regressor, model.minimal.source.equations, strict=True):
         shown = {f for entry in row for f in entry.atoms(sp.Function) if not is_smooth(f)}
-        jumps = sorted(shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key)
+        jumps = sorted(
+            shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key
+        )
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
         # What jumps elsewhere, such as a stiffness at the edge of a gap, is no matter of standstill.
         arguments = [a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols - constants, 0))]
@@ -230,9 +232,7 @@ def _place_of_coulomb(
     for j, minimal in enumerate(model.minimal.parameters):
         if str(minimal.function.expression) == parameter:
             columns = {row[j] for row in model.minimal.regressor} - {0}
-            return [
-                (i, j) for i, velocity in enumerate(velocities) if columns == {sp.sign(velocity)}
-            ]
+            return [(i, j) for i, velocity in enumerate(velocities) if columns == {sp.sign(velocity)}]
     return []
 
 

@@ -156,7 +156,9 @@ def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) 
 def _residuals(grams: FloatArray) -> FloatArray:
     """Power of the last column that the others leave, as part of its own, for each matrix of sums."""
     powers = np.diagonal(grams, axis1=1, axis2=2)
-    least = _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny  # below it there is rounding only
+    least = (
+        _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny
+    )  # below it there is rounding only
     scale = np.sqrt(np.maximum(powers, least))
     scaled = grams / (scale[:, :, None] * scale[:, None, :])
     values, vectors = np.linalg.eigh(scaled[:, :-1, :-1])

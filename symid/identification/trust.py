@@ -84,7 +84,9 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
         for (name, unit), value, deviation in zip(
             found.model.physical_units.items(), values, deviations, strict=True
         )
-        if name not in found.model.signed and not deviation < criteria.undetermined * value and np.isfinite(value)
+        if name not in found.model.signed
+        and not deviation < criteria.undetermined * value
+        and np.isfinite(value)
     ]
     cure = "excite it more (other speeds, accelerations, frequencies), or record longer"
     return f"the log does not determine {', '.join(vague)}: {cure}" if vague else ""

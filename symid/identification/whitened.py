@@ -85,10 +85,7 @@ def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRo
 def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]:
     """Segments of equal length in time order; those with hardly a row are left out."""
     each, p = max(1, round(_SEGMENTS / len(parts))), fit.solution.size
-    sums = [
-        [[np.zeros((p, p)), np.zeros(p), 0.0, 0] for _ in range(each)]
-        for _ in parts
-    ]
+    sums = [[[np.zeros((p, p)), np.zeros(p), 0.0, 0] for _ in range(each)] for _ in parts]
     for rows in whitened(parts, fit):
         edges = np.searchsorted(rows.place, np.linspace(0, 1, each + 1))
         for i in range(each):
@@ -104,5 +101,7 @@ def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]
         time = part.observation.time
         for i, (normal, slope, square, count) in enumerate(of_part):
             if count >= _LEAST_ROWS:
-                found.append(Segment(float(time[i * time.size // each]), part.of, normal, slope, square, count))
+                found.append(
+                    Segment(float(time[i * time.size // each]), part.of, normal, slope, square, count)
+                )
     return tuple(found)
