@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import FloatArray, IntArray
+from symid.arrays import BoolArray, FloatArray, IntArray
 from symid.diagnosis.fit import Fit
 
 N_BLOCKS = 16
@@ -41,12 +41,15 @@ class Blocks:
         Weighted errors.
     members : sequence of array
         Rows of each block.
+    free : bool array of shape (n_columns,)
+        Values that are estimated anew where a block is left out: not those in which the prediction is far from linear.
     """
 
     columns: FloatArray
     scale: FloatArray
     errors: FloatArray
     members: Sequence[IntArray]
+    free: BoolArray
 
     @cached_property
     def _normal(self) -> FloatArray:
@@ -61,11 +64,12 @@ class Blocks:
     @cached_property
     def squares(self) -> FloatArray:
         """Sums of squares of the errors of each block when it is left out, of shape (n_outputs, n_blocks)."""
-        whole = self._normal.sum(axis=0)
+        whole, free = self._normal.sum(axis=0), np.flatnonzero(self.free)
         found = np.zeros((len(self.errors), len(self.members)))
         for b, rows in enumerate(self.members):
-            moved = np.linalg.pinv(whole - self._normal[b], rcond=_RANK, hermitian=True) @ self._gradients[b]
-            errors = self.errors[:, rows] + np.tensordot(moved, self.columns[:, :, rows], 1)
+            left = (whole - self._normal[b])[np.ix_(free, free)]
+            moved = np.linalg.pinv(left, rcond=_RANK, hermitian=True) @ self._gradients[b][free]
+            errors = self.errors[:, rows] + np.tensordot(moved, self.columns[free][:, :, rows], 1)
             found[:, b] = np.sum(errors**2, axis=1)
         return found
 
@@ -105,7 +109,17 @@ def blocks_of(fit: Fit, n_blocks: int = N_BLOCKS) -> Blocks:
         scale,
         errors.reshape(n_outputs, n_kept),
         np.array_split(np.arange(n_kept), n_blocks),
+        _free(fit),
     )
+
+
+def _free(fit: Fit) -> BoolArray:
+    """All physical parameters and amplitudes; shapes only where these are all that an effect has."""
+    free = [True] * len(fit.parameters)
+    for item in fit.state.placed:
+        amplitudes = item.n_free - len(item.shape)
+        free += [True] * amplitudes + [not amplitudes and i == 0 for i in range(len(item.shape))]
+    return np.array(free)
 
 
 def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:

@@ -23,6 +23,7 @@ _DRAWS = 400
 _SEGMENT = 1024
 _USED = 0.65
 _SETTLING = 4
+_UNEVEN = 2.0
 _SLOW = 0.002
 _AROUND_REVERSAL = 0.05
 _FEW = 8
@@ -172,6 +173,23 @@ class Comparison:
         return np.asarray((far / self.row_rate <= _AROUND_REVERSAL) & self.weighting.kept)[
             self.weighting.kept
         ]
+
+    @cached_property
+    def is_stationary(self) -> bool:
+        """Whether the re-identified model errs as much where the axis moves little as where it moves much.
+
+        Rows are halved by the speed and by the acceleration of the driven joint. Noise of any colour does not know of
+        the motion; an error of the model does.
+        """
+        record, kept = self.record, self.weighting.kept
+        s, squares = 1j * record.omega, self.squares(1)
+        for motion in (s * record.motion, s**2 * record.motion * record.taper):
+            course = np.abs(record.rows(motion)[kept])
+            lively = course > np.median(course)
+            halves = np.mean(squares[lively]), np.mean(squares[~lively])
+            if max(halves) > _UNEVEN * min(halves):
+                return False
+        return True
 
     def reversal(self) -> Reversal | None:
         """Force error near reversals; None where the log has none."""

@@ -61,7 +61,7 @@ def concluded(
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
-    chances = outcome(turns, upheld, _errors(gap))
+    chances = outcome(turns, upheld, _errors(gap, comparison.is_stationary))
     verdict = _verdict(chances, gap)
     accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
@@ -93,10 +93,11 @@ def concluded(
     )
 
 
-def _errors(gap: Gap) -> Errors:
+def _errors(gap: Gap, stationary: bool) -> Errors:
     floor = gap.noise_floor.rms
     nominal = gap.nominal.rms / floor if gap.nominal else None
-    return Errors(nominal, gap.reidentified.rms / floor, gap.explained.rms / floor, gap.unexplained_share)
+    reidentified, explained = gap.reidentified.rms / floor, gap.explained.rms / floor
+    return Errors(nominal, reidentified, explained, gap.unexplained_share, stationary)
 
 
 def _verdict(chances: Outcome, gap: Gap) -> Verdict:

@@ -25,6 +25,10 @@ _PRIOR = {"asymmetric_friction": -1.0}
 """An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
 _LEAST_REMOVED = 0.15
 _REMOVED_WIDTH = 0.05
+_WHITE = 1.6
+_COLOURED = 6.0
+"""Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
+high frequencies, and a wandering record has several times of it at low ones."""
 NOISE_ALONE = 1.25
 """Error, in multiples of the floor, up to which nothing but noise is left."""
 _NOMINAL_IS_GOOD = 1.1
@@ -124,12 +128,15 @@ class Errors:
         In multiples of the noise; nominal is None if no values are given.
     left : float
         Share of the re-identified model's excess that stays; nan if it has none.
+    stationary : bool
+        Whether the re-identified model errs alike however the axis moves.
     """
 
     nominal: float | None
     reidentified: float
     explained: float
     left: float
+    stationary: bool = False
 
 
 def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
@@ -154,7 +161,8 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
         good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
-    fits = _logistic((math.log(1.6) - math.log(max(errors.reidentified, 1e-9))) / 0.08)
+    most = _COLOURED if errors.stationary else _WHITE
+    fits = _logistic((math.log(most) - math.log(max(errors.reidentified, 1e-9))) / 0.08)
     plain = (1 - there) * fits
     return Outcome(
         no_gap=plain * good,

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood, rows_of
-from symid.diagnosis.effects import DriveEffect, Effect, LawEffect, Placed
+from symid.diagnosis.effects import DriveEffect, Effect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
@@ -44,6 +44,8 @@ _HARDLY_MORE = 0.01
 _VARIES = 0.4
 _HARDLY = 0.1
 """With more of the mean square left, no candidate has explained it."""
+_LARGEST_FORCE = 5.0
+"""Rms of a missing force, relative to the largest force of the drive: a spring that holds it may carry more."""
 _TIE = 2.0
 _TIMING_FIRST = 0.6
 """Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
@@ -278,7 +280,21 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
+    if force_share(found) > _LARGEST_FORCE:
+        return False
     return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
+
+
+def force_share(fit: Fit) -> float:
+    """Force of the last effect in a joint, relative to the largest that the drive gives; 0 for other effects."""
+    scene, item = fit.state.scene, fit.state.placed[-1]
+    if not isinstance(item.effect, JointEffect) or isinstance(item.effect, LinearEffect):
+        return 0.0
+    joint = item.effect.joint(scene, item.at)
+    force = np.tensordot(item.amplitudes, item.effect.forces(scene, joint, item.shape), 1)
+    inside = scene.record.in_log
+    rms = float(np.sqrt(np.mean(scene.record.fine(force)[inside] ** 2)))
+    return rms / float(np.abs(scene.record.whole_force).max())
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
@@ -303,7 +319,8 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
     covariance = blocks.covariance[-item.n_free :, -item.n_free :]
     n = item.n_free - len(item.shape)
     amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
-    if np.any(np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)):
+    matters = np.array([name not in item.effect.moments for name in item.effect.shape_names], dtype=bool)
+    if np.any((np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)) & matters):
         return False
     if not n:
         return True

@@ -39,6 +39,10 @@ class Effect(ABC):
     """Whether its first amplitude cannot be negative."""
     fixed: ClassVar[bool] = False
     """Whether its amplitude is 1, so that only the shape is free."""
+    implicit: ClassVar[bool] = False
+    """Whether its force depends on what it changes itself, so that a balance is to be solved."""
+    moments: ClassVar[tuple[str, ...]] = ()
+    """Shape parameters that a log need not determine, such as when something changed while the axis was at rest."""
     per_log: ClassVar[bool] = False
     """Whether its amplitudes belong to a log: time starts anew in each."""
 

@@ -118,7 +118,7 @@ class PeriodicDisturbance(JointEffect):
 
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:
         """A line of the motion itself is no disturbance: what repeats with the motion belongs to the motion."""
-        return not is_line_of_motion(scene, placed.shape[0])
+        return not is_line_of_motion(scene, placed.shape[0], math.hypot(*placed.amplitudes))
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         response = -scene.response.of_force(scene.joints[place].direction)
@@ -142,25 +142,35 @@ class PeriodicDisturbance(JointEffect):
         return force, force, "Hz"
 
 
-_LINE = 8.0
-"""Power of a line relative to that of its neighbourhood."""
+_LINE = 3.0
+"""Amplitude of a line relative to that of its neighbourhood."""
 _NEIGHBOURS = 8
+_FAST = 0.1
+_HARMONICS = 5
+"""Cycles of a disturbance for each of the motion, up to which it may be the motion's own."""
 
 
-def is_line_of_motion(scene: Scene, frequency: float) -> bool:
-    """Whether the force that the motion asks for has a line at a frequency.
+def is_line_of_motion(scene: Scene, frequency: float, amplitude: float) -> bool:
+    """Whether the force that the motion asks for has a line at a frequency, stronger than a disturbance there.
 
-    The power within one bin of a log of that length is held against the median of its neighbours.
+    What lies within one bin of a log of that length is held against the median of its neighbours. A controller
+    answers a slow disturbance by a force, so that the motion shows less of it; a fast one is no harmonic of the motion.
     """
     record = scene.record
     inside = record.row_time < record.duration
     force = record.rows(scene.predicted[0] * record.taper)[inside]
-    power = np.abs(np.fft.rfft((force - force.mean()) * np.hanning(force.size))) ** 2
+    lines = np.abs(np.fft.rfft((force - force.mean()) * np.hanning(force.size))) / (force.size / 4)
+    velocity = record.rows(1j * record.omega * record.motion)[inside]
+    fast = velocity[np.abs(velocity) > _FAST * np.abs(velocity).max()]
+    cycles = np.count_nonzero(np.diff(np.signbit(fast))) / 2
     at = round(frequency * record.duration)
-    low, high = max(at - _NEIGHBOURS, 1), min(at + _NEIGHBOURS + 1, power.size)
-    if at < 1 or at + 2 > power.size or high - low < _NEIGHBOURS:
+    if at > _HARMONICS * max(cycles, 1):
         return False
-    return bool(power[at - 1 : at + 2].max() > _LINE * np.median(power[low:high]))
+    low, high = max(at - _NEIGHBOURS, 1), min(at + _NEIGHBOURS + 1, lines.size)
+    if at < 1 or at + 2 > lines.size or high - low < _NEIGHBOURS:
+        return False
+    line = float(lines[at - 1 : at + 2].max())
+    return line > max(_LINE * float(np.median(lines[low:high])), amplitude)
 
 
 _CHANGES_WITHIN = np.array([0.1, 0.9])
@@ -176,6 +186,7 @@ class PayloadChange(Effect):
     name = "payload_change"
     amplitudes = ("share",)
     shape_names = ("dm", "t0")
+    moments = ("t0",)
     fixed = True
     per_log = True
 

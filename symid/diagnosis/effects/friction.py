@@ -97,6 +97,7 @@ class LoadDependentFriction(JointEffect):
     name = "load_dependent_friction"
     amplitudes = ("mu",)
     positive = True
+    implicit = True
 
     def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
         return 0 <= amplitudes[0] < _LARGEST_COEFFICIENT
