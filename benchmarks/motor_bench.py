@@ -209,7 +209,12 @@ def main() -> None:
             for cutoff in cutoffs:
                 label = ", default" if cutoff is None else ""
                 compare(model, pair, symid.Preparation(cutoff_hz=cutoff, difference_order=2), label)
-                compare(model, pair, symid.Preparation(cutoff_hz=cutoff, late=LATE, difference_order=2), f"{label}, late")
+                compare(
+                    model,
+                    pair,
+                    symid.Preparation(cutoff_hz=cutoff, late=LATE, difference_order=2),
+                    f"{label}, late",
+                )
     print(f"\nfrequency responses of both encoders, nonlinear fit\n{'':26}{heading}")
     print_row("11 to 250 Hz", fits["A"], fits["B"], float("nan"))
     for which, fit in fits.items():

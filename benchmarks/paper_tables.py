@@ -178,7 +178,9 @@ def identified(
     method: int, log: Log, cutoff_hz: float, setup: Setup = DEFAULT, late: float = 0.0
 ) -> dict[str, float]:
     """Minimal and physical parameters of a log by a method."""
-    settings = Preparation(cutoff_hz=cutoff_hz, order=setup.order, decimation=1, late={"Fm": late}, difference_order=2)
+    settings = Preparation(
+        cutoff_hz=cutoff_hz, order=setup.order, decimation=1, late={"Fm": late}, difference_order=2
+    )
     found = identify(model(method), log, preparation=settings, examine=False)
     return {**found.minimal_parameters, **found.physical_parameters}
 

@@ -26,6 +26,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), (0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 3),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

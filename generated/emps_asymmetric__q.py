@@ -25,6 +25,7 @@ ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 1), (0, 2), (0, 3), (0, 4))  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 

@@ -207,7 +207,9 @@ def _difference_row(x: FloatArray, period: float, factors: tuple[float, ...], ou
     out[last] = (x[last] - x[last - 1]) / period
 
 
-def derivatives(x: npt.ArrayLike, sampling_period: float, order: int, *, accuracy: int = 2) -> list[FloatArray]:
+def derivatives(
+    x: npt.ArrayLike, sampling_period: float, order: int, *, accuracy: int = 2
+) -> list[FloatArray]:
     """Derivatives of order 1 to `order`, each the central difference of the one before.
 
     Parameters
@@ -284,7 +286,9 @@ def faithful_share(differences: int, gain: float, *, order: int = 2) -> float:
         )
     return float(
         scipy.optimize.brentq(
-            lambda share: max(float(central_difference_gain(share, 1.0, order=order)), 0.0) ** differences - gain,
+            lambda share: (
+                max(float(central_difference_gain(share, 1.0, order=order)), 0.0) ** differences - gain
+            ),
             1e-9,
             0.5,
         )

@@ -138,7 +138,9 @@ def _rest_of_sharper_rows(
     preparation = replace(
         seen.preparation, filter_force=True, standstill=0.0
     )  # its rows are those that were fitted
-    other = observe(_rest(model, X, preparation.coulomb or ()), log, preparation, replace(scheme, widening=widening))
+    other = observe(
+        _rest(model, X, preparation.coulomb or ()), log, preparation, replace(scheme, widening=widening)
+    )
     return np.where(seen.valid, other.y - other.W[..., 0], 0.0)
 
 

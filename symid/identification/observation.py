@@ -32,7 +32,6 @@ from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
 
 
-
 @dataclass(frozen=True, eq=False)
 class Observation:
     """A sampled model.

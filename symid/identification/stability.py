@@ -55,8 +55,8 @@ class Change:
         i = int(np.argmax(np.where(certain, moved / np.maximum(self.deviations, np.finfo(float).tiny), 0.0)))
         name, unit = list(model.minimal_units.items())[i]
         return (
-            f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} {unit}, "
-            f"elsewhere {self.outside[i]:.4g}: a gain, payload or machine changes, or a part is damaged; identify the "
+            f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} "
+            f"{unit}, elsewhere {self.outside[i]:.4g}: a gain, payload or machine changes, or a part is damaged; identify the "
             "parts apart (--trim)"
         )
 
@@ -91,7 +91,10 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: floa
     whole = sum(s.square for s in parts)
     spans = [(i, j) for i in range(n) for j in range(i + 1, n + 1) if j - i <= n // 2 + 1 and j - i < n]
     best = max(
-        ((_gain(normal[j] - normal[i], slope[j] - slope[i], normal[-1], slope[-1])[0], i, j) for i, j in spans),
+        (
+            (_gain(normal[j] - normal[i], slope[j] - slope[i], normal[-1], slope[-1])[0], i, j)
+            for i, j in spans
+        ),
         default=(0.0, 0, 0),
     )
     gain, i, j = best

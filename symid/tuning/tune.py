@@ -86,7 +86,9 @@ class Tuning:
     @property
     def preparation(self) -> Preparation:
         """Settings for `identify` of a log sampled at the tuned period."""
-        return Preparation(cutoff_hz=self.cutoff.frequency_hz, order=self.order, decimation=1, difference_order=2)
+        return Preparation(
+            cutoff_hz=self.cutoff.frequency_hz, order=self.order, decimation=1, difference_order=2
+        )
 
 
 def distortion_db(differences: int) -> float:

@@ -8,7 +8,9 @@ import pytest
 from symid import Log, Preparation, identify, load_axis, load_generated, predict, read_axis_log
 
 DATA = Path(__file__).parents[2] / "data"
-RECIPE = Preparation(cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2)
+RECIPE = Preparation(
+    cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2
+)
 SYMMETRIC = {
     "M": ("95.1089", "0.1085"),
     "Fv": ("203.5034", "1.1460"),
