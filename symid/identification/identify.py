@@ -31,8 +31,8 @@ from symid.estimation import (
 )
 from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.blocks import Run, blocks_of_runs
-from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.criteria import CRITERIA
+from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.misfit import misfit_of, noiseless_misfit, unexplained
 from symid.identification.nonlinearity import nonlinearity_of
 from symid.identification.observation import Observation
@@ -52,6 +52,10 @@ if TYPE_CHECKING:
 
 _CUTOFF_STEP, _LOWER_CUTOFFS = 1.6, 5
 """Cutoffs that are tried: down to a tenth, in steps that change the columns by no more than half."""
+_ROWS_LEFT = 50
+"""Rows for each parameter that a lower cutoff must leave: fewer say little about what is wrong with a log."""
+_RIGID = 2
+"""Derivatives of a rigid axis; those of modes that it lacks hardly pass a cutoff that follows the motion."""
 _LITTLE_MORE = 1.5
 """Times the smallest residual that counts as little more: noise of the output alone makes 1.26 of a step."""
 _MOST_COULOMB_ROUNDS = 4
@@ -192,7 +196,7 @@ def distrusted(
 
 
 def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
-    """What contradicts the estimate, in words: of a channel, of a part of the logs, of the force's size or its clock."""
+    """What contradicts the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
     model, fit = found.model, found.fit
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit, inflation)
@@ -211,7 +215,12 @@ def _with_cutoff(
 ) -> tuple[tuple[Run, ...], LeastSquares]:
     """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
     first = _with_coulomb(model, [(log, preparation) for log in logs], method, ddof)
-    if preparation.cutoff_hz is not None or _left(model, logs, first) < CRITERIA.cutoff_fit:
+    is_flexible = max(model.highest_derivatives.values()) > _RIGID
+    if (
+        not is_flexible
+        or preparation.cutoff_hz is not None
+        or _left(model, logs, first) < CRITERIA.cutoff_fit
+    ):
         return first
     tried, lefts = [first], [_left(model, logs, first)]
     for k in range(1, _LOWER_CUTOFFS + 1):
@@ -221,10 +230,15 @@ def _with_cutoff(
             assert cutoff is not None
             lower.append((log, replace(preparation, cutoff_hz=float(f"{cutoff / _CUTOFF_STEP**k:.3g}"))))
         try:
-            tried.append(_with_coulomb(model, lower, method, ddof))
+            found = _with_coulomb(model, lower, method, ddof)
         except SettingError:
             break
-        lefts.append(_left(model, logs, tried[-1]))
+        if min(found[1].rows) < _ROWS_LEFT * found[1].solution.size:
+            break
+        tried.append(found)
+        lefts.append(_left(model, logs, found))
+    if min(lefts) > CRITERIA.cutoff_fit:  # no cutoff helps: something else is wrong
+        return first
     good = _LITTLE_MORE * min(lefts)
     return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
 

@@ -1,8 +1,8 @@
 """Is the recorded force in proportion to what the motion takes? A cubic of the prediction as one more column.
 
 A force that is clipped, limited softly or wrapped around falls short where the prediction is large. The residual then
-holds a cubic of the prediction (J. B. Ramsey, J. Royal Statistical Society B 31, 1969), of which the part that the model
-itself explains is taken off. A force that was smoothed lacks, in the same way, a part of its second derivative.
+holds a cubic of the prediction (J. B. Ramsey, J. Royal Statistical Society B 31, 1969), less the part that the model
+itself explains. A force that was smoothed lacks, in the same way, a part of its second derivative.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def nonlinearity_of(
         share, size = _share(Z, rest, bent, y)
         if share > criteria.nonlinear and size > criteria.nonlinear_output:
             return (
-                f"{model.force} lacks what is fast in the motion (its second derivative takes away {100 * share:.2g} % of "
-                "the residual's power): it was smoothed; record it raw, or lower --cutoff"
+                f"{model.force} lacks what is fast in the motion (its second derivative takes away {100 * share:.2g} % "
+                "of the residual's power): it was smoothed; record it raw, or lower --cutoff"
             )
     return ""
 

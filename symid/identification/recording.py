@@ -82,7 +82,8 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
     if (wrapped := _wrapped(x)) >= _FEWEST:
         return f"{name} jumps across its whole range {wrapped} times: its number overflows"
     if is_force and (limited := _slew_limited(x)) > _LIMITED_SHARE:  # a position does so at constant speed
-        return f"{name} changes by exactly its largest step in {100 * limited:.2g} % of the samples: its slope is limited"
+        share = f"{100 * limited:.2g} %"
+        return f"{name} changes by exactly its largest step in {share} of the samples: its slope is limited"
     return ""
 
 
@@ -165,7 +166,7 @@ def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares,
         level = abs(float(fit.solution[j]))
         if unit == own and step / 2 > criteria.step_share * level:
             return (
-                f"{model.force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the friction "
-                f"{name}: record it with more digits"
+                f"{model.force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the "
+                f"friction {name}: record it with more digits"
             )
     return ""

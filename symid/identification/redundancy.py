@@ -40,8 +40,8 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
         if low > 1.0 + criteria.gain or high < 1.0 - criteria.gain or crossed <= 0.0:
             what = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
             return (
-                f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say ({what}): "
-                "correct its unit, sign or gain (--unit, --gain)"
+                f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
+                f"({what}): correct its unit, sign or gain (--unit, --gain)"
             )
     return ""
 

@@ -27,8 +27,8 @@ def verdict_of(
     found : OutputErrorIdentification
         The estimate.
     regression : Identification, optional
-        What least squares found in the same logs, examined: a fault of a channel that it names holds here too, and others
-        where the innovations are not white either.
+        What least squares found in the same logs, examined: a fault of a channel that it names holds here too, and
+        others where the innovations are not white either.
     criteria : Criteria
         What a result has to meet.
     """
