@@ -62,10 +62,7 @@ def outcome_of(case: Case, number: int, method: str) -> Outcome:
         log = Log.from_arrays(case.signals, sampling_period=1 / case.rate)
         model = load_generated(case.axis, case.measured)
         found: Identification | OutputErrorIdentification
-        if method == "oe":
-            found = identify_output_error(axis, model, log)
-        else:
-            found = identify(model, log)
+        found = identify_output_error(axis, model, log) if method == "oe" else identify(model, log)
     except SymidError as error:
         return Outcome(case, number, "refused", {}, {}, message=str(error))
     return Outcome(

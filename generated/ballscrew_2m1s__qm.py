@@ -24,6 +24,7 @@ ASSUMPTIONS = ("derivatives of sign(qm_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 3),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 2  # solutions of the inverse map in closed form
 
 
@@ -84,4 +85,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
 
-# SHA-256 of all above: c905d17366626652db39e3269fc39763fb6b8719b64ae5b90459e405bfd542fc
+# SHA-256 of all above: d54462d044b64f5eb4ac8307d22f438f90a0969be794aba2aab3a2bba33e812a

@@ -25,6 +25,7 @@ ASSUMPTIONS = ()
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3), (1, 3))  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -78,4 +79,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Fsm = X4
     return np.array([Mm, Fvm, Fsm, Kt, Ft, Ml, Fvl])
 
-# SHA-256 of all above: cf29cdf535bc944406afa0de7c312093339e1b6ec86f2be48ea1a094189cbe11
+# SHA-256 of all above: c4c9fc3799c45f5495984972603f4fa70ad8c29a4544fbd383d7e6aa729d02cb

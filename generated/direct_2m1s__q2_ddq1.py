@@ -25,6 +25,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 2),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -74,4 +75,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Fsm = X3
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
 
-# SHA-256 of all above: 46d85df718f211992b2891cbd5df3db64ad8574a42b51ef5179a7bc8b800fa25
+# SHA-256 of all above: c9c2f6eb42eeed159e369d40275e28291240ebda27c252a25d0035c33d0618f2

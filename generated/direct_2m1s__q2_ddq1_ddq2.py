@@ -25,6 +25,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 2),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = (('ddq2', (('q2', 2, 1.0),)),)  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -74,4 +75,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Fsm = X3
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm])
 
-# SHA-256 of all above: dc75728b7b7d7d61d02f5e2fec177adca19dffc84d7c8771be65d21031d222d1
+# SHA-256 of all above: eed704108aca5cfe0f64582b5f6a0f5246a352eeddb40e80a8e5f486d4d25045

@@ -25,6 +25,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 5),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 5),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 0  # solutions of the inverse map in closed form
 
 
@@ -91,4 +92,4 @@ def minimal_parameters(Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml):
     c24 = Ms*c14 + c23
     return np.array([c0/(Ks*Kl), c3/(Ks*Kl), c7/(Ks*Kl), c8/(Ks*Kl), Fvm, Fsm, c12/(Ks*Kl), c18/(Ks*Kl), c22/(Ks*Kl), c24/(Ks*Kl), (Ms*(Mm*Ml))/(Ks*Kl)])
 
-# SHA-256 of all above: 4d8033556c823ab94551a8e506bfd80c4ec9e77fb03452c9bb3b019e0759874d
+# SHA-256 of all above: 30a72263792d3770d500443cc53c0dc0286f07dbb5a6ef8e6b9afdb91afcad8f

@@ -26,6 +26,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 3),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -90,4 +91,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branc
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: 37e58dcf6e3330c990ee94754bb6c764cb99921fbd59963b3df484af02f15ffc
+# SHA-256 of all above: 4c2d58f5c0ca756f0e7abc484e0578bd5eebe3940c55afbe7a7a37a924eae1a7

@@ -26,6 +26,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), (0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 3),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -84,4 +85,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, branch=0):
     Fl = X8
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: 9c24b93d412d742a6947fc5dfc85d4cd437bb69773dc8fe2c41ad8300eb07ac8
+# SHA-256 of all above: 6c8c95f48a72b29ad209011b00360c9f5aed21badadc8ac05d91c0e770251663

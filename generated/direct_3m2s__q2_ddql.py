@@ -26,6 +26,7 @@ ASSUMPTIONS = ("derivatives of sign(q2_d1) are taken as zero",)
 SLIDING = ((0,), (0,))  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 3),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ((0, 3),)  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -98,4 +99,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, X8, X9, X10, X11, X12, branc
     Fsm = X4
     return np.array([Ms, Fvs, Ks, Mm, Fvm, Fsm, Kl, Fl, Ml])
 
-# SHA-256 of all above: bc02a9b7fc15feb4e4cc159ca6155f6f4c1c2d521fe623f9d99dc7b767b9fe41
+# SHA-256 of all above: 76cce8f19a0546c660f450b70889094ae4888d10d8eeffe8c8cd05a1cf098fd3

@@ -24,6 +24,7 @@ ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -67,4 +68,4 @@ def physical_parameters(X1, X2, X3, X4, branch=0):
     Fc = X3
     return np.array([M, Fv, Fc, OF])
 
-# SHA-256 of all above: 4780b6d8de029ada755a8767ef6a860f0dbbdcf4ad583de78bcf438cb313dc85
+# SHA-256 of all above: 5ac21149dc3ce91d290e482df500a50d94d80055569a6f1e535f26b3b0f77507

@@ -25,6 +25,7 @@ ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 1), (0, 2), (0, 3), (0, 4))  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -70,4 +71,4 @@ def physical_parameters(X1, X2, X3, X4, X5, branch=0):
     Fcn = X5
     return np.array([M, Fvp, Fcp, Fvn, Fcn])
 
-# SHA-256 of all above: 92b74a8b6a4369f40d4c7d512853639ff9743de81da24ff3668bb991e9ab257a
+# SHA-256 of all above: acd9ee4a0846a3112370f4c8c2d31349638e603c7313006336cbee007ffcdd73

@@ -24,6 +24,7 @@ ASSUMPTIONS = ()
 SLIDING = ((),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ()  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 2  # solutions of the inverse map in closed form
 
 
@@ -83,4 +84,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, branch=0):
     Kt = Jl*Jm/X6
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
 
-# SHA-256 of all above: 68ba933ace693952b7ede181ba061ea0e1369b44ed7472c38c7da545d66c5d32
+# SHA-256 of all above: d83d54d4d4dd7c35ef75a4eca4b08cc1aac9fc405f561d6f1b6f4932a718e496

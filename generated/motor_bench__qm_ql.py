@@ -25,6 +25,7 @@ ASSUMPTIONS = ()
 SLIDING = ((), ())  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ()  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -77,4 +78,4 @@ def physical_parameters(X1, X2, X3, X4, X5, X6, X7, branch=0):
     Ft = X3
     return np.array([Jm, Fvm, Kt, Ft, Pt, Jl, Fvl])
 
-# SHA-256 of all above: b5b8327df7c9f2a851cbf859dac8ca93dbc3b07666b56f385ae749bf2c1c6bce
+# SHA-256 of all above: 78159a5b5c14192a35ad19a577c989b537d24c530fc147d03395fbda3cefcf84

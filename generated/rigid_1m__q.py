@@ -24,6 +24,7 @@ ASSUMPTIONS = ()
 SLIDING = ((0,),)  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = ((0, 2),)  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = ()  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = ()  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = 1  # solutions of the inverse map in closed form
 
 
@@ -65,4 +66,4 @@ def physical_parameters(X1, X2, X3, branch=0):
     Fs = X3
     return np.array([M, Fv, Fs])
 
-# SHA-256 of all above: 503093c0c104a1fc091713788365ddd46fc6358faa497b0b16ba2c617b11a0d3
+# SHA-256 of all above: 3d33f79a587c764ebac10ef1ee12309e98732addd93ca419b26b9ba2d5e1bd30

@@ -209,5 +209,5 @@ def damaged(case: Case, rng: np.random.Generator) -> Case:
     of_force = kind in ("force", "g")
     name = case.force if of_force else str(rng.choice(case.measured))
     fault = rng.choice(OF_FORCE if of_force else OF_POSITION)
-    extent, x = fault(case.signals[name], rng)
+    _, x = fault(case.signals[name], rng)
     return case.changed(f"{fault.__name__} {'F' if of_force else 'sensor'}", **{name: x})

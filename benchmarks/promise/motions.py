@@ -108,7 +108,7 @@ def together(*parts: Motion) -> Motion:
 
 
 def draw_motion(seconds: float, mode_hz: float | None, rng: np.random.Generator) -> tuple[Motion, str]:
-    """Trapezoids, a multisine, or both; a flexible axis of the mode `mode_hz` is excited beyond it more often than not."""
+    """Trapezoids, a multisine, or both; a flexible axis is excited beyond its mode mostly."""
     speed, acceleration = (
         np.exp(rng.uniform(np.log(0.1), np.log(1.5))),
         np.exp(rng.uniform(np.log(2), np.log(25))),

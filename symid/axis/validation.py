@@ -184,6 +184,14 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
             value = getattr(holder, field, 0.0)
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
                 yield f"{_label(holder)}: {field} is {value!r}: it must be a finite number of at least 0"
+    for sensor in sensors:
+        of, to = getattr(sensor, "body", None), getattr(sensor, "relative_to", None)
+        if isinstance(of, Body) and isinstance(to, Body) and of.turns != to.turns:
+            yield (
+                f"{_label(sensor)} subtracts {'an angle' if to.turns else 'a displacement'} from "
+                f"{'an angle' if of.turns else 'a displacement'}: measure {of.name!r} alone, "
+                f"or relative to a body that {'turns' if of.turns else 'slides'}"
+            )
     if drive.gain is not None:
         numbers.append(("drive: gain", drive.gain))
     for what, value in numbers:

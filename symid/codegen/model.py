@@ -48,6 +48,8 @@ class GeneratedModel:
     coulomb_at_drive : tuple of tuple of int
         Coulomb friction that acts as the drive does, in equations that lack its derivatives: row of its velocity among
         `sliding_velocities`, and its minimal parameter.
+    redundant : tuple
+        Sensors that repeat others: signal, and (signal, derivatives, factor) of what it should be the sum.
     branches : int
         Number of solutions of the inverse map in closed form; 0 without one.
     regressor, output, sliding_velocities, minimal_parameters : callable
@@ -71,6 +73,7 @@ class GeneratedModel:
     sliding: tuple[tuple[int, ...], ...]
     law_columns: tuple[tuple[int, int], ...]
     coulomb_at_drive: tuple[tuple[int, int], ...]
+    redundant: tuple[tuple[str, tuple[tuple[str, int, float], ...]], ...]
     branches: int
     regressor: ArrayFunction
     output: ArrayFunction
@@ -97,6 +100,7 @@ class GeneratedModel:
             sliding=namespace["SLIDING"],
             law_columns=namespace["LAW_COLUMNS"],
             coulomb_at_drive=namespace.get("COULOMB_AT_DRIVE", ()),
+            redundant=namespace.get("REDUNDANT", ()),
             branches=namespace["BRANCHES"],
             regressor=namespace["regressor"],
             output=namespace["output"],

@@ -12,6 +12,7 @@ from symid.codegen.store import FORMAT
 from symid.codegen.vetting import signed
 from symid.signals import split_derivative
 from symid.symbolic.expressions import is_smooth
+from symid.symbolic.measurement import measurement
 from symid.symbolic.parameter_map import inverse_map
 from symid.symbolic.pipeline import DerivedModel
 from symid.symbolic.triangular import TriangularSolution
@@ -43,6 +44,7 @@ ASSUMPTIONS = {assumptions}
 SLIDING = {sliding}  # for each equation, the rows of sliding_velocities whose sign enters it
 LAW_COLUMNS = {law_columns}  # (equation, parameter) of the columns that hold values of nonlinear laws
 COULOMB_AT_DRIVE = {coulomb}  # (row of sliding_velocities, parameter): acts as the drive, and is differentiated with it
+REDUNDANT = {redundant}  # signal, and the (signal, derivatives, factor) whose sum it repeats
 BRANCHES = {branches}  # solutions of the inverse map in closed form
 {constants}
 
@@ -129,6 +131,7 @@ def module_text(model: DerivedModel) -> str:
         sliding=repr(sliding),
         law_columns=repr(_law_columns(model)),
         coulomb=repr(_coulomb_at_drive(model, velocities)),
+        redundant=repr(_redundant(model)),
         branches=solution.branches if solution else 0,
         constants=_constants(model),
         arguments=", ".join(signals),
@@ -201,6 +204,26 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
         arguments = [a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols - constants, 0))]
         by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
     return tuple(by_equation), tuple(velocities)
+
+
+def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, float], ...]], ...]:
+    """Sensors that repeat what others measure: signal, and the derivatives of other signals whose sum it should be."""
+    source = model.minimal.source
+    known, field = measurement(source.operators, source.measured), source.operators.ring.domain
+    constants = {sp.Symbol(name): value for name, value in source.source.constants.items()}
+    found = []
+    for other in known.repeated:
+        terms = tuple(
+            (
+                known.basis[i].signal,
+                other.order - known.basis[i].order,
+                float(sp.sympify(field.to_sympy(field.convert(share))).subs(constants)),
+            )
+            for i, share in sorted(other.combination.items())
+        )
+        if all(order >= 0 for _, order, _ in terms):
+            found.append((other.signal, terms))
+    return tuple(found)
 
 
 def _coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> tuple[tuple[int, int], ...]:

@@ -10,7 +10,7 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.evidence import INDISTINGUISHABLE, NOISE_ALONE, Errors, Outcome, is_there, odds, outcome
-from symid.diagnosis.faults import recording_faults
+from symid.diagnosis.faults import shifted_channels
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.location import located, maps
 from symid.diagnosis.record import Record
@@ -42,6 +42,7 @@ def concluded(
     fits: Sequence[Fit],
     nominal: Mapping[str, float] | None,
     logs: tuple[Log, Log | None],
+    damaged: Sequence[str] = (),
 ) -> Diagnosis:
     """The diagnosis that follows from a search.
 
@@ -57,26 +58,28 @@ def concluded(
         Nominal values.
     logs : tuple of Log
         What was identified from, and the validation log if there is one.
+    damaged : sequence of str
+        Faults of the recording.
     """
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
     chances = outcome(turns, upheld, _errors(gap, comparison.is_stationary))
-    verdict = _verdict(chances, gap)
+    verdict = _verdict(chances, gap, damaged)
     accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gap, found = comparison.gap(), maps(comparison)
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, turns[0], chances)
-    faults = recording_faults(comparison, logs[0], accepted)
     axis = comparison.record.dynamics.axis
+    faults = (*damaged, *shifted_channels(logs[0], axis.drive.signal, accepted))
     return Diagnosis(
         axis=axis,
         measured=comparison.record.signals,
         logs=tuple(log.source for log in logs if log is not None),
         verdict=verdict,
-        sentence=sentence(verdict, gap, effects, alternatives),
+        sentence=sentence(verdict, gap, effects, alternatives, damaged),
         gap=gap,
         location=located(found, _shares(comparison, accepted, turns)),
         maps=found,
@@ -100,9 +103,14 @@ def _errors(gap: Gap, stationary: bool) -> Errors:
     return Errors(nominal, reidentified, explained, gap.unexplained_share, stationary)
 
 
-def _verdict(chances: Outcome, gap: Gap) -> Verdict:
-    """The most probable; effects that leave more than noise and a stated share of the gap explain it partly."""
+def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
+    """The most probable; effects that leave more than noise and a stated share of the gap explain it partly.
+
+    Of a damaged recording no physics is read: what looks like an effect is what the damage looks like.
+    """
     verdict = chances.verdict
+    if damaged and verdict not in ("no_gap", "parameters"):
+        return "recording"
     floor = gap.noise_floor.rms
     if verdict == "effect" and gap.explained.rms > NOISE_ALONE * floor and gap.unexplained_share > _ALL_OF_IT:
         return "partly"

@@ -14,6 +14,7 @@ from symid.data import Log
 from symid.diagnosis.comparison import compared
 from symid.diagnosis.conclusion import concluded
 from symid.diagnosis.effects import LIBRARY, Effect
+from symid.diagnosis.faults import damage
 from symid.diagnosis.fit import Fit, unfitted
 from symid.diagnosis.held import HELD, is_held, shows_hold
 from symid.diagnosis.joined import Joined, joined, with_common_zeros
@@ -167,7 +168,8 @@ def _diagnosed(
         return _with_hold(axis, runs, nominal, recorded, library)
     fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
-    return concluded(comparison, turns, fits, nominal, (runs[0].log, runs[1].log if runs[1] else None))
+    logs = runs[0].log, runs[1].log if runs[1] else None
+    return concluded(comparison, turns, fits, nominal, logs, damage(runs[0].log, state, weighting))
 
 
 def _with_hold(

@@ -2,72 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from symid.arrays import FloatArray
 from symid.data import Log
-from symid.diagnosis.comparison import Comparison
+from symid.data.stuck import inspect_spans
 from symid.diagnosis.search import Turn
+from symid.diagnosis.state import State
+from symid.diagnosis.weighting import Weighting
+from symid.identification.recording import channel_fault
 
-_CLIPPED_RUN = 5
-_CLIPPED_SHARE = 0.002
 _WHOLE_SAMPLE = 0.15
+_OPPOSITE = -0.5
+"""Correlation of the measured with the predicted force from which on one of their signs is wrong."""
+_BOTH_SIGNS = 0.2
+"""Share of the samples in which a force must be negative, and positive, for a record of one sign to be odd."""
 
 
-def recording_faults(comparison: Comparison, log: Log, accepted: Sequence[Turn]) -> tuple[str, ...]:
-    """What is wrong with the recording rather than with the model.
+def damage(log: Log, state: State, weighting: Weighting) -> tuple[str, ...]:
+    """What the recorder, or a wrong sign, has done to a log, one sentence for each signal.
 
     Parameters
     ----------
-    comparison : Comparison
-        Models on the validation data.
+    log : Log
+        The log.
+    state : State
+        The axis with the values to begin with, under this log.
+    weighting : Weighting
+        Of its errors.
+    """
+    record = state.scene.record
+    force = record.dynamics.axis.drive.signal
+    found = [channel_fault(log[name], name) for name in (force, *record.signals)]
+    signals = {name: log[name] for name in (force, *record.signals)}
+    positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
+    found += inspect_spans(log.time, signals, positions)
+    return tuple(text for text in (*found, _wrong_sign(state, weighting)) if text)
+
+
+def _wrong_sign(state: State, weighting: Weighting) -> str:
+    """Whether the measured force is opposite to what the motion asks for, or never changes its sign."""
+    record = state.scene.record
+    force = record.dynamics.axis.drive.signal
+    both = weighting.rows(np.stack([record.measured[0], state.scene.predicted[0]])[:, None])
+    measured, predicted = both[:, 0, weighting.kept]
+    if float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE:
+        return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
+    logged = record.log[force]
+    asked = record.rows(state.scene.predicted[0] * record.taper)[weighting.kept]
+    sides = min(float(np.mean(asked > 0)), float(np.mean(asked < 0)))
+    if sides > _BOTH_SIGNS and (logged.min() >= 0 or logged.max() <= 0):
+        return (
+            f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
+        )
+    return ""
+
+
+def shifted_channels(log: Log, force: str, accepted: Sequence[Turn]) -> tuple[str, ...]:
+    """Delays found that may be shifts of channels.
+
+    Parameters
+    ----------
     log : Log
         What was identified from.
+    force : str
+        Signal of the drive.
     accepted : sequence of Turn
         Effects that were accepted.
     """
-    drive = comparison.record.dynamics.axis.drive.signal
-    found = [text for name in (drive, *comparison.record.signals) if (text := _clipped(log, name))]
-    if accepted:
-        base = accepted[0].before
-        found += _wrong_signs(base.parameters, comparison)
+    found = []
     for turn in accepted:
         item = turn.confirmed[0].fit.state.placed[-1]
         if item.effect.name == "delay":
             samples = item.shape[0] / log.sampling_period
             whole = abs(samples - round(samples)) < _WHOLE_SAMPLE and round(samples) != 0
             side = "after" if samples > 0 else "before"
-            text = f"{drive} acts {abs(samples):.2f} samples {side} its record"
+            text = f"{force} acts {abs(samples):.2f} samples {side} its record"
             found.append(text + (": a whole number, so channels may be shifted." if whole else "."))
     return tuple(found)
-
-
-def _clipped(log: Log, name: str) -> str:
-    """A signal that stays at its largest or smallest value."""
-    values = log[name]
-    for bound, side in ((values.max(), "largest"), (values.min(), "smallest")):
-        at = values == bound
-        runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], at.astype(int), [0]]))))[::2]
-        if runs.max(initial=0) >= _CLIPPED_RUN and at.mean() > _CLIPPED_SHARE and not _rests(values):
-            return f"{name} stays at its {side} value {bound:.4g} for up to {runs.max()} samples: it may be clipped."
-    return ""
-
-
-def _rests(values: FloatArray) -> bool:
-    """Whether the signal repeats values everywhere, as a coarse encoder at rest does."""
-    return bool(np.mean(np.diff(values) == 0) > 0.1)
-
-
-def _wrong_signs(parameters: Mapping[str, float], comparison: Comparison) -> list[str]:
-    """Masses that came out negative."""
-    plant = comparison.record.dynamics
-    masses = plant.parameters_of("mass")
-    wrong = [name for name in masses if parameters[name] < 0]
-    drive = plant.axis.drive.signal
-    return (
-        [f"{', '.join(wrong)} came out negative: the sign of {drive} or of a position may be wrong."]
-        if wrong
-        else []
-    )

@@ -44,7 +44,11 @@ def spoken(effect: str, at: str = "") -> str:
 
 
 def sentence(
-    verdict: Verdict, gap: Gap, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]
+    verdict: Verdict,
+    gap: Gap,
+    effects: Sequence[FoundEffect],
+    rivals: Sequence[Alternative],
+    damaged: Sequence[str] = (),
 ) -> str:
     """The verdict in one sentence."""
     left, before = (_size(gap, level.rms) for level in (gap.explained, gap.reidentified))
@@ -54,6 +58,8 @@ def sentence(
         nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
+    if verdict == "recording":
+        return f"The log is damaged, so that no physics is read from its gap: {damaged[0].rstrip('.')}."
     if verdict == "unexplained":
         nearest = f"; the nearest is {spoken(rivals[0].effect, rivals[0].at)}" if rivals else ""
         return f"There is a gap of {before} that nothing in the library explains{nearest}."
@@ -113,6 +119,8 @@ def next_experiment(verdict: Verdict, effects: Sequence[FoundEffect], rivals: Se
         return "None is needed for this motion; for others, repeat the diagnosis with a log of theirs."
     if verdict == "parameters":
         return "Take over the re-identified values, and repeat the diagnosis on another motion."
+    if verdict == "recording":
+        return "Record the log anew; until then, trust neither parameters nor effects."
     if verdict == "unexplained":
         first = _ADVICE.get(rivals[0].effect, "") if rivals else ""
         return "Look at where the gap lies" + (f"; to test the nearest candidate, {first}." if first else ".")

@@ -45,7 +45,7 @@ class FleetAxis:
     @property
     def fingerprint(self) -> str:
         """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
-        texts = (module.text for _, module in self.modules)
+        texts = [module.text for _, module in self.modules]
         whole = (symid.__version__, self.axis.signature, repr(self.axis), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 

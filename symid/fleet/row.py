@@ -23,6 +23,15 @@ FIGURES: Mapping[str, type] = {
     "condition_number": float,
 }
 RESIDUAL: Mapping[str, type] = {"residual_rms": float, "residual_relative": float, "seconds": float}
+EXAMINED: Mapping[str, type] = {
+    "late_signal": str,
+    "late_s": float,
+    "late_std_s": float,
+    "largest_bias": float,
+    "notes": str,
+}
+"""What an identification was examined for: the signal that seems late and by how much, the largest expected error of a
+parameter as part of its value, and what the logs' reader and the identification noted."""
 TIMES = ("recorded", "finished")
 DIAGNOSIS: Mapping[str, type] = {
     "verdict": str,
@@ -36,7 +45,7 @@ DIAGNOSIS: Mapping[str, type] = {
     "sentence": str,
 }
 BEFORE: Mapping[str, type] = {**dict.fromkeys(TEXTS, str), **FIGURES}
-AFTER: Mapping[str, type] = {**RESIDUAL, **dict.fromkeys(TIMES, str)}
+AFTER: Mapping[str, type] = {**RESIDUAL, **EXAMINED, **dict.fromkeys(TIMES, str)}
 """Columns before and after those of the parameters."""
 
 

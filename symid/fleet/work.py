@@ -205,7 +205,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
 
 
 def _columns_of(found: Identification) -> dict[str, Value]:
-    """Deviations are corrected for the correlation of the residual where that can be told."""
+    """Deviations are those that `symid identify` prints: correlation, scatter between segments and bias are in them."""
     prepared, residual = found.observations[0].preparation, found.residuals[0]
     row: dict[str, Value] = {
         "status": found.status,
@@ -217,10 +217,29 @@ def _columns_of(found: Identification) -> dict[str, Value]:
         "residual_rms": finite(residual.rms),
         "residual_relative": finite(residual.relative),
     }
+    row |= _examined(found)
     row |= with_deviations(found.minimal_parameters, found.standard_deviations)
     if found.physical:
-        deviations = found.physical[0].propagated_deviations(found.covariance)
-        row |= with_deviations(found.physical_parameters, deviations)
+        row |= with_deviations(found.physical_parameters, found.physical_deviations)
+    return row
+
+
+def _examined(found: Identification) -> dict[str, Value]:
+    """Columns of timing, bias and notes."""
+    row: dict[str, Value] = {"notes": "; ".join(found.notes) or None}
+    if found.timing is not None:
+        timing = found.timing
+        row |= {
+            "late_signal": timing.signal,
+            "late_s": finite(timing.late),
+            "late_std_s": finite(timing.deviation),
+        }
+    bias = found.physical_bias or found.bias
+    if bias is not None:
+        values = found.physical[0].parameters if found.physical else found.fit.parameters
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.abs(bias.total / values)
+        row["largest_bias"] = finite(np.nanmax(share, initial=0.0))
     return row
 
 
@@ -244,6 +263,7 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
         nominal=settings.nominal,
     )
     row: dict[str, Value] = {"status": found.status, "message": found.message, "decimation": 1}
+    row["notes"] = "; ".join(found.notes) or None
     if found.fit is None:
         return row
     residual = found.predictions[0].residuals[0]

@@ -22,18 +22,24 @@ class Criteria:
     change_certain : float
         Standard deviations of that change; 15 segments make 105 spans, and residuals are not normal.
     change_explains : float
-        Part of the residual's power that parameters of their own for the two parts must take away: a change that explains
-        less is widened into the interval, but is not what is wrong with the log.
+        Part of the residual's power that parameters of their own for the two parts must take away: a change that
+        explains less is widened into the interval, but is not what is wrong with the log.
     nonlinear : float
         Part of the residual's power that a cubic of the predicted output must take away for the drive to be called
         limited; on random undamaged logs it takes 0 to 0.1, on clipped ones 0.4 to 0.9.
     nonlinear_output : float
         Part of the output (rms) that this cubic must be.
     worst_fit : float
-        Residual, as part of the output, beyond which an equation says nothing where noise does not explain it: shares of
-        damaged logs start there, EMPS leaves 0.04, a motor bench 0.1.
+        Residual, as part of the output, beyond which an equation says nothing where noise does not explain it: shares
+        of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1.
+    cutoff_fit : float
+        Such a residual from which on lower cutoffs are tried: real machines have modes that the model lacks, above
+        what it describes. From there the highest cutoff is taken that leaves little more than the best.
     noise_explains : float
         Times the noise found in a log that a residual may be and count as explained.
+    gain : float
+        By how much the gain of a sensor may differ from that of sensors that it repeats: accelerometers are calibrated
+        to a few per cent.
     dead_share : float
         Part of all samples that single repeated or zero values in motion may be; 3 samples at least.
     step_share : float
@@ -47,7 +53,9 @@ class Criteria:
     nonlinear: float = 0.35
     nonlinear_output: float = 0.01
     worst_fit: float = 0.3
+    cutoff_fit: float = 0.1
     noise_explains: float = 3.0
+    gain: float = 0.05
     dead_share: float = 1e-3
     step_share: float = 0.05
 

@@ -9,6 +9,7 @@ noise in W and differences that are no derivatives (`bias_of`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -30,12 +31,14 @@ from symid.estimation import (
 )
 from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.blocks import Run, blocks_of_runs
+from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
-from symid.identification.misfit import misfit_of, noiseless_misfit
+from symid.identification.misfit import misfit_of, noiseless_misfit, unexplained
 from symid.identification.nonlinearity import nonlinearity_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.recording import fault_of
+from symid.identification.redundancy import disagreement_of
 from symid.identification.result import Identification, trusted_covariance
 from symid.identification.settings import Preparation
 from symid.identification.stability import greatest_change, scatter
@@ -47,6 +50,14 @@ from symid.identification.whitened import Segment, segments
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
 
+_CUTOFF_STEP, _LOWER_CUTOFFS = 1.6, 5
+"""Cutoffs that are tried: down to a tenth, in steps that change the columns by no more than half."""
+_ROWS_LEFT = 50
+"""Rows for each parameter that a lower cutoff must leave: fewer say little about what is wrong with a log."""
+_RIGID = 2
+"""Derivatives of a rigid axis; those of modes that it lacks hardly pass a cutoff that follows the motion."""
+_LITTLE_MORE = 1.5
+"""Times the smallest residual that counts as little more: noise of the output alone makes 1.26 of a step."""
 _MOST_COULOMB_ROUNDS = 4
 """Each leaves about a tenth of the error of the one before."""
 _COULOMB_SETTLED = 0.005
@@ -116,7 +127,7 @@ def identify(
         raise SettingError(
             f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
         )
-    runs, fit = _with_coulomb(model, every, preparation or Preparation(), method, ddof)
+    runs, fit = _with_cutoff(model, every, preparation or Preparation(), method, ddof)
     observations = tuple(run.observation for run in runs)
     found = found_from(model, every, observations, fit, blocks=lambda: blocks_of_runs(runs), nominal=nominal)
     return distrusted(found, every) if examine and fit.status == "ok" else found
@@ -185,12 +196,12 @@ def distrusted(
 
 
 def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
-    """What contradicts the estimate, in words: of a channel, of a part of the logs, of the force's size or its clock."""
+    """What contradicts the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
     model, fit = found.model, found.fit
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit, inflation)
     return Faults(
-        recording=fault_of(model, parts, fit),
+        recording=fault_of(model, parts, fit) or disagreement_of(model, parts),
         misfit=misfit_of(model, parts, fit)
         or nonlinearity_of(model, parts, fit)
         or (change.statement(model) if change else "")
@@ -199,13 +210,57 @@ def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segm
     )
 
 
-def _with_coulomb(
+def _with_cutoff(
     model: GeneratedModel, logs: Sequence[AnyLog], preparation: Preparation, method: Method, ddof: int | None
 ) -> tuple[tuple[Run, ...], LeastSquares]:
+    """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
+    first = _with_coulomb(model, [(log, preparation) for log in logs], method, ddof)
+    is_flexible = max(model.highest_derivatives.values()) > _RIGID
+    if (
+        not is_flexible
+        or preparation.cutoff_hz is not None
+        or _left(model, logs, first) < CRITERIA.cutoff_fit
+    ):
+        return first
+    tried, lefts = [first], [_left(model, logs, first)]
+    for k in range(1, _LOWER_CUTOFFS + 1):
+        lower = []
+        for log, run in zip(logs, first[0], strict=True):
+            cutoff = run.observation.preparation.cutoff_hz
+            assert cutoff is not None
+            lower.append((log, replace(preparation, cutoff_hz=float(f"{cutoff / _CUTOFF_STEP**k:.3g}"))))
+        try:
+            found = _with_coulomb(model, lower, method, ddof)
+        except SettingError:
+            break
+        if min(found[1].rows) < _ROWS_LEFT * found[1].solution.size:
+            break
+        tried.append(found)
+        lefts.append(_left(model, logs, found))
+    if min(lefts) > CRITERIA.cutoff_fit:  # no cutoff helps: something else is wrong
+        return first
+    good = _LITTLE_MORE * min(lefts)
+    return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
+
+
+def _left(
+    model: GeneratedModel, logs: Sequence[AnyLog], found: tuple[tuple[Run, ...], LeastSquares]
+) -> float:
+    """Largest residual of an equation as part of its output, beyond noise; inf where parameters are not determined."""
+    runs, fit = found
+    if fit.status != "ok":
+        return math.inf
+    seen = [(log, run.observation) for log, run in zip(logs, runs, strict=True) if isinstance(log, Log)]
+    return float(np.max(unexplained(model, seen, fit))) if seen else 0.0
+
+
+def _with_coulomb(
+    model: GeneratedModel, logs: Sequence[tuple[AnyLog, Preparation]], method: Method, ddof: int | None
+) -> tuple[tuple[Run, ...], LeastSquares]:
     """Rows and estimate; friction beside a differentiated force is taken off it, and found by fixed-point iteration."""
-    runs = tuple(Run.of(model, log, preparation) for log in logs)
+    runs = tuple(Run.of(model, log, prepared) for log, prepared in logs)
     fit = _estimated(runs, method, ddof)
-    if not model.coulomb_at_drive or preparation.coulomb is not None:
+    if not model.coulomb_at_drive or logs[0][1].coulomb is not None:
         return runs, fit
     places, taken = [parameter for _, parameter in model.coulomb_at_drive], np.zeros(1)
     for _ in range(_MOST_COULOMB_ROUNDS):
@@ -215,7 +270,7 @@ def _with_coulomb(
         taken = levels
         coulomb = tuple(map(float, levels))
         settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
-        runs = tuple(Run.of(model, log, one) for log, one in zip(logs, settled, strict=True))
+        runs = tuple(Run.of(model, log, one) for (log, _), one in zip(logs, settled, strict=True))
         fit = _estimated(runs, method, ddof)
     return runs, fit
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import scipy
 
 from symid.arrays import BoolArray, FloatArray
@@ -18,11 +19,14 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt
 from symid.identification.observation import SignalRows
+from symid.identification.settings import ComplexArray
 
 FARTHEST = 1.0
 """Seconds to either side: what recorders are late by (network, video and PLC clocks)."""
 _MOST_OF_LOG = 0.25
 """Part of a log by which it is moved at most."""
+_LEAST_SHARE, _LEAST_ROWS = 0.5, 10
+"""Rows that must be left of those at lag 0, and for each parameter, for a lag to count."""
 _LEAST_EIGENVALUE = 1e-12
 
 
@@ -98,7 +102,7 @@ def scan(
     shortest = min(part.observation.y.shape[1] for part in parts)
     most = max(1, min(round(FARTHEST / period), int(_MOST_OF_LOG * shortest)))
     p = fit.solution.size
-    total = np.zeros((2 * most + 1, p + 1, p + 1))
+    total, rows = np.zeros((2 * most + 1, p + 1, p + 1)), np.zeros(2 * most + 1)
     for part in parts:
         own = SignalRows.of(model, part.log, part.observation.preparation, signal).rows()
         seen = part.observation
@@ -109,9 +113,12 @@ def scan(
             weight = fit.weights[part.of * n_equations + j]
             moving = weight * np.column_stack([own[0][j], own[1][j]])
             resting = weight * np.column_stack([seen.W[j], seen.y[j]]) - moving
-            total += _grams(resting, moving, seen.valid[j] & inside, most)
+            used = seen.valid[j] & inside
+            total += _grams(resting, moving, used, most)
+            rows += _between_ends(used, np.arange(-most, most + 1))
     late = period * np.arange(-most, most + 1)
-    return LagScan(late, _residuals(total))
+    few = (rows < _LEAST_SHARE * rows[most]) | (rows < _LEAST_ROWS * p)
+    return LagScan(np.asarray(late, dtype=float), np.where(few, 1.0, _residuals(total)))
 
 
 def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) -> FloatArray:
@@ -126,9 +133,9 @@ def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) 
     moved = {i: np.fft.rfft(moving[:, i], length) for i in alive}
     mask = np.fft.rfft(used.astype(float), length)
 
-    def at_lags(a: FloatArray, b: FloatArray) -> FloatArray:
+    def at_lags(a: ComplexArray, b: ComplexArray) -> FloatArray:
         every = np.fft.irfft(np.conj(a) * b, length)
-        return every[lags]
+        return np.asarray(every[lags])
 
     for i in range(columns):
         for k in alive:
@@ -142,15 +149,19 @@ def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) 
             if i != k:
                 grams[:, k, i] += product
     # rows whose partner t + lag lies outside do not count
-    first, stop = np.maximum(-lags, 0), np.minimum(n - lags, n)
     for i in range(columns):
         for k in range(i, columns):
-            sums = np.concatenate([[0.0], np.cumsum(masked[:, i] * masked[:, k])])
-            own = sums[stop] - sums[first]
+            own = _between_ends(masked[:, i] * masked[:, k], lags)
             grams[:, i, k] += own
             if i != k:
                 grams[:, k, i] += own
     return grams
+
+
+def _between_ends(values: FloatArray | BoolArray, lags: npt.NDArray[np.int_]) -> FloatArray:
+    """Sums over the rows t of which t + lag is a row too, for each lag."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    return np.asarray(sums[np.minimum(values.size - lags, values.size)] - sums[np.maximum(-lags, 0)])
 
 
 def _residuals(grams: FloatArray) -> FloatArray:

@@ -12,11 +12,12 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import cut_in_motion
+from symid.data import Log, cut_in_motion
 from symid.estimation import LeastSquares, estimate, triangular_factors
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.noise import noise_levels, noise_of_rows
+from symid.identification.observation import Observation
 
 _CLIPPED_SAMPLES = 5
 """Shortest run at an extreme value that is a limit, not a peak."""
@@ -57,25 +58,35 @@ def noiseless_misfit(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
     """Outputs of which a large part is left that the noise of the signals does not explain, in words."""
-    equations = len(model.output_names)
-    norms = np.reshape((fit.residual_norm, fit.y_norm), (2, -1, equations))
-    left, y = np.sqrt(np.sum(norms**2, axis=1))
-    rows = np.sum(np.reshape(fit.rows, (-1, equations)), axis=0)
-    noise = np.zeros(equations)
-    for part in parts:
-        covariance = noise_of_rows(
-            model, part.log, part.observation.preparation, noise_levels(model, part.log)
-        )
-        error = np.append(fit.solution, -1.0)
-        noise += np.einsum("a,jab,b->j", error, covariance, error) / len(parts)
-    expected = criteria.noise_explains * np.sqrt(np.maximum(noise, 0.0) * rows)
+    shares = unexplained(model, [(part.log, part.observation) for part in parts], fit, criteria)
     said = [
-        f"{100 * r / o:.3g} % of {name}"
-        for name, r, o, e in zip(model.output_names, left, y, expected, strict=True)
-        if o > 0 and r > criteria.worst_fit * o and r > e
+        f"{100 * share:.3g} % of {name}"
+        for name, share in zip(model.output_names, shares, strict=True)
+        if share > criteria.worst_fit
     ]
     cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
     return f"the parameters leave {', '.join(said)}, more than noise explains: {cause}" if said else ""
+
+
+def unexplained(
+    model: GeneratedModel,
+    seen: Sequence[tuple[Log, Observation]],
+    fit: LeastSquares,
+    criteria: Criteria = CRITERIA,
+) -> FloatArray:
+    """Residual of each equation as part of its output; 0 where the noise of the signals explains it."""
+    equations, error = len(model.output_names), np.append(fit.solution, -1.0)
+    residual, y = np.sqrt(
+        np.sum(np.reshape((fit.residual_norm, fit.y_norm), (2, -1, equations)) ** 2, axis=1)
+    )
+    rows = np.sum(np.reshape(fit.rows, (-1, equations)), axis=0)
+    noise = np.zeros(equations)
+    for log, observation in seen:
+        covariance = noise_of_rows(model, log, observation.preparation, noise_levels(model, log))
+        noise += np.einsum("a,jab,b->j", error, covariance, error) / len(seen)
+    expected = criteria.noise_explains * np.sqrt(np.maximum(noise, 0.0) * rows)
+    share = np.divide(residual, y, out=np.zeros_like(y), where=y > 0)
+    return np.asarray(np.where(residual > expected, share, 0.0))
 
 
 def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:

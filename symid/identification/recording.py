@@ -23,8 +23,8 @@ _FAR = 0.25
 """Of the rms signal, by which a dropped sample must differ from its neighbours."""
 _STEPS = 12.0
 """Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
-_FREE = 4.0
-"""Times the expected number of repeated values that is odd."""
+_SPAN = 8
+"""Samples on either side in which it must move: a channel that is updated every eighth sample does."""
 _WRAPPED = 0.8
 """Of the range, in one sample: a force that reverses and a friction that does make half of it at most together."""
 _USUAL_STEP = 0.2
@@ -55,12 +55,12 @@ def fault_of(
     """
     for part in parts:
         for name in model.highest_derivatives:
-            if said := channel_fault(part.log[name], name, criteria):
+            if said := channel_fault(part.log[name], name, criteria, is_force=name == model.force):
                 return said
     return _coarse_force(model, [part.log for part in parts], fit, criteria)
 
 
-def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA) -> str:
+def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is_force: bool = True) -> str:
     """What is wrong with the samples of a channel, in words; empty if nothing is.
 
     Examples
@@ -69,7 +69,7 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA) -> st
     >>> channel_fault(x, "F")
     ''
     >>> channel_fault(np.where(np.arange(4000) % 37, x, 0.0), "F")[:38]
-    'F is exactly 0 in 102 single samples be'
+    'F is exactly 0 in 95 single samples bet'
     """
     most = max(_FEWEST, criteria.dead_share * x.size)
     if (dropped := _dropped(x)) >= most:
@@ -81,8 +81,9 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA) -> st
         )
     if (wrapped := _wrapped(x)) >= _FEWEST:
         return f"{name} jumps across its whole range {wrapped} times: its number overflows"
-    if (limited := _slew_limited(x)) > _LIMITED_SHARE:
-        return f"{name} changes by exactly its largest step in {100 * limited:.2g} % of the samples: its slope is limited"
+    if is_force and (limited := _slew_limited(x)) > _LIMITED_SHARE:  # a position does so at constant speed
+        share = f"{100 * limited:.2g} %"
+        return f"{name} changes by exactly its largest step in {share} of the samples: its slope is limited"
     return ""
 
 
@@ -105,7 +106,8 @@ def _next_not_zero(x: FloatArray, places: np.ndarray, step: int) -> FloatArray:
 
 def _repeated(x: FloatArray) -> int:
     """Samples equal to the one before, where the signal moves by many of its smallest steps around them."""
-    if x.size < 8:
+    n = _SPAN
+    if x.size < 4 * n:
         return 0
     step = np.abs(np.diff(x))
     moving = step[step > 0]
@@ -113,10 +115,15 @@ def _repeated(x: FloatArray) -> int:
         return 0
     smallest = float(np.quantile(moving, 0.01))
     noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
-    around = np.abs(x[4:] - x[:-4])
-    odd = (step[1:-2] == 0.0) & (around > _STEPS * max(smallest, noise))
+    # between i and i + 1 nothing changes, though it moves the same way before and after
+    before, after = x[n : -n - 1] - x[: -2 * n - 1], x[2 * n + 1 :] - x[n + 1 : -n]
+    least = _STEPS * max(smallest, noise)
+    odd = (step[n:-n] == 0.0) & (np.minimum(np.abs(before), np.abs(after)) > least) & (before * after > 0)
+    # a machine that stops for a moment slows down before; a lost sample has a full step beside it
+    beside = np.maximum(step[n - 1 : -n - 1], step[n + 1 : -n + 1])
+    odd &= beside > 0.25 * np.abs(before + after) / n
     # the largest value of a clipped or limited channel is repeated for another reason
-    odd &= (x[2:-2] < x.max()) & (x[2:-2] > x.min())
+    odd &= (x[n : -n - 1] < x.max()) & (x[n : -n - 1] > x.min())
     return int(np.count_nonzero(odd))
 
 
@@ -159,7 +166,7 @@ def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares,
         level = abs(float(fit.solution[j]))
         if unit == own and step / 2 > criteria.step_share * level:
             return (
-                f"{model.force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the friction "
-                f"{name}: record it with more digits"
+                f"{model.force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the "
+                f"friction {name}: record it with more digits"
             )
     return ""

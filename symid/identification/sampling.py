@@ -137,7 +137,7 @@ def sampling_of(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Sc
 def _coulomb_friction(sampling: Sampling, log: Log) -> FloatArray:
     """Friction beside the drive along a whole log, filtered as the force is."""
     model, chosen = sampling.model, sampling.chosen
-    assert chosen.coulomb is not None and chosen.cutoff_hz is not None
+    assert chosen.coulomb is not None
     motion = replace(sampling, before=0, n_samples=log.n_samples).window(0, log.n_samples)
     velocities = model.sliding_velocities(*(motion[name] for name in model.signals))
     friction = np.zeros(log.n_samples)

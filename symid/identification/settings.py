@@ -57,8 +57,8 @@ class Preparation:
         Order of accuracy of the differences that take the place of derivatives, an even number; 2 is the paper's.
     coulomb : tuple of float, optional
         Coulomb friction beside the drive that is taken off the force before it is differentiated, in the force's unit,
-        one for each of the model's `coulomb_at_drive`; found by iteration if not given. The empty tuple takes derivatives
-        of friction as zero, as the paper does.
+        one for each of the model's `coulomb_at_drive`; found by iteration if not given. The empty tuple takes
+        derivatives of friction as zero, as the paper does.
     """
 
     cutoff_hz: float | None = None

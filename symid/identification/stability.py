@@ -55,9 +55,9 @@ class Change:
         i = int(np.argmax(np.where(certain, moved / np.maximum(self.deviations, np.finfo(float).tiny), 0.0)))
         name, unit = list(model.minimal_units.items())[i]
         return (
-            f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} {unit}, "
-            f"elsewhere {self.outside[i]:.4g}: a gain, payload or machine changes, or a part is damaged; identify the "
-            "parts apart (--trim)"
+            f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} "
+            f"{unit}, elsewhere {self.outside[i]:.4g}: gain, payload or machine change, or a part is damaged; identify "
+            "the parts apart (--trim)"
         )
 
 

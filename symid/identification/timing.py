@@ -38,6 +38,8 @@ _ROWS_A_DEVIATION = 6.0
 _THIRD = 1 / 3
 _DRIFTED_ROWS = 2
 """Rows by which the delays of two thirds must differ: noise moves them by one."""
+_UNEVEN = 0.2
+"""Part of their difference by which the delay of the middle third may differ from the mean of the others."""
 _SIGNIFICANT = 5.0
 """Standard deviations that a delay must have to be told."""
 _NOTICEABLE = 0.2
@@ -221,15 +223,15 @@ def _refined(
 
 
 def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether the force's clock runs at another rate: its delays in the first and the last third differ; in words."""
-    (first, left_first), (last, left_last) = (
-        scan(model, parts, fit, model.force, within).best for within in ((0.0, _THIRD), (1.0 - _THIRD, 1.0))
-    )
-    chosen, period = parts[0].observation.preparation, parts[0].log.sampling_period
-    row = period * (chosen.decimation or 1)
-    if abs(first - last) < _DRIFTED_ROWS * row or max(left_first, left_last) > 1.0:
-        return ""
-    if min(left_first, left_last) > _WORTH_MOVING:
+    """Whether the force's clock runs at another rate: its delay grows from third to third of the logs; in words."""
+    thirds = [scan(model, parts, fit, model.force, (k * _THIRD, (k + 1) * _THIRD)).best for k in range(3)]
+    (first, left_first), (middle, left_middle), (last, left_last) = thirds
+    row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
+    grows = abs(first - last) >= _DRIFTED_ROWS * row
+    is_even = abs(2 * middle - first - last) <= _DRIFTED_ROWS * row + _UNEVEN * abs(last - first)
+    lags, lefts = np.abs([first, middle, last]), np.array([left_first, left_middle, left_last])
+    better = np.all((lags <= row) | (lefts < _WORTH_MOVING)) and lefts[np.argmax(lags)] < _WORTH_MOVING
+    if not (grows and is_even and better):
         return ""
     return (
         f"{model.force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its clock "

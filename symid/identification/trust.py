@@ -67,9 +67,9 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
     if status == "ok" and said:
         status, message = said[0]
     elif status != "ok":
-        hints = [text for kind, text in said if kind in ("recording", "timing")]
-        message = "; ".join([message, *hints[:1]])
-    if timing is not None and not _is_fault(timing):
+        hints = [faults.recording, faults.drift, timing.statement if timing is not None else ""]
+        message = "; ".join([message, *[hint for hint in hints if hint][:1]])
+    if timing is not None and timing.statement not in message:
         notes.append(timing.statement)
     return replace(found, status=status, message=message, notes=tuple(notes))
 

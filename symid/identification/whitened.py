@@ -85,23 +85,23 @@ def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRo
 def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]:
     """Segments of equal length in time order; those with hardly a row are left out."""
     each, p = max(1, round(_SEGMENTS / len(parts))), fit.solution.size
-    sums = [[[np.zeros((p, p)), np.zeros(p), 0.0, 0] for _ in range(each)] for _ in parts]
+    normal, slope = np.zeros((len(parts), each, p, p)), np.zeros((len(parts), each, p))
+    square, count = np.zeros((len(parts), each)), np.zeros((len(parts), each), dtype=int)
     for rows in whitened(parts, fit):
         edges = np.searchsorted(rows.place, np.linspace(0, 1, each + 1))
         for i in range(each):
             inside = slice(edges[i], edges[i + 1])
             Z, r = rows.Z[inside], rows.residual[inside]
-            own = sums[rows.part][i]
-            own[0] += Z.T @ Z
-            own[1] += Z.T @ r
-            own[2] += float(r @ r)
-            own[3] += r.size
+            normal[rows.part, i] += Z.T @ Z
+            slope[rows.part, i] += Z.T @ r
+            square[rows.part, i] += float(r @ r)
+            count[rows.part, i] += r.size
     found = []
-    for part, of_part in zip(parts, sums, strict=True):
+    for k, part in enumerate(parts):
         time = part.observation.time
-        for i, (normal, slope, square, count) in enumerate(of_part):
-            if count >= _LEAST_ROWS:
-                found.append(
-                    Segment(float(time[i * time.size // each]), part.of, normal, slope, square, count)
-                )
+        for i in np.flatnonzero(count[k] >= _LEAST_ROWS).tolist():
+            begins = float(time[i * time.size // each])
+            found.append(
+                Segment(begins, part.of, normal[k, i], slope[k, i], float(square[k, i]), int(count[k, i]))
+            )
     return tuple(found)

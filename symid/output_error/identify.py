@@ -11,7 +11,7 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Preparation, identify
+from symid.identification import Identification, Preparation, identify
 from symid.output_error.comparison import Comparison
 from symid.output_error.estimate import Fit
 from symid.output_error.prediction import OutputErrorPrediction
@@ -89,7 +89,8 @@ def identify_output_error(
     comparisons = _comparisons(model, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
         to_begin_with = replace(prepared, held=bool(held))
-        starts = _starts(model, comparisons[0].dynamics, runs, to_begin_with, nominal)
+        regression = _least_squares(model, runs, to_begin_with, nominal)
+        starts = _starts(model, comparisons[0].dynamics, runs, regression, nominal)
         fits: list[tuple[Fit, Comparison]] = []
         for comparison in comparisons:
             fit = comparison.fit(runs, [*starts, *(fit.search.parameters for fit, _ in fits)])
@@ -105,7 +106,7 @@ def identify_output_error(
         message="",
         notes=tuple(note for log in runs for note in log.notes),
     )
-    status, message = verdict_of(found)
+    status, message = verdict_of(found, regression)
     return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
 
 
@@ -129,7 +130,7 @@ def _starts(
     model: GeneratedModel,
     dynamics: ForwardDynamics,
     logs: Sequence[Log],
-    preparation: Preparation,
+    regression: Identification | None,
     nominal: Mapping[str, float] | None,
 ) -> list[dict[str, float]]:
     """Parameters to begin with: nominal ones, or rough ones and what of least squares can be true."""
@@ -138,7 +139,8 @@ def _starts(
         known = [dict(nominal)]
     else:
         rough = rigid_start(model, dynamics, logs)
-        better = plausible(model, dynamics, _least_squares(model, logs, preparation), rough)
+        found = regression.physical_parameters if regression is not None else {}
+        better = plausible(model, dynamics, found, rough)
         heavy = with_heavy_bodies(dynamics, rough)
         known = [
             values for i, values in enumerate((better, rough, heavy)) if values not in (better, rough)[:i]
@@ -146,11 +148,17 @@ def _starts(
     return [start for values in known for start in spread(dynamics, values, logs[0].sampling_frequency)]
 
 
-def _least_squares(model: GeneratedModel, logs: Sequence[Log], preparation: Preparation) -> dict[str, float]:
+def _least_squares(
+    model: GeneratedModel,
+    logs: Sequence[Log],
+    preparation: Preparation,
+    nominal: Mapping[str, float] | None,
+) -> Identification | None:
+    """What least squares finds in the logs, examined; None where they cannot be prepared for it."""
     try:
-        return identify(model, logs, preparation=preparation, examine=False).physical_parameters
+        return identify(model, logs, preparation=preparation, nominal=nominal)
     except SettingError:
-        return {}
+        return None
 
 
 def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputErrorPrediction:

@@ -18,7 +18,9 @@ from symid.output_error.estimate import Fit
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.prediction_error import PredictionError
 
-Status = Literal["ok", "no_start", "not_converged", "not_physical"]
+Status = Literal[
+    "ok", "no_start", "not_converged", "not_physical", "undetermined", "recording", "timing", "poor_fit"
+]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from symid.identification import Identification
+from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.physical import negative_parameters
 from symid.output_error.result import OutputErrorIdentification, Status
 
@@ -11,10 +13,25 @@ _VAGUE = 50.0
 """Standard deviation in percent from which on a parameter is hardly determined."""
 _CORRELATED = 1.5
 """Ratio of the deviations of correlated innovations to those of white ones that is told."""
+_MUCH_CORRELATED = 8.0
+"""Such a ratio that is a fault by itself: EMPS, whose friction is not as declared, has 3 to 5."""
 
 
-def verdict_of(found: OutputErrorIdentification) -> tuple[Status, str]:
-    """Status of an estimate, and a sentence that says what it means and what to do; empty if all is well."""
+def verdict_of(
+    found: OutputErrorIdentification, regression: Identification | None = None, criteria: Criteria = CRITERIA
+) -> tuple[Status, str]:
+    """Status of an estimate, and a sentence that says what it means and what to do; empty if all is well.
+
+    Parameters
+    ----------
+    found : OutputErrorIdentification
+        The estimate.
+    regression : Identification, optional
+        What least squares found in the same logs, examined: a fault of a channel that it names holds here too, and
+        others where the innovations are not white either.
+    criteria : Criteria
+        What a result has to meet.
+    """
     if found.fit is None:
         return (
             "no_start",
@@ -26,14 +43,52 @@ def verdict_of(found: OutputErrorIdentification) -> tuple[Status, str]:
             "not_converged",
             "the iterations did not come to rest: give nominal values with --nominal P.json",
         )
-    deviations = np.sqrt(np.diag(found.physical_covariance(corrected=True)))
     values = np.array(list(found.physical_parameters.values()))
     if below := negative_parameters(found.model, values):
         return (
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
         )
+    if vague := _vague(found, criteria.undetermined):
+        return (
+            "undetermined",
+            f"the log does not determine {', '.join(vague)}: excite it more, or record longer",
+        )
+    if regression is not None and regression.status == "recording":
+        return "recording", regression.message
+    if _inflation(found) > _CORRELATED:
+        if regression is not None and regression.status in ("timing", "poor_fit"):
+            return ("timing" if regression.status == "timing" else "poor_fit"), regression.message
+        if _inflation(found) > _MUCH_CORRELATED:
+            return (
+                "poor_fit",
+                f"{_correlated_remark(found)}: the log is damaged, or the model lacks something",
+            )
     return "ok", ""
+
+
+def _vague(found: OutputErrorIdentification, most: float) -> list[str]:
+    """Parameters whose deviation exceeds so much of their value; those that may be 0 by declaration apart."""
+    values = found.physical_parameters
+    return [
+        name
+        for (name, value), deviation in zip(values.items(), found.physical_deviations, strict=True)
+        if name not in found.model.signed and np.isfinite(value) and not deviation < most * abs(value)
+    ]
+
+
+def _inflation(found: OutputErrorIdentification) -> float:
+    """By how much correlation of the innovations raises deviations."""
+    fit = found.fit
+    return float(np.sqrt(fit.linear.rows[0] / max(fit.correlated.effective_samples, 1.0))) if fit else 1.0
+
+
+def _correlated_remark(found: OutputErrorIdentification) -> str:
+    assert found.fit is not None
+    return (
+        "the innovations are correlated, as if the model or the timing did not fit quite: "
+        f"{found.fit.linear.rows[0]} of them are worth {found.fit.correlated.effective_samples:.0f}"
+    )
 
 
 def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
@@ -51,12 +106,8 @@ def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
             f"the log hardly determines {', '.join(vague)}: the standard deviation exceeds {_VAGUE:g} %"
         )
     fit = found.fit
-    inflation = np.sqrt(fit.linear.rows[0] / max(fit.correlated.effective_samples, 1.0))
-    if inflation > _CORRELATED:
-        remarks.append(
-            "the innovations are correlated, as if the model or the timing did not fit quite: "
-            f"{fit.linear.rows[0]} of them are worth {fit.correlated.effective_samples:.0f}"
-        )
+    if _inflation(found) > _CORRELATED:
+        remarks.append(_correlated_remark(found))
     highest = fit.search.dynamics.at(fit.search.parameters).highest_mode
     if highest:
         rate = found.logs[0].sampling_frequency

@@ -18,6 +18,8 @@ from symid.diagnosis.result import (
     Level,
     MapCell,
     ParameterChange,
+    Removed,
+    Reversal,
     Simulator,
 )
 from symid.report.console import plain, report_console
@@ -87,7 +89,14 @@ def _gap(gap: Gap) -> dict[str, Any]:
         "steps": [_level(step) for step in gap.steps],
         "closed_fraction": gap.closed_fraction,
         "closed_interval": list(gap.closed_interval),
+        "unexplained_share": gap.unexplained_share,
+        "reversal": None if gap.reversal is None else _reversal(gap.reversal),
+        "motion": None,
     }
+
+
+def _reversal(reversal: Reversal) -> dict[str, Any]:
+    return {"reidentified": _level(reversal.reidentified), "explained": _level(reversal.explained)}
 
 
 def _waterfall(found: Diagnosis) -> list[dict[str, Any]]:
@@ -123,8 +132,13 @@ def _effect(effect: FoundEffect) -> dict[str, Any]:
         "probability": effect.probability,
         "parameters": _values(effect.parameters),
         "gap_after": _level(effect.gap_after),
+        "removes": _removed(effect.removes),
         "indistinguishable_from": _places(effect.indistinguishable_from),
     }
+
+
+def _removed(removed: Removed) -> dict[str, float]:
+    return {"share": removed.share, "low": removed.low, "high": removed.high}
 
 
 def _values(parameters: Mapping[str, EffectParameter]) -> dict[str, Any]:
@@ -190,7 +204,9 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     )
     for fault in record["faults"]:
         console.print(f"fault of the recording: {fault}", markup=False)
-    console.print("", _gap_table(record), closed_line(record["gap"]), sep="\n")
+    console.print(
+        "", _gap_table(record), closed_line(record["gap"]), *_reversal_line(record["gap"]), sep="\n"
+    )
     for make in (_location_table, _effects_table, _alternatives_table, _parameters_table, _simulated_table):
         table = make(record)
         if table.row_count:
@@ -216,6 +232,16 @@ def closed_line(gap: dict[str, Any]) -> str:
     low, high = (100 * end for end in gap["closed_interval"])
     closed = f"{share(gap['closed_fraction'])} ({low:.0f} to {high:.0f} %)"
     return f"{closed} of the way from the re-identified model to the noise floor is closed"
+
+
+def _reversal_line(gap: dict[str, Any]) -> tuple[str, ...]:
+    """The error near reversals; nothing where the log has none."""
+    if gap["reversal"] is None:
+        return ()
+    before, after = (significant(gap["reversal"][x]["rms"]) for x in ("reidentified", "explained"))
+    return (
+        f"within 50 ms of reversals: {before} {gap['unit']} re-identified, {after} {gap['unit']} explained",
+    )
 
 
 def _table(title: str, left: tuple[str, ...], right: tuple[str, ...], last: tuple[str, ...] = ()) -> Table:
@@ -253,7 +279,9 @@ def _location_table(record: dict[str, Any]) -> Table:
 
 
 def _effects_table(record: dict[str, Any]) -> Table:
-    table = _table("Effects found", ("effect", "at"), ("probability", "leaves"), ("parameters", "or"))
+    table = _table(
+        "Effects found", ("effect", "at"), ("probability", "removes", "leaves"), ("parameters", "or")
+    )
     floor = record["gap"]["noise_floor"]["rms"]
     for found in record["effects"]:
         parameters = ", ".join(
@@ -267,11 +295,26 @@ def _effects_table(record: dict[str, Any]) -> Table:
             words(found["effect"]),
             found["at"],
             probability(found["probability"]),
+            removes(found["removes"]),
             left,
             parameters,
             others,
         )
     return table
+
+
+def removes(removed: Mapping[str, float]) -> str:
+    """Share of the gap that an effect takes away, with its interval.
+
+    Examples
+    --------
+    >>> removes({"share": 0.934, "low": 0.91, "high": 0.95})
+    '93 % (91 to 95 %)'
+    """
+    if not math.isfinite(removed["share"]):
+        return MISSING
+    low, high = (100 * removed[end] for end in ("low", "high"))
+    return f"{share(removed['share'])} ({low:.0f} to {high:.0f} %)"
 
 
 def _alternatives_table(record: dict[str, Any]) -> Table:

@@ -13,12 +13,14 @@ from symid.errors import SettingError
 from symid.files import write_whole
 from symid.report import colours, numbers
 from symid.report.bars import Scale, scale_of
-from symid.report.diagnosis import diagnosis_record
+from symid.report.diagnosis import diagnosis_record, removes
 
 VERDICTS = {
     "no_gap": "No gap",
     "parameters": "Values were off",
     "effect": "Effect found",
+    "partly": "Explained in part",
+    "recording": "Damaged recording",
     "unexplained": "Unexplained gap",
 }
 
@@ -104,6 +106,7 @@ def page_templates() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     for write in (
+        removes,
         numbers.significant,
         numbers.with_deviation,
         numbers.multiple,

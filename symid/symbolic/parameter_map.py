@@ -25,6 +25,7 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.orderings import grevlex
 from sympy.polys.rings import PolyElement, PolyRing
 
+from symid.symbolic.branch_signs import other_solutions_are_unphysical
 from symid.symbolic.minimal import MinimalModel, ParameterFunction
 from symid.symbolic.span import Span
 from symid.symbolic.triangular import MOST_TERMS, TriangularSolution, triangular_solution
@@ -49,7 +50,8 @@ class ParameterMap:
     inverse : tuple of mapping of str to sympy.Expr
         Physical parameters in terms of the minimal ones, one mapping for each branch; empty without closed form.
     identifiability : mapping of str to {"unique", "several", "none"}
-        What the sensors determine of each physical parameter.
+        What the sensors determine of each physical parameter; of solutions in closed form only those count that have
+        the declared signs.
     combinations : tuple of sympy.Expr
         Determined functions of the parameters that are not determined themselves.
     relations : int
@@ -95,11 +97,16 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     }
     minimal = {parameter.name: parameter.function.expression for parameter in model.parameters}
     solution = inverse_map(model)
+    inverse = _branches(model, solution) if solution else ()
+    axis = model.source.source.axis
+    units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
+    if len(inverse) > 1 and other_solutions_are_unphysical(minimal, inverse, units, axis.signed_parameters):
+        identifiability |= dict.fromkeys(several, "unique")
     symbols = {sp.Symbol(name) for name in undetermined}
     return ParameterMap(
         minimal=minimal,
         solution=solution,
-        inverse=_branches(model, solution) if solution else (),
+        inverse=inverse,
         identifiability=identifiability,
         combinations=tuple(
             expression for expression in minimal.values() if expression.free_symbols & symbols

@@ -76,7 +76,7 @@ def test_flexible_axes_come_back_from_exact_signals(
 
 def test_several_logs_are_solved_jointly_with_a_weight_each() -> None:
     model = load_generated("direct_2m1s", ("q2", "ddq1"))
-    preparation = Preparation(cutoff_hz=150.0, decimation=8)
+    preparation = Preparation(cutoff_hz=150.0, decimation=8, coulomb=())
     quiet, loud = direct_log(1, noise=0.5), direct_log(2, noise=20.0)
     joint = identify(model, [quiet, loud], preparation=preparation)
     alone = [identify(model, log, preparation=preparation) for log in (quiet, loud)]

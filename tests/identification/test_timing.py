@@ -8,7 +8,7 @@ import pytest
 
 from symid import Log, Preparation, identify, load_axis, load_generated, read_axis_log
 from symid.identification import Identification, observe
-from symid.identification.observation import ForceRows
+from symid.identification.observation import SignalRows
 
 RATE = 1000.0
 TRUTH = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}
@@ -130,7 +130,7 @@ def test_rows_change_as_those_of_a_moved_force(
     still = observe(model, log, Preparation(cutoff_hz=30.0, **settings))
     late = 0.4 / RATE
     moved = observe(model, log, replace(still.preparation, late={signals[1]: late}))
-    rows = ForceRows.of(model, log, still.preparation)
+    rows = SignalRows.of(model, log, still.preparation, signals[1])
     slope, above, below = rows.slope(late), rows.change(late), rows.change(-late)
     assert above[1] == pytest.approx(moved.y - still.y, abs=1e-9 * np.abs(still.y).max())
     assert above[0] == pytest.approx(moved.W - still.W, abs=1e-9 * np.abs(still.W).max())

@@ -114,7 +114,7 @@ def test_noise_of_encoders_biases_least_squares_and_not_instruments(
 
 def mean_error(results: list[Identification], truth: np.ndarray) -> np.ndarray:
     errors = [found.fit.parameters - truth - found.bias.preparation for found in results if found.bias]
-    deviation = np.mean([found.standard_deviations for found in results], axis=0) / np.sqrt(len(results))
+    deviation = np.mean([found.sampling_deviations for found in results], axis=0) / np.sqrt(len(results))
     assert len(errors) == len(results)
     return np.asarray(np.mean(errors, axis=0) / deviation)
 

@@ -1,0 +1,73 @@
+"""Which solutions of an inverse map have the signs that are declared.
+
+A quadratic step of the map has two solutions. Masses, stiffnesses and frictions are positive, and one of the two is
+usually not: it is told by evaluating both for parameters as machines have them, drawn over the whole of their range.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import sympy as sp
+
+from symid.arrays import FloatArray
+
+_DRAWS = 400
+_RARE = 0.01
+"""Part of the draws below which a second solution with the right signs is no matter of practice."""
+_RANGES: Mapping[str, tuple[float, float]] = {
+    "kg": (0.0, 3.5),
+    "kg*m^2": (-4.0, 1.0),
+    "N*s/m": (1.0, 4.0),
+    "N*m*s/rad": (-4.0, 0.0),
+    "N/m": (6.0, 9.0),
+    "N*m/rad": (2.0, 5.0),
+}
+"""Powers of ten between which machine axes lie, by unit; 1 to 1000 for others."""
+
+
+def other_solutions_are_unphysical(
+    minimal: Mapping[str, sp.Expr],
+    inverse: Sequence[Mapping[str, sp.Expr]],
+    units: Mapping[str, str],
+    signed: Sequence[str],
+) -> bool:
+    """Whether hardly any machine has a second solution whose parameters all have the signs that they must have.
+
+    Parameters
+    ----------
+    minimal : mapping of str to sympy.Expr
+        Minimal parameters in the physical ones.
+    inverse : sequence of mapping
+        Physical parameters in the minimal ones, one mapping for each solution.
+    units : mapping of str to str
+        Units of the physical parameters.
+    signed : sequence of str
+        Those that may be negative.
+    """
+    names = list(units)
+    truth = _draws(units)
+    forward = sp.lambdify(sp.symbols(names), list(minimal.values()), "numpy")
+    values = [np.broadcast_to(np.asarray(x, dtype=complex), _DRAWS) for x in forward(*truth)]
+    seconds = np.zeros(_DRAWS)
+    for branch in inverse:
+        known = [name for name in names if name in branch]
+        solve = sp.lambdify(sp.symbols(list(minimal)), [branch[name] for name in known], "numpy")
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = [np.broadcast_to(np.asarray(x, dtype=complex), _DRAWS) for x in solve(*values)]
+        right = np.ones(_DRAWS, dtype=bool)
+        same = np.ones(_DRAWS, dtype=bool)
+        for name, value in zip(known, found, strict=True):
+            own = truth[names.index(name)]
+            right &= (np.abs(value.imag) < 1e-6 * np.abs(own)) & ((value.real > 0) | (name in signed))
+            same &= np.abs(value - own) < 1e-3 * np.abs(own)
+        seconds += right & ~same
+    return bool(np.mean(seconds > 0) < _RARE)
+
+
+def _draws(units: Mapping[str, str]) -> list[FloatArray]:
+    generator = np.random.default_rng(0)
+    return [10 ** generator.uniform(*_RANGES.get(unit, (0.0, 3.0)), _DRAWS) for unit in units.values()]

@@ -1,0 +1,179 @@
+"""What keeps a result from being ok: faults of channels, clocks, gains and sensors, and what is not determined."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from symid import Log, Preparation, identify, load_generated
+from symid.data import central_difference, central_difference_gain, derivatives
+from symid.identification import Identification
+
+RATE = 500.0
+TRUTH = {"M": 100.0, "Fv": 200.0, "Fs": 20.0}
+
+
+@lru_cache(maxsize=4)
+def motion(seconds: float = 20.0, jerky: bool = True) -> tuple[np.ndarray, ...]:
+    """Position, velocity and acceleration of sines without common period, the fastest of 6 Hz."""
+    t = np.arange(int(seconds * RATE)) / RATE
+    rates = 2 * np.pi * np.array([0.31, 0.83, 1.7, 3.1, 6.1 if jerky else 0.5])
+    parts = [(0.2 / w**1.4, w, k) for k, w in enumerate(rates)]
+    q = sum(a * np.sin(w * t + k) for a, w, k in parts)
+    v = sum(a * w * np.cos(w * t + k) for a, w, k in parts)
+    a = sum(-a * w**2 * np.sin(w * t + k) for a, w, k in parts)
+    return q, v, a
+
+
+def rigid(seed: int = 0) -> dict[str, np.ndarray]:
+    draw, (q, v, a) = np.random.default_rng(seed), motion()
+    F = TRUTH["M"] * a + TRUTH["Fv"] * v + TRUTH["Fs"] * np.sign(v)
+    return {"q": q + 1e-7 * draw.standard_normal(q.size), "F": F + 0.5 * draw.standard_normal(q.size)}
+
+
+def identified(**changed: np.ndarray) -> Identification:
+    log = Log.from_arrays({**rigid(), **changed}, sampling_period=1 / RATE)
+    return identify(load_generated("rigid_1m"), log)
+
+
+def test_a_whole_log_is_ok_and_right() -> None:
+    found = identified()
+    assert found.status == "ok", found.message
+    for (name, true), deviation in zip(TRUTH.items(), found.physical_deviations, strict=True):
+        assert abs(found.physical_parameters[name] - true) < 4 * deviation < 0.05 * true
+
+
+def shifted(x: np.ndarray, samples: int) -> np.ndarray:
+    return x[np.clip(np.arange(x.size) - samples, 0, x.size - 1)]
+
+
+def slew_limited(x: np.ndarray, most: float) -> np.ndarray:
+    found, last = np.empty_like(x), x[0]
+    for k, value in enumerate(x):
+        last += min(max(value - last, -most), most)
+        found[k] = last
+    return found
+
+
+FAULTS = {
+    "zeros": (lambda F, r: np.where(r.random(F.size) < 0.05, 0.0, F), "recording", "filled with 0"),
+    "held": (
+        lambda F, r: F[np.maximum.accumulate(np.where(r.random(F.size) < 0.2, 0, np.arange(F.size)))],
+        "recording",
+        "repeats the last value",
+    ),
+    "rarely": (lambda F, r: np.repeat(F[::4], 4), "recording", "repeats the last value"),
+    "slew": (lambda F, r: slew_limited(F, 0.6), None, "slope is limited"),
+    "coarse": (lambda F, r: np.trunc(F / 8) * 8, "recording", "in steps of"),
+    "late 0.5 s": (lambda F, r: shifted(F, 250), None, "before it was recorded"),
+    "early 40 ms": (lambda F, r: shifted(F, -20), None, "after it was recorded"),
+    "clipped": (
+        lambda F, r: np.clip(F, -0.5 * F.max(), 0.5 * F.max()) + 0.3 * r.standard_normal(F.size),
+        "poor_fit",
+        "clipped",
+    ),
+    "two machines": (
+        lambda F, r: F * np.where(np.arange(F.size) < 0.6 * F.size, 1.0, 1.5),
+        "poor_fit",
+        "parameters change",
+    ),
+    "sign": (lambda F, r: -F, "not_physical", "negative"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_of_the_force_is_named(fault: str) -> None:
+    damage, status, words = FAULTS[fault]
+    found = identified(F=damage(rigid()["F"], np.random.default_rng(1)))
+    assert found.status != "ok"
+    assert status in (None, found.status), found.message
+    assert words in found.message
+
+
+def test_a_drifting_clock_is_named() -> None:
+    F = rigid()["F"]
+    log = Log.from_arrays(
+        {**rigid(), "F": np.interp(np.arange(F.size) * 1.004, np.arange(F.size), F)}, sampling_period=1 / RATE
+    )
+    assert identify(load_generated("rigid_1m"), log).status != "ok"
+    found = identify(load_generated("rigid_1m"), log, preparation=Preparation(cutoff_hz=30.0))
+    assert "its clock runs at another rate" in found.message
+
+
+def flexible(unit: float = 1.0, late: int = 0) -> Log:
+    """The axis direct_2m1s, its structure's response to sines in closed form, with both accelerometers."""
+    Ms, Fvs, Ks, Mm, Fvm, Fsm = 900.0, 3000.0, 5e6, 300.0, 500.0, 60.0
+    rate = 2000.0
+    t = np.arange(16_000) / rate
+    q1, q2 = np.zeros((3, t.size)), np.zeros((3, t.size))
+    for k, f in enumerate((0.7, 1.9, 4.3, 8.1, 13.7, 19.0)):
+        w = 2 * np.pi * f
+        amplitude = 0.02 / f
+        answer = Mm * w**2 / (Ks + 1j * w * Fvs - (Ms + Mm) * w**2)
+        for order in range(3):
+            wave = (1j * w) ** order * amplitude * np.exp(1j * (w * t + k))
+            q2[order] += wave.real
+            q1[order] += (answer * wave).real
+    draw = np.random.default_rng(2)
+    F = Mm * (q1[2] + q2[2]) + Fvm * q2[1] + Fsm * np.sign(q2[1])
+    noisy = {
+        name: x + 1e-4 * x.std() * draw.standard_normal(t.size) for name, x in (("ddq1", q1[2]), ("Fm", F))
+    }
+    signals = {"q2": q2[0] + 1e-9 * draw.standard_normal(t.size), **noisy, "ddq2": q2[2] * unit}
+    signals["ddq1"] = shifted(signals["ddq1"], late)
+    return Log.from_arrays(signals, sampling_period=1 / rate)
+
+
+def test_friction_beside_the_drive_is_differentiated_with_it() -> None:
+    """The paper takes derivatives of friction as zero, which biases what is differentiated."""
+    model = load_generated("direct_2m1s", ("q2",))
+    assert model.coulomb_at_drive == ((0, 3),)
+    right, paper = (
+        identify(model, flexible(), preparation=Preparation(coulomb=coulomb), examine=False)
+        for coulomb in (None, ())
+    )
+    errors = [abs(found.physical_parameters["Ms"] / 900.0 - 1) for found in (right, paper)]
+    assert errors[0] < 0.01
+    assert errors[1] > 3 * errors[0]
+
+
+@pytest.mark.parametrize(
+    ("log", "words"),
+    [(flexible(unit=1 / 9.81), "times what other sensors say"), (flexible(late=30), "ddq1 acts as if")],
+)
+def test_sensors_are_compared(log: Log, words: str) -> None:
+    model = load_generated("direct_2m1s", ("q2", "ddq1", "ddq2"))
+    assert identify(model, flexible()).status == "ok"
+    found = identify(model, log)
+    assert found.status in ("recording", "timing", "not_physical")
+    assert words in found.message
+
+
+def test_what_a_log_does_not_determine_is_named() -> None:
+    q, v, a = motion(jerky=False)
+    draw = np.random.default_rng(3)
+    F = 1e-3 * a + 200.0 * v + 20.0 * np.sign(v) + 5.0 * draw.standard_normal(q.size)
+    found = identified(q=q + 1e-6 * draw.standard_normal(q.size), F=F)
+    assert found.status == "undetermined"
+    assert "M (" in found.message
+
+
+def test_printed_deviations_hold_the_bias_and_the_scatter() -> None:
+    found = identified()
+    assert found.bias is not None
+    assert found.scatter is not None
+    assert np.all(found.standard_deviations >= np.abs(found.bias.total))
+    assert np.all(found.standard_deviations >= np.sqrt(np.diag(found.scatter)))
+    assert np.all(found.standard_deviations >= found.sampling_deviations)
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 10, 14])
+def test_differences_of_an_order_are_exact_on_polynomials_and_have_their_gain(order: int) -> None:
+    t = np.linspace(-1.0, 1.0, 81)
+    slope = central_difference(t**order, t[1] - t[0], order=order)
+    inner = slice(order // 2, -(order // 2))
+    assert slope[inner] == pytest.approx(order * t[inner] ** (order - 1), abs=1e-10)
+    w, period = 2 * np.pi * 60.0, 1e-3
+    wave = derivatives(np.sin(w * period * np.arange(400)), period, 1, accuracy=order)[0][200]
+    expected = w * np.cos(w * period * 200) * central_difference_gain(60.0, period, order=order)
+    assert wave == pytest.approx(expected, abs=1e-9 * w)
