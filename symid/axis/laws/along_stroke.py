@@ -20,6 +20,7 @@ __all__ = [
 ]
 
 _PHASE = f"{math.tau!r}*q/pitch"
+_ALONG = "move slowly over the whole stroke in both directions"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class OffsetForce(Law):
     formula: ClassVar = (Term("level", "1", signed=True),)
     hypotheses: ClassVar = (Hypothesis("offset_force", ("F0",)),)
     moves_hidden: ClassVar = False
+    advice: ClassVar = "turn the axis round, or unload it: a constant force stays, friction changes its sign"
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,7 @@ class PositionStiffness(Law):
     stiffness: str
     formula: ClassVar = (Term("stiffness", "q", 1, signed=True),)
     hypotheses: ClassVar = (Hypothesis("position_stiffness", ("k",)),)
+    advice: ClassVar = "move slowly over the whole stroke in both directions"
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,10 @@ class Cogging(Law):
     shape: ClassVar = (ShapeParameter("pitch", "pitch", "stroke"),)
     hypotheses: ClassVar = (Hypothesis("cogging", ("As", "Ac")),)
     moves_hidden: ClassVar = False
+    advice: ClassVar = (
+        "move slowly at two speeds over the whole stroke: "
+        "ripple of the stroke scales its frequency with speed"
+    )
 
 
 @dataclass(frozen=True)
@@ -152,6 +159,8 @@ class PeriodicFriction(Law):
         Hypothesis("position_dependent_friction", ("dFs", "dFc"), beside=(CoulombFriction,)),
         Hypothesis("position_dependent_friction", ("Fs", "dFs", "dFc"), together=(CoulombFriction,)),
     )
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = _ALONG
 
 
 @dataclass(frozen=True)
@@ -185,6 +194,8 @@ class PositionDependentFriction(Law):
         Hypothesis("position_dependent_friction", ("Fs", "dF1", "dF2"), together=(CoulombFriction,)),
     )
     moves_hidden: ClassVar = False
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = _ALONG
 
 
 @dataclass(frozen=True)
@@ -220,3 +231,5 @@ class PositionDependentViscousFriction(Law):
             beside=(ViscousFriction, CoulombFriction),
         ),
     )
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = _ALONG
