@@ -15,7 +15,7 @@ from pathlib import Path
 
 from symid.report.html import write_html
 
-from .diagnosis.real.machines import emps
+from .diagnosis.real.rigs import emps
 
 FOLDER = Path(__file__).parents[1] / "docs" / "pictures"
 CASE = "emps-viscous"

@@ -21,8 +21,9 @@ from symid.axis.elements import (
     Weight,
     derivative_order,
 )
-from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, friction, spring
+from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *  # noqa: F403
+from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
@@ -65,5 +66,6 @@ __all__ = [
     "write_axis",
 ]
 __all__ += along_stroke.__all__
+__all__ += constant.__all__
 __all__ += friction.__all__
 __all__ += spring.__all__

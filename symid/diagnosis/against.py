@@ -17,6 +17,7 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
+from symid.diagnosis.blocks import predicted
 from symid.diagnosis.comparison import applied, compared
 from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
 from symid.diagnosis.diagnose import data_of, fits_of, late_in
@@ -103,7 +104,7 @@ def diagnose_against(
     base = _machine(state, weighting)
     start = unfitted(with_effects(state, weighting, _same(state, base)), weighting)
     turns = search(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
-    turns = judged_together(turns, data.validation, data.held_out)
+    turns = judged_together(turns)
     fits = fits_of(base, turns)
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, turns, fits, model.parameters, (log, validation))
@@ -156,8 +157,7 @@ def _machine(state: State, weighting: Weighting) -> Fit:
     for item in model.state.placed:
         others = tuple(other for other in model.state.placed if other.key != item.key)
         without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)
-        density = model.weighting.density
-        gain = model.log_likelihood(density) - without.log_likelihood(density)
+        gain = predicted(model) - predicted(without)
         if gain - PRICE * item.n_free < LEAST_WORTH:
             model = without
     return model

@@ -21,7 +21,9 @@ from symid.arrays import FloatArray, IntArray
 from symid.diagnosis.fit import Fit
 
 N_BLOCKS = 16
+"""Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
 _RANK = 1e-9
+_DRAWS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +54,7 @@ class Blocks:
     @cached_property
     def _gradients(self) -> FloatArray:
         return np.stack(
-            [
-                np.einsum("pok,ok->p", self.columns[:, :, rows], self.errors[:, rows])
-                for rows in self.members
-            ]
+            [np.einsum("pok,ok->p", self.columns[:, :, rows], self.errors[:, rows]) for rows in self.members]
         )
 
     @cached_property
@@ -68,6 +67,14 @@ class Blocks:
             errors = self.errors[:, rows] + np.tensordot(moved, self.columns[:, :, rows], 1)
             found[:, b] = np.sum(errors**2, axis=1)
         return found
+
+    def least_seen(self, n: int) -> float:
+        """Least square of a combination of the last columns, of unit size, without what the others explain."""
+        whole = self._normal.sum(axis=0)
+        others, last = slice(None, -n), slice(-n, None)
+        taken = np.linalg.pinv(whole[others, others], rcond=_RANK, hermitian=True)
+        left = whole[last, last] - whole[last, others] @ taken @ whole[others, last]
+        return float(np.linalg.eigvalsh(left)[0])
 
     @cached_property
     def covariance(self) -> FloatArray:
@@ -93,6 +100,41 @@ def blocks_of(fit: Fit, n_blocks: int = N_BLOCKS) -> Blocks:
     )
 
 
+def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
+    """Probability that one model predicts better than another, from blocks drawn anew (paired bootstrap).
+
+    Parameters
+    ----------
+    before, after : array of shape (n_outputs, n_blocks)
+        Sums of squares of blocks left out.
+    n_rows : float
+        Independent rows of an output.
+    """
+    rng = np.random.default_rng(0)
+    n = before.shape[1]
+    drawn = rng.integers(n, size=(_DRAWS, n))
+    gains = [
+        log_likelihood(after[:, blocks], n_rows) - log_likelihood(before[:, blocks], n_rows)
+        for blocks in drawn
+    ]
+    return float(np.mean(np.array(gains) > 0))
+
+
+def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
+    """Standard deviation of the gain of one model over another, from the scatter of the blocks.
+
+    Parameters
+    ----------
+    one, other : array of shape (n_outputs, n_blocks)
+        Sums of squares of blocks left out.
+    n_rows : float
+        Independent rows of an output.
+    """
+    mean = (one.sum(axis=1) + other.sum(axis=1)) / 2
+    gains = 0.5 * n_rows * np.sum((one - other) / np.maximum(mean, np.finfo(float).tiny)[:, None], axis=0)
+    return float(np.std(gains) * np.sqrt(gains.size))
+
+
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:
     """Logarithm of the likelihood of errors of unknown level in each output, but for a constant.
 
@@ -109,3 +151,13 @@ def log_likelihood(squares: FloatArray, n_rows: float) -> float:
 def _gram(columns: FloatArray) -> FloatArray:
     flat = columns.reshape(len(columns), -1)
     return np.asarray(flat @ flat.T)
+
+
+def rows_of(fit: Fit) -> float:
+    """Independent rows of an output of a fit."""
+    return float(fit.weighting.kept.sum()) * fit.state.scene.record.freedom
+
+
+def predicted(fit: Fit) -> float:
+    """Logarithm of the likelihood of the blocks of a fit when they are left out, but for a constant."""
+    return log_likelihood(blocks_of(fit).squares, rows_of(fit))

@@ -13,9 +13,9 @@ from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fit import Fit, solved
 from symid.diagnosis.record import Record
-from symid.diagnosis.result import Gap, Level, Signals, Spectrum
+from symid.diagnosis.result import Gap, Level, Removed, Reversal, Signals, Spectrum
 from symid.diagnosis.sensitivity import derivatives
-from symid.diagnosis.state import State, first_state, with_effects
+from symid.diagnosis.state import State, first_state, leveled, with_effects
 from symid.diagnosis.weighting import Weighting, with_restarts
 
 _BLOCKS = 24
@@ -23,6 +23,11 @@ _DRAWS = 400
 _SEGMENT = 1024
 _USED = 0.65
 _SETTLING = 4
+_SLOW = 0.002
+_AROUND_REVERSAL = 0.05
+_FEW = 8
+_NO_EXCESS = 0.05
+"""Excess relative to the square of the floor below which there is nothing to explain."""
 _FALLS = 0.995
 """An error that falls by less on data that took no part in the fit speaks against the effect."""
 
@@ -57,17 +62,57 @@ class Comparison:
     @property
     def upheld(self) -> int:
         """How many of the effects hold on these data: what follows makes the error grow."""
-        errors = [self.level(model).rms for model in range(1, len(self.states))]
+        errors = [self._misfit(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= _FALLS * min(errors[:n])]
         return max(held, default=0)
 
-    def squares(self, model: int) -> FloatArray:
-        """Squares of the weighted force error in the kept rows."""
+    def _misfit(self, model: int) -> float:
+        """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""
+        outputs = range(len(self.weighting.density))
+        shares = [np.mean(self.squares(model, o)) / np.mean(self.squares(1, o)) for o in outputs]
+        return float(np.sqrt(np.mean(shares)))
+
+    @cached_property
+    def floors(self) -> FloatArray:
+        """Weighted errors of the outputs that noise alone would leave of the model with all effects."""
+        last = self.states[-1]
+        if last is None:
+            return np.ones(len(self.weighting.density))
+        ratio = (self.weighting.density / last.scene.noise_density) ** 2
+        taper = self.record.taper**2
+        return np.asarray(np.sqrt(ratio @ taper / np.sum(taper)))
+
+    @property
+    def floor(self) -> float:
+        """That of the force."""
+        return float(self.floors[0])
+
+    def excess(self, model: int, output: int = 0) -> float:
+        """Mean square of an error of a model above the floor, in the unit of the weights."""
+        return max(float(np.mean(self.squares(model, output))) - float(self.floors[output]) ** 2, 0.0)
+
+    def removed(self, before: int, after: int) -> Removed:
+        """Share of the re-identified model's excess that goes from one model to another, with a 95 % interval.
+
+        It is that of the force, and that of a further reading for an error of this reading.
+        """
+        output = self._output_of(after)
+        rows = np.stack([self.squares(i, output) for i in (1, before, after)])
+        return _removed(rows, float(self.floors[output]) ** 2)
+
+    def _output_of(self, model: int) -> int:
+        """Output in which the last effect of a model is felt: the force, but for errors of further readings."""
+        state = self.states[model]
+        place = state.placed[-1].at if state is not None and state.placed else ""
+        return self.record.signals.index(place) if place in self.record.signals else 0
+
+    def squares(self, model: int, output: int = 0) -> FloatArray:
+        """Squares of a weighted error in the kept rows: that of the force, or of a further reading."""
         errors = self.errors[model]
         return (
             np.full(int(self.weighting.kept.sum()), np.nan)
             if errors is None
-            else errors[0, self.weighting.kept] ** 2
+            else errors[output, self.weighting.kept] ** 2
         )
 
     @cached_property
@@ -99,11 +144,44 @@ class Comparison:
             nominal=None if self.errors[0] is None else self.level(0),
             reidentified=self.level(1),
             explained=self.level(len(self.errors) - 1),
-            noise_floor=self._level(1.0),
+            noise_floor=self._level(self.floor),
             steps=tuple(self.level(i) for i in range(2, len(self.errors))),
-            closed_fraction=closed_fraction(re, explained),
-            closed_interval=_resampled(re, explained),
+            closed_fraction=closed_fraction(re, explained, self.floor),
+            closed_interval=_resampled(re, explained, self.floor),
+            unexplained_share=self.unexplained_share,
+            reversal=self.reversal(),
         )
+
+    @property
+    def unexplained_share(self) -> float:
+        """Share of the re-identified model's excess that stays, see `removed`; nan if it has none."""
+        output = self._output_of(2) if len(self.states) > 2 else 0
+        before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
+        least = _NO_EXCESS * float(self.floors[output]) ** 2
+        return min(left / before, 1.0) if before > least else float("nan")
+
+    @cached_property
+    def near_reversal(self) -> BoolArray:
+        """Kept rows within some time of a reversal or of a standstill of the driven joint."""
+        record = self.record
+        velocity = record.rows(1j * record.omega * record.motion)
+        inside = record.row_time < record.duration
+        slow = np.abs(velocity) < _SLOW * np.abs(velocity[inside]).max(initial=0.0)
+        turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
+        far = scipy.ndimage.distance_transform_edt(~(turns & inside)) if turns.any() else np.inf
+        return np.asarray((far / self.row_rate <= _AROUND_REVERSAL) & self.weighting.kept)[
+            self.weighting.kept
+        ]
+
+    def reversal(self) -> Reversal | None:
+        """Force error near reversals; None where the log has none."""
+        near = self.near_reversal
+        if near.sum() < _FEW:
+            return None
+        re, explained = (
+            self._level(float(np.sqrt(np.mean(self.squares(i)[near])))) for i in (1, len(self.errors) - 1)
+        )
+        return Reversal(re, explained)
 
     @cached_property
     def half_power_hz(self) -> float:
@@ -168,6 +246,8 @@ def compared(
 ) -> Comparison:
     """Apply models to a record; nothing of them is fitted to it but what belongs to a log.
 
+    All errors are weighted alike: by the noise that the first of the fits, the re-identified model, lets through.
+
     Parameters
     ----------
     record : Record
@@ -179,12 +259,12 @@ def compared(
     allowed : bool array of shape (n_fine,), optional
         Parts of the record that may be used.
     """
-    last, weighting = applied(fits[-1].state, record, allowed)
-    models = [nominal, *(fit.state for fit in fits[:-1])]
+    base, weighting = applied(fits[0].state, record, allowed)
+    models = [nominal, *(fit.state for fit in fits[1:])]
     states: list[State | None] = [
         None if model is None else applied(model, record, allowed)[0].weighted(weighting) for model in models
     ]
-    states.append(last.weighted(weighting))
+    states.insert(1, base)
     errors = (None if state is None else _errors(state, weighting) for state in states)
     return Comparison(weighting, tuple(states), tuple(errors))
 
@@ -207,12 +287,20 @@ def applied(
     """
     effects = model.placed if placed is None else tuple(placed)
     state, weighting = first_state(record, model.scene.parameters, allowed)
+    if model.scene.levels:
+        state, weighting = leveled(state, allowed, _levels_on(record, model))
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_SETTLING if effects else 0):
             state = with_effects(state, weighting, effects)
         state = _timed(state, weighting)
     weighting = with_restarts(weighting, state.scene.hidden)
     return state.weighted(weighting), weighting
+
+
+def _levels_on(record: Record, model: State) -> list[float]:
+    """Errors of a model that weights allow for, in multiples of the noise of another record."""
+    noise = model.scene.record.noise[1:]
+    return [float(x) for x in np.maximum(np.array(model.scene.levels) * noise / record.noise[1:], 1.0)]
 
 
 def _timed(state: State, weighting: Weighting) -> State:
@@ -251,21 +339,39 @@ def _own_columns(state: State) -> ComplexArray:
     return np.asarray(columns[np.array(own, dtype=bool)])
 
 
-def closed_fraction(before: FloatArray, after: FloatArray) -> float:
+def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:
     """Share of the way from one error to the noise that another goes; nan where the first is no larger than noise."""
     first, last = np.sqrt(np.mean(before)), np.sqrt(np.mean(after))
-    return float(min((first - last) / (first - 1), 1.0)) if first > 1 + 1e-6 else float("nan")
+    return float(min((first - last) / (first - floor), 1.0)) if first > floor * (1 + 1e-6) else float("nan")
 
 
-def _resampled(before: FloatArray, after: FloatArray) -> tuple[float, float]:
-    """95 % interval of the closed fraction from resampled blocks of rows."""
-    blocks = np.array_split(np.arange(before.size), _BLOCKS)
-    means = np.array([[np.mean(before[b]), np.mean(after[b])] for b in blocks if b.size])
+def _drawn(squares: FloatArray) -> FloatArray:
+    """Means of squares, of shape (n, n_rows), over resampled blocks of rows; shape (n_draws, n)."""
+    blocks = np.array_split(np.arange(squares.shape[1]), _BLOCKS)
+    means = np.array([squares[:, b].mean(axis=1) for b in blocks if b.size])
     rng = np.random.default_rng(0)
-    drawn = means[rng.integers(len(means), size=(_DRAWS, len(means)))].mean(axis=1)
-    found = [closed_fraction(np.array([b]), np.array([a])) for b, a in drawn]
+    return np.asarray(means[rng.integers(len(means), size=(_DRAWS, len(means)))].mean(axis=1))
+
+
+def _resampled(before: FloatArray, after: FloatArray, floor: float) -> tuple[float, float]:
+    """95 % interval of the closed fraction from resampled blocks of rows."""
+    drawn = _drawn(np.stack([before, after]))
+    found = [closed_fraction(np.array([b]), np.array([a]), floor) for b, a in drawn]
     finite = [x for x in found if np.isfinite(x)]
     if len(finite) < _DRAWS // 2:
         return float("nan"), float("nan")
     low, high = np.quantile(finite, [0.025, 0.975])
     return float(low), float(high)
+
+
+def _removed(squares: FloatArray, floor: float) -> Removed:
+    """Share of the first mean square above the floor by which the third is below the second."""
+
+    def share(means: FloatArray) -> FloatArray:
+        excess = np.maximum(means - floor, 0.0)
+        return np.asarray((excess[..., 1] - excess[..., 2]) / np.maximum(excess[..., 0], 1e-12))
+
+    if not np.all(np.isfinite(squares)):
+        return Removed(float("nan"), float("nan"), float("nan"))
+    low, high = np.quantile(share(_drawn(squares)), [0.025, 0.975])
+    return Removed(float(share(squares.mean(axis=1))), float(low), float(high))

@@ -9,7 +9,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
-from symid.diagnosis.evidence import INDISTINGUISHABLE, Outcome, is_there, odds, outcome
+from symid.diagnosis.evidence import INDISTINGUISHABLE, NOISE_ALONE, Errors, Outcome, is_there, odds, outcome
 from symid.diagnosis.faults import recording_faults
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.location import located, maps
@@ -19,6 +19,7 @@ from symid.diagnosis.result import (
     Diagnosis,
     EffectParameter,
     FoundEffect,
+    Gap,
     Level,
     ParameterChange,
     Verdict,
@@ -31,6 +32,8 @@ from symid.diagnosis.wording import next_experiment, sentence
 _ABSORBED_DEVIATIONS = 3.0
 _ABSORBED_SHARE = 0.01
 _LISTED = 20
+_ALL_OF_IT = 0.1
+"""Share of the gap that may stay where the effects found explain it."""
 
 
 def concluded(
@@ -58,16 +61,9 @@ def concluded(
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
-    floor = gap.noise_floor.rms
-    chances = outcome(
-        turns,
-        upheld,
-        gap.nominal.rms / floor if gap.nominal else None,
-        gap.reidentified.rms / floor,
-        gap.explained.rms / floor,
-    )
-    verdict: Verdict = chances.verdict  # type: ignore[assignment]  # one of its four names
-    accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict == "effect" else []
+    chances = outcome(turns, upheld, _errors(gap))
+    verdict = _verdict(chances, gap)
+    accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
         gap, found = comparison.gap(), maps(comparison)
@@ -97,6 +93,21 @@ def concluded(
     )
 
 
+def _errors(gap: Gap) -> Errors:
+    floor = gap.noise_floor.rms
+    nominal = gap.nominal.rms / floor if gap.nominal else None
+    return Errors(nominal, gap.reidentified.rms / floor, gap.explained.rms / floor, gap.unexplained_share)
+
+
+def _verdict(chances: Outcome, gap: Gap) -> Verdict:
+    """The most probable; effects that leave more than noise and a stated share of the gap explain it partly."""
+    verdict = chances.verdict
+    floor = gap.noise_floor.rms
+    if verdict == "effect" and gap.explained.rms > NOISE_ALONE * floor and gap.unexplained_share > _ALL_OF_IT:
+        return "partly"
+    return verdict
+
+
 def driven(record: Record) -> str:
     """Body that the drive moves."""
     return next(
@@ -122,6 +133,7 @@ def _effects(
                 probability=there * chance[best],
                 parameters=values[i],
                 gap_after=comparison.level(i + 2),
+                removes=comparison.removed(i + 1, i + 2),
                 indistinguishable_from=tuple(rivals),
             )
         )
@@ -177,7 +189,7 @@ def _shares(comparison: Comparison, accepted: Sequence[Turn], turns: Sequence[Tu
         for (_, place), probability in chance.items():
             shares[place] = shares.get(place, 0.0) + probability
         return shares
-    powers = [max(float(np.mean(comparison.squares(i))) - 1, 0.0) for i in range(1, len(comparison.errors))]
+    powers = [comparison.excess(i) for i in range(1, len(comparison.errors))]
     for turn, before, after in zip(accepted, powers[:-1], powers[1:], strict=True):
         place = turn.confirmed[0].key[1]
         shares[place] = shares.get(place, 0.0) + max(before - after, 0.0) / max(powers[0], 1e-12)

@@ -103,7 +103,7 @@ def _either_way(
     if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
         return found
     other = _diagnosed(axis, (validation, None), nominal, recorded, library)
-    if other.verdict != "effect":
+    if other.verdict not in ("effect", "partly"):
         return found
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
 
@@ -125,7 +125,7 @@ def _diagnosed(
     state, weighting = first_state(data.record, start, data.training)
     base = fitted_axis(state, weighting)
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    turns = judged_together(search(base, library, before), data.validation, data.held_out)
+    turns = judged_together(search(base, library, before))
     fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     return concluded(comparison, turns, fits, nominal, logs)

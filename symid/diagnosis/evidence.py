@@ -13,15 +13,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symid.diagnosis.blocks import deviation, rows_of
+from symid.diagnosis.result import Verdict
 from symid.diagnosis.search import LEAST_WORTH, Turn
 
 _TEMPERED_SHARE = 0.004
+_DOUBT = 0.5
+"""Share of the deviation of a difference in gain by which differences are tempered."""
 _DRIVEN_BONUS = 0.3
 _PRIOR = {"asymmetric_friction": -1.0}
 """An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
-_UNEXPLAINED_AT = 0.75
-_UNEXPLAINED_WIDTH = 0.05
-_NOISE_ALONE = 1.25
+_LEAST_REMOVED = 0.15
+_REMOVED_WIDTH = 0.05
+NOISE_ALONE = 1.25
+"""Error, in multiples of the floor, up to which nothing but noise is left."""
 _NOMINAL_IS_GOOD = 1.1
 INDISTINGUISHABLE = 0.15
 """Probability from which on a candidate counts as not told apart from the best."""
@@ -45,12 +50,24 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     if not worth:
         return {}
     best = max(worth.values())
+    doubt = _doubts(turn)
     logits = {
-        key: (value - best) / temperature(best) + _DRIVEN_BONUS * (key[1] == driven) + _PRIOR.get(key[0], 0.0)
+        key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
+        + _DRIVEN_BONUS * (key[1] == driven)
+        + _PRIOR.get(key[0], 0.0)
         for key, value in worth.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
+
+
+def _doubts(turn: Turn) -> dict[Key, float]:
+    """Deviation of what each candidate that was fitted gains less than the best: blocks of a log disagree."""
+    if not turn.confirmed:
+        return {}
+    best = max(turn.confirmed, key=lambda c: c.worth)
+    n = rows_of(turn.before)
+    return {c.key: _DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
 
 
 def temperature(best: float) -> float:
@@ -81,13 +98,13 @@ class Outcome:
     unexplained: float
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Verdict:
         """The most probable."""
         found = self.as_mapping
         return max(found, key=lambda name: found[name])
 
     @property
-    def as_mapping(self) -> Mapping[str, float]:
+    def as_mapping(self) -> Mapping[Verdict, float]:
         """By name."""
         return {
             "no_gap": self.no_gap,
@@ -97,9 +114,25 @@ class Outcome:
         }
 
 
-def outcome(
-    turns: Sequence[Turn], upheld: int, nominal: float | None, reidentified: float, explained: float
-) -> Outcome:
+@dataclass(frozen=True)
+class Errors:
+    """Force errors on the validation data.
+
+    Parameters
+    ----------
+    nominal, reidentified, explained : float
+        In multiples of the noise; nominal is None if no values are given.
+    left : float
+        Share of the re-identified model's excess that stays; nan if it has none.
+    """
+
+    nominal: float | None
+    reidentified: float
+    explained: float
+    left: float
+
+
+def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     """Probabilities of the verdicts.
 
     Parameters
@@ -108,21 +141,20 @@ def outcome(
         Of the search.
     upheld : int
         How many of the effects accepted hold on the validation data.
-    nominal, reidentified, explained : float
-        Force errors on the validation data in multiples of the noise; nominal is None if no values are given.
+    errors : Errors
+        On the validation data.
     """
-    if not np.isfinite([reidentified, explained]).all():
+    if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(turns[0]) if turns else 0.0
     if not upheld:
         there = min(there, 0.1)
-    left = _left_over(reidentified, explained)
-    good = (
-        1.0
-        if nominal is None
-        else _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(nominal / min(reidentified, nominal))) / 0.03)
-    )
-    fits = _logistic((math.log(1.6) - math.log(max(reidentified, 1e-9))) / 0.08)
+    left = _in_vain(errors)
+    good = 1.0
+    if errors.nominal is not None:
+        worse = errors.nominal / min(errors.reidentified, errors.nominal)
+        good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
+    fits = _logistic((math.log(1.6) - math.log(max(errors.reidentified, 1e-9))) / 0.08)
     plain = (1 - there) * fits
     return Outcome(
         no_gap=plain * good,
@@ -132,12 +164,11 @@ def outcome(
     )
 
 
-def _left_over(reidentified: float, explained: float) -> float:
-    """Probability that what is left after the effects is more than a rough explanation of the same thing."""
-    if explained <= _NOISE_ALONE or reidentified <= _NOISE_ALONE:
+def _in_vain(errors: Errors) -> float:
+    """Probability that what was found is no cause of the gap, but lies near to one: it takes too little of it away."""
+    if errors.explained <= NOISE_ALONE or not np.isfinite(errors.left):
         return 0.02
-    closed = (reidentified - explained) / (reidentified - 1)
-    return 0.02 + 0.96 * _logistic((_UNEXPLAINED_AT - closed) / _UNEXPLAINED_WIDTH)
+    return 0.02 + 0.96 * _logistic((_LEAST_REMOVED - (1 - errors.left)) / _REMOVED_WIDTH)
 
 
 def _logistic(x: float) -> float:

@@ -144,7 +144,7 @@ def _room(record: Record, limits: Limits, seconds: float) -> Room:
 
 def _rivals(found: Diagnosis) -> Rivals | None:
     """The two most probable candidates of the first turn that leaves doubt, else of the first turn."""
-    if found.verdict not in ("effect", "unexplained"):
+    if found.verdict not in ("effect", "partly", "unexplained"):
         return None
     ranked = []
     for turn in found.search:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.sensitivity import derivatives
-from symid.diagnosis.state import State, evaluated, weighting_in
+from symid.diagnosis.state import State, evaluated, leveled
 from symid.diagnosis.weighting import Weighting, with_restarts
 from symid.errors import SettingError
 
@@ -22,7 +22,8 @@ _SETTLED = 1e-6
 _RANK = 1e-10
 ITERATIONS = 10
 """Of a fit that may begin far off, at most."""
-_CREDIBLE = 16.0
+_ALLOWED_ERROR = 0.1
+"""Share of the error left that the weights take for error of the model."""
 LEAST_INERTIA = 2.0
 """Factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost."""
 
@@ -41,12 +42,15 @@ class Fit:
         Derivatives of the prediction by the physical parameters and the effects' values.
     columns : array of shape (n_columns, n_outputs, n_rows)
         The same, weighted.
+    begun : mapping of str to float
+        Physical parameters that the axis was first given; empty if they are not known.
     """
 
     state: State
     weighting: Weighting
     spectra: ComplexArray
     columns: FloatArray
+    begun: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -69,10 +73,28 @@ class Fit:
         """All columns, with those of unknown starts, of shape (n, n_outputs, n_rows)."""
         return np.concatenate([self.columns, self.state.beginning, self.weighting.restarts])
 
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Mean square of the kept rows of each output, 1 if noise alone is left; shape (n_outputs,)."""
+        weighting, scene = self.weighting, self.state.scene
+        passed = (weighting.density / scene.noise_density) ** 2 @ scene.record.taper**2
+        floor = passed / np.sum(scene.record.taper**2)
+        return np.asarray(np.mean(self.left[:, weighting.kept] ** 2, axis=1) / floor)
+
     @property
     def mean_square(self) -> float:
         """Of the rows kept: 1 if noise alone is left."""
-        return float(np.mean(self.left[:, self.weighting.kept] ** 2))
+        return float(np.mean(self.squares))
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Errors of the outputs that weights should allow for, in multiples of their noise.
+
+        Where the model errs by more than the noise, weights that allow for the noise alone would lay all stress on the
+        few frequencies with the least of it, and would let one sensor rule the others.
+        """
+        excess = np.maximum(self.squares - 1, 0.0)
+        return tuple(float(x) for x in np.sqrt(1 + _ALLOWED_ERROR**2 * excess))
 
 
 def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
@@ -123,23 +145,42 @@ def refitted(fit: Fit, iterations: int = 3) -> Fit:
 
 
 def converged(state: State, weighting: Weighting) -> Fit:
-    """Fitted from a state, and then with the weights that belong to what was found.
+    """Fitted from a state, and then with the weights that belong to what was found, see `settled`.
 
-    The weights follow the fit once, and only where it has kept its inertia: weights that belong to a smaller one let
-    more of the noise of the position through, which lowers the inertia further, until nothing of it is left.
+    Of a model that has lost its inertia the weights stay as they are: its own would let more of the position's noise
+    through, which lowers the inertia further, until nothing of it is left.
     """
-    first = fitted(state, weighting, ITERATIONS)
-    if first.mean_square < _CREDIBLE and keeps_inertia(first.parameters, state):
-        weighting = weighting_in(first.state.scene, weighting.allowed)
-    return refitted(Fit(first.state.weighted(weighting), weighting, first.spectra, weighting.rows(first.spectra)))
+    start = settled(unfitted(state, weighting))
+    first = fitted(start.state, start.weighting, ITERATIONS)
+    kept = keeps_inertia(first.state.masses, state.masses)
+    return replace(refitted(settled(first) if kept else first), begun=dict(state.scene.parameters))
 
 
-def keeps_inertia(parameters: Mapping[str, float], plain: State, factor: float = LEAST_INERTIA) -> bool:
-    """Whether all masses and inertias are within a factor of those of another model."""
-    dynamics = plain.scene.record.dynamics
-    for name in dynamics.parameters_of("mass"):
-        share = parameters[name] / plain.scene.parameters[name]
-        if not 1 / factor < share < factor:
+def settled(fit: Fit) -> Fit:
+    """The same values with weights that belong to them, and that allow for the error that is left."""
+    state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
+    weighting = with_restarts(weighting, state.scene.hidden)
+    return Fit(state.weighted(weighting), weighting, fit.spectra, weighting.rows(fit.spectra))
+
+
+def keeps_inertia(
+    found: Mapping[str, float], *plain: Mapping[str, float], deviations: Mapping[str, float] | None = None
+) -> bool:
+    """Whether masses and inertias stay near those of other models: within a factor of two of their range.
+
+    Parameters
+    ----------
+    found : mapping of str to float
+        Masses and inertias, SI.
+    *plain : mapping of str to float
+        Those of the other models.
+    deviations : mapping of str to float, optional
+        By how much each may be off because the log does not determine it.
+    """
+    for name, value in found.items():
+        known = [abs(other[name]) for other in plain]
+        doubt = (deviations or {}).get(name, 0.0)
+        if not min(known) / LEAST_INERTIA - doubt < value < max(known) * LEAST_INERTIA + doubt:
             return False
     return True
 

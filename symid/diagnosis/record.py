@@ -24,6 +24,9 @@ _CONTINUATION = 0.5
 _HIGH = 0.35
 """Share of the sampling frequency above which nothing but noise is taken to be left."""
 _ABOVE_NOISE = 3.0
+_RISES = 3.0
+_WIDTH_OF_LINES = 9
+_QUARTER = 2**0.125
 _BAND_OF_MOTION = 2.0
 _WIDEST = 0.3
 _SEGMENT = 4096
@@ -33,6 +36,10 @@ _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
 _FINEST = 8
+_FINEST_FORCE = 1e-4
+"""Noise of a force that is known best, relative to the largest: a record of 12 bits has more."""
+_FINEST_READING = 1e-8
+"""Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
 _BINS_OF_MOTION = 5
 """Neighbouring frequencies of which most must stand out of the noise where the axis moves."""
 
@@ -170,11 +177,17 @@ class Record:
         Of the force, the least density of that band counts: a controller makes forces out of the noise of the encoder,
         more the higher the frequency, and these act on the axis.
         """
-        found = [_high_noise(self.log[name], self.log.sampling_frequency) for name in self.signals]
+        frequency = self.log.sampling_frequency
+        found = [
+            max(
+                _noise_beyond(self.log[name], frequency, 1.2 * self.motion_hz),
+                _FINEST_READING * float(np.ptp(self.log[name])),
+            )
+            for name in self.signals
+        ]
         force = self.log[self.dynamics.axis.drive.signal]
-        return np.array(
-            [found[0], _least_noise(force, self.log.sampling_frequency, self.band_hz), *found[1:]]
-        )
+        least = _FINEST_FORCE * float(np.abs(force).max())
+        return np.array([found[0], max(_least_noise(force, frequency, self.band_hz), least), *found[1:]])
 
     def from_samples(self, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal given at all samples of a period."""
@@ -277,24 +290,58 @@ def _collocation(dynamics: ForwardDynamics, signal: str) -> float:
 
 
 def _motion_band(position: FloatArray, sampling_frequency: float) -> float:
+    """Frequency at which the motion sinks into the noise of its reading: where the acceleration is smallest.
+
+    The acceleration of a machine falls with frequency, that of a noisy reading rises, up to the end of the spectrum. Of
+    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end.
+    """
     frequency, density = _density(np.diff(position), sampling_frequency)
     density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
-    floor = np.median(density[frequency > _HIGH * sampling_frequency])
-    stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
-    above = frequency[stands_out & (frequency < _WIDEST * sampling_frequency)]
-    return float(max(above.max(initial=0.0), 8 * frequency[1]))
+    without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
+    end = _least_from_above(_smoothed(without_lines))
+    if end is None:
+        floor = np.median(density[frequency > _HIGH * sampling_frequency])
+        stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
+        end = int(np.flatnonzero(stands_out).max(initial=0))
+    return float(np.clip(frequency[end], 8 * frequency[1], _WIDEST * sampling_frequency))
 
 
-def _high_noise(x: FloatArray, sampling_frequency: float) -> float:
+def _least_from_above(acceleration: FloatArray) -> int | None:
+    """Where a density that falls from its end on is smallest before it rises again; None if it does not fall first."""
+    least = np.minimum.accumulate(acceleration[::-1])[::-1]
+    rises = np.flatnonzero(acceleration > _RISES * least)
+    beyond = int(rises.max(initial=0)) + 1
+    if beyond >= acceleration.size:
+        return None
+    end = beyond + int(np.argmin(acceleration[beyond:]))
+    return end if acceleration[end:].max() > _RISES * acceleration[end] else None
+
+
+def _smoothed(density: FloatArray) -> FloatArray:
+    """Mean over a quarter of an octave."""
+    sums = np.concatenate([[0.0], np.cumsum(density)])
+    at = np.arange(density.size)
+    low = np.minimum((at / _QUARTER).astype(int), np.maximum(at - 1, 0))
+    high = np.minimum((at * _QUARTER).astype(int) + 2, density.size)
+    return np.asarray((sums[high] - sums[low]) / (high - low))
+
+
+def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> float:
+    """Standard deviation of white noise with the density of a reading within the octave beyond its motion."""
     frequency, density = _density(x, sampling_frequency)
-    level = np.median(density[frequency > _HIGH * sampling_frequency])
+    beyond = (frequency > end_hz) & (frequency < max(2 * end_hz, end_hz + 8 * frequency[1]))
+    level = np.median(density[beyond]) if beyond.any() else density[-1]
     return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
 
 
 def _least_noise(x: FloatArray, sampling_frequency: float, above_hz: float) -> float:
+    """The same from the least density within the octave beyond a frequency."""
     frequency, density = _density(x, sampling_frequency)
-    width = max(4, int(np.sum(frequency > above_hz)) // 12)
-    smooth = np.convolve(density[frequency > above_hz], np.ones(width) / width, "valid")
+    beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
+    if beyond.size < 4:
+        beyond = density[-8:]
+    width = max(4, beyond.size // 6)
+    smooth = np.convolve(beyond, np.ones(width) / width, "valid")
     return float(np.sqrt(max(smooth.min() * sampling_frequency / 2, np.finfo(float).tiny)))
 
 

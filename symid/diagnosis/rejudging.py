@@ -1,8 +1,8 @@
 """Effects found one after the other, judged together.
 
-What was found first stood in for what was found later. What does not lower the error on the validation data is dropped.
-With the others in the model each is left out in turn, which tells how much it takes away. In this order they are fitted
-again, so that the steps of the gap add up, up to the first that the others make needless.
+What was found first stood in for what was found later. With the others in the model each is left out in turn, which
+tells how well the rest predicts blocks that are left out. In this order they are fitted again, so that the steps of the
+gap add up, up to the first that the others make needless.
 """
 
 from __future__ import annotations
@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from symid.arrays import BoolArray
-from symid.diagnosis.comparison import compared
+from symid.diagnosis.blocks import predicted
 from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.hidden_starts import Start
-from symid.diagnosis.record import Record
 from symid.diagnosis.search import Confirmed, Turn, confirmed_from
 from symid.diagnosis.state import with_effects
 
@@ -23,33 +21,21 @@ _AS_GOOD = 1.1
 """In another order the fit may end elsewhere: it must leave as little."""
 
 
-def judged_together(
-    turns: Sequence[Turn], validation: Record, held_out: BoolArray | None
-) -> tuple[Turn, ...]:
+def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
     """Turns of the search in the order of what their effects take away, without those that are needless.
 
     Parameters
     ----------
     turns : sequence of Turn
         As the search left them.
-    validation : Record
-        What the gap is measured on; the order is that of the steps of the gap there.
-    held_out : bool array of shape (n_fine,) or None
-        Parts of it that count.
     """
     accepted = [turn for turn in turns if turn.accepts]
     if len(accepted) < 2:
         return tuple(turns)
-    fits = [turn.confirmed[0].fit for turn in accepted]
-    upheld = compared(validation, None, [accepted[0].before, *fits], held_out).upheld
-    if 0 < upheld < len(accepted):
-        return judged_together(turns[:upheld], validation, held_out)
-    whole = fits[-1]
+    whole = accepted[-1].confirmed[0].fit
     own = whole.state.placed[-len(accepted) :]
-    without = [_without(whole, len(own) - i) for i in range(len(own))]
-    comparison = compared(validation, None, without, held_out)
-    lost = [comparison.level(1 + i).rms for i in range(len(own))]
-    order = sorted(range(len(own)), key=lambda i: -lost[i])
+    lost = [predicted(_without(whole, len(own) - i)) for i in range(len(own))]
+    order = sorted(range(len(own)), key=lambda i: lost[i])
     if order == sorted(order):
         return tuple(turns)
     chain: list[Turn] = []
@@ -59,12 +45,11 @@ def judged_together(
         if found is None:
             return tuple(turns)
         turn = _in_place_of(accepted[i], before, found)
-        if chain and not turn.is_worth_another:
+        if chain and not turn.is_worth_another(accepted[0].before.mean_square):
             break
         chain.append(turn)
-        before = found.fit
-    ends = compared(validation, None, [whole, before], held_out)
-    return tuple(chain) if ends.level(2).rms < _AS_GOOD * ends.level(1).rms else tuple(turns)
+        before = replace(found.fit, begun=before.begun)
+    return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)
 
 
 def _without(whole: Fit, from_end: int) -> Fit:

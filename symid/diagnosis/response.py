@@ -53,12 +53,17 @@ class Response:
 
     def of_forces(self, forces: ComplexArray) -> ComplexArray:
         """Outputs for forces on the bodies of shape (n_bins, n_bodies)."""
-        return np.asarray(np.einsum("okj,kj->ok", self.outputs[:, :, :-1], forces))
+        found = np.zeros(self.outputs.shape[:2], dtype=complex)
+        for j in range(forces.shape[1]):
+            found += self.outputs[:, :, j] * forces[:, j]
+        return found
 
     def displacements(self, position: ComplexArray, forces: ComplexArray) -> ComplexArray:
         """Displacements of shape (n_bodies, n_bins) for the driven position and forces on the bodies."""
         moved = self.motion[:, :, -1] * position[:, None]
-        return np.asarray((moved + np.einsum("kij,kj->ki", self.motion[:, :, :-1], forces)).T)
+        for j in range(forces.shape[1]):
+            moved += self.motion[:, :, j] * forces[:, j, None]
+        return np.asarray(moved.T)
 
 
 def response_of(
@@ -109,10 +114,12 @@ def _inverse(matrix: ComplexArray) -> ComplexArray:
     return np.asarray(inverse / np.asarray(determinant)[:, None, None], dtype=np.complex128)
 
 
-def noise_weights(record: Record, response: Response) -> FloatArray:
+def noise_weights(record: Record, response: Response, levels: Sequence[float] = ()) -> FloatArray:
     """What makes noise alone white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
 
-    S = sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of the driven position comes through G.
+    S = level^2 sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of the driven position comes through
+    G. A level above 1 allows for errors of the model besides the noise.
     """
-    spread = record.noise[1:, None] ** 2 + np.abs(response.of_position) ** 2 * record.noise[0] ** 2
+    own = record.noise[1:] * (np.array(levels) if len(levels) else 1.0)
+    spread = own[:, None] ** 2 + np.abs(response.of_position) ** 2 * record.noise[0] ** 2
     return np.asarray(1 / np.sqrt(spread * 2 * record.n_bins / record.n_extended * record.freedom))

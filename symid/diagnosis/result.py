@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from symid.diagnosis.record import Record
     from symid.diagnosis.search import Turn
 
-Verdict = Literal["no_gap", "parameters", "effect", "unexplained"]
+Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "recording"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,37 @@ class Level:
 
     rms: float
     relative: float
+
+
+@dataclass(frozen=True)
+class Removed:
+    """Share of the excess error of the re-identified model that an effect takes away, on data it has not seen.
+
+    Parameters
+    ----------
+    share : float
+        Of the mean square above the floor.
+    low, high : float
+        95 % interval of it, from resampled parts of the validation data.
+    """
+
+    share: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Reversal:
+    """Force error within 50 ms of reversals and standstills.
+
+    Parameters
+    ----------
+    reidentified, explained : Level
+        Of the declared structure, and with the effects found.
+    """
+
+    reidentified: Level
+    explained: Level
 
 
 @dataclass(frozen=True)
@@ -56,6 +87,10 @@ class Gap:
         Of the way from `reidentified` to `noise_floor`; nan if that way has no length.
     closed_interval : (float, float)
         95 % interval of it, from resampled parts of the validation data.
+    unexplained_share : float
+        Share of the mean square of the re-identified model's error above the floor that stays; nan if it has none.
+    reversal : Reversal or None
+        The same error near reversals and standstills; None if the log has none.
     """
 
     signal: str
@@ -68,6 +103,8 @@ class Gap:
     steps: tuple[Level, ...]
     closed_fraction: float
     closed_interval: tuple[float, float]
+    unexplained_share: float
+    reversal: Reversal | None
 
 
 @dataclass(frozen=True)
@@ -142,6 +179,8 @@ class FoundEffect:
         Its parameters, SI.
     gap_after : Level
         The gap with this effect and those before it added to the re-identified model.
+    removes : Removed
+        Share of the excess error that it takes away on the validation data, after those before it.
     indistinguishable_from : tuple of (str, str)
         Effects and places that this log does not tell from it.
     """
@@ -151,6 +190,7 @@ class FoundEffect:
     probability: float
     parameters: Mapping[str, EffectParameter]
     gap_after: Level
+    removes: Removed
     indistinguishable_from: tuple[tuple[str, str], ...]
 
 
@@ -332,7 +372,7 @@ class Diagnosis:
     logs : tuple of str
         Sources: what was identified from, and the validation log if there is one.
     verdict : str
-        "no_gap", "parameters", "effect" or "unexplained".
+        "no_gap", "parameters", "effect", "partly", "unexplained" or "recording".
     sentence : str
         The verdict in one sentence.
     gap : Gap

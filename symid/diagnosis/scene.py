@@ -6,7 +6,7 @@ A scene is what effects look at when they are asked for their missing force.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -73,11 +73,11 @@ class Joint:
         half a step.
         """
         k, passed = self._crossings
-        found = np.array(force)
         jump = force[..., k + 1] - force[..., k]
-        np.add.at(found, (..., k), np.maximum(0.5 - passed, 0.0) * jump)
-        np.add.at(found, (..., k + 1), -np.maximum(passed - 0.5, 0.0) * jump)
-        return found
+        shift = np.zeros_like(force)
+        shift[..., k] += np.maximum(0.5 - passed, 0.0) * jump
+        shift[..., k + 1] -= np.maximum(passed - 0.5, 0.0) * jump
+        return np.asarray(force + shift)
 
     @cached_property
     def range(self) -> tuple[float, float]:
@@ -121,6 +121,8 @@ class Scene:
         integration, and the response is that of the axis with equivalent springs and dampers in their place.
     impedances : tuple of Impedance
         What hangs on the axis besides.
+    levels : tuple of float
+        Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
     """
 
     record: Record
@@ -132,6 +134,17 @@ class Scene:
     density: FloatArray
     marched: ComplexArray | None = None
     impedances: tuple[Impedance, ...] = ()
+    levels: tuple[float, ...] = ()
+
+    def leveled(self, levels: Sequence[float]) -> Scene:
+        """The same with weights that allow for other errors of the model."""
+        density = noise_weights(self.record, self.response, levels)
+        return replace(self, density=density, levels=tuple(levels))
+
+    @cached_property
+    def noise_density(self) -> FloatArray:
+        """Weights of the outputs over frequency where noise alone is allowed for."""
+        return noise_weights(self.record, self.response) if self.levels else self.density
 
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
@@ -274,12 +287,13 @@ def scene_of(
     """
     response = response_of(record, parameters, impedances)
     n = len(response.plant.bodies)
+    levels = () if before is None else before.levels
+    weights = noise_weights(record, response, levels)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     acting = of_effects if before is None else of_effects + before.law_forces
     if marching:
         moved, pushes = marched(record, response.plant, acting, marching)
         own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, marching, strict=True))
-        weights = noise_weights(record, response)
         return Scene(
             record,
             parameters,
@@ -290,11 +304,13 @@ def scene_of(
             weights,
             np.asarray(own),
             tuple(impedances),
+            levels,
         )
     moved = response.displacements(record.motion, acting)
     observed = _as_measured(record, response, moved)
-    weights = noise_weights(record, response)
-    return Scene(record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances))
+    return Scene(
+        record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances), levels
+    )
 
 
 def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:

@@ -8,9 +8,10 @@ from itertools import islice
 
 import numpy as np
 
-from symid.diagnosis.blocks import blocks_of, log_likelihood
+from symid.arrays import FloatArray
+from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood, rows_of
 from symid.diagnosis.effects import DriveEffect, Effect, LawEffect, Placed
-from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted
+from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -21,13 +22,22 @@ LEAST_WORTH = 30.0
 brings less in noise alone."""
 LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
+LEAST_CERTAINTY = 0.95
 _LEAST_POWER = 0.06
+_LEAST_OF_FIRST = 0.006
+"""Share of the mean square of the first model that a further effect must take away."""
+_SEEN = 1e-8
+"""Share of a column, squared, that others must leave of it."""
+_DEVIATIONS = 2.0
+"""A value within so many deviations of nothing is no finding."""
 _EXPLAINED = 1.4
 _MARCHED = 2
 _TWINS = 3
 _COULOMB = "coulomb_friction"
 _LATE = ("delay", "actuator_lag")
 """Nearly the same: beside each other they tell nothing."""
+_PROMISING = 0.15
+"""Share of the best candidate's gain by projection from which on another is fitted."""
 _HARDLY_MORE = 0.01
 _VARIES = 0.4
 _HARDLY = 0.1
@@ -36,7 +46,7 @@ _TIE = 2.0
 _OF_MASSES = ("flexible_mode", "payload_change")
 _LEAST_ACTING = 0.5
 """Share of the logged force that must act on the axis: with less, the drive has been explained away."""
-_MOST_EFFECTS = 3
+_MOST_EFFECTS = 4
 _DIRECT = (6, 3)
 _MARCHING = (12, 8)
 """Iterations at most, with the first weights and with those that belong to the values found."""
@@ -51,11 +61,17 @@ class Confirmed:
     fit : Fit
         The model with it.
     gain : float
-        Of the logarithm of the likelihood over the model without it.
+        Of the logarithm of the likelihood over the model without it, on blocks left out.
+    certainty : float
+        Probability that it predicts such blocks better than the model without it.
+    squares : array of shape (n_outputs, n_blocks)
+        Sums of squares of its errors of each of these blocks.
     """
 
     fit: Fit
     gain: float
+    certainty: float
+    squares: FloatArray
 
     @property
     def worth(self) -> float:
@@ -98,14 +114,14 @@ class Turn:
             return False
         best = self.confirmed[0]
         closed = 1 - best.fit.mean_square / self.before.mean_square
-        return best.worth > LEAST_WORTH and closed > LEAST_SHARE
+        return best.worth > LEAST_WORTH and closed > LEAST_SHARE and best.certainty > LEAST_CERTAINTY
 
-    @property
-    def is_worth_another(self) -> bool:
-        """Whether the best candidate is worth being accepted besides others."""
+    def is_worth_another(self, first: float) -> bool:
+        """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
         if not self.accepts:
             return False
-        return self.before.mean_square - self.confirmed[0].fit.mean_square > _LEAST_POWER
+        taken = self.before.mean_square - self.confirmed[0].fit.mean_square
+        return taken > max(_LEAST_POWER, _LEAST_OF_FIRST * first)
 
 
 def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> tuple[Turn, ...]:
@@ -124,12 +140,12 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
     current = fit
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library, None if turns else nominal)
-        if turns and not turn.is_worth_another:
+        if turns and not turn.is_worth_another(fit.mean_square):
             break
         turns.append(turn)
         if not turn.accepts:
             break
-        current = turn.confirmed[0].fit
+        current = replace(refitted(settled(turn.confirmed[0].fit)), begun=fit.begun)
         if current.state.placed[-1].effect.name in _LATE:
             library = [effect for effect in library if effect.name not in _LATE]
     return tuple(turns)
@@ -199,7 +215,9 @@ def _stages(
     confirmed: Mapping[tuple[str, str], Confirmed],
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
-    promising = [c for c in found if max(c.worth, c.white_worth) > LEAST_WORTH / 2]
+    best_worth = max((max(c.worth, c.white_worth) for c in found), default=0.0)
+    least = max(LEAST_WORTH / 2, _PROMISING * best_worth)
+    promising = [c for c in found if max(c.worth, c.white_worth) > least]
     white = sorted(promising, key=lambda c: -c.white_worth)
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3]], promising[:3])]
@@ -239,22 +257,55 @@ def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
 
 def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     """The gain of a model over that without its last effect, on blocks that are left out."""
-    if not np.isfinite(found.mean_square) or not is_credible(fit, found):
+    if not np.isfinite(found.mean_square):
         return None
-    record = fit.state.scene.record
-    n = float(found.weighting.kept.sum()) * record.freedom
-    own, before = (blocks_of(f).squares for f in (found, fit))
-    return Confirmed(found, log_likelihood(own, n) - log_likelihood(before, n))
+    blocks = blocks_of(found)
+    if not is_credible(fit, found, blocks):
+        return None
+    n = rows_of(found)
+    own, before = blocks.squares, blocks_of(fit).squares
+    gain = log_likelihood(own, n) - log_likelihood(before, n)
+    return Confirmed(found, gain, certainty(before, own, n), own)
 
 
-def is_credible(fit: Fit, found: Fit) -> bool:
-    """Whether a machine can be as a model with one more effect says."""
-    item = found.state.placed[-1]
-    if not item.effect.is_possible(found.state.scene, item.amplitudes):
+def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether a machine can be as a model with one more effect says, and the log determines its values."""
+    item, scene = found.state.placed[-1], found.state.scene
+    if not item.effect.is_possible(scene, item.amplitudes) or not item.effect.is_plausible(scene, item):
         return False
-    if item.effect.name not in _OF_MASSES and not keeps_inertia(found.parameters, fit.state):
+    if item.effect.name not in _OF_MASSES and not _same_masses(fit, found, blocks):
         return False
-    return acting_share(found) > _LEAST_ACTING
+    return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
+
+
+def _same_masses(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether the masses are those of the model without the effect, or those that the axis was given."""
+    plain = fit.state.masses
+    given = {name: fit.begun.get(name, value) for name, value in plain.items()}
+    spread = np.sqrt(np.diag(blocks.covariance))
+    doubts = {
+        name: _DEVIATIONS * float(s)
+        for name, s in zip(found.parameters, spread, strict=False)
+        if name in plain
+    }
+    return keeps_inertia(found.state.masses, plain, given, deviations=doubts)
+
+
+def is_determined(item: Placed, blocks: Blocks) -> bool:
+    """Whether the log tells the last effect from the others, and its values exceed their deviations."""
+    if not item.n_free:
+        return True
+    if blocks.least_seen(item.n_free) < _SEEN:
+        return False
+    covariance = blocks.covariance[-item.n_free :, -item.n_free :]
+    n = item.n_free - len(item.shape)
+    amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
+    if np.any(np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)):
+        return False
+    if not n:
+        return True
+    strength = amplitudes @ np.linalg.pinv(covariance[:n, :n], hermitian=True) @ amplitudes
+    return bool(strength > _DEVIATIONS**2)
 
 
 def acting_share(fit: Fit) -> float:

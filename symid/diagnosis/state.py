@@ -6,7 +6,7 @@ no sensor sees is evaluated at the motion that the model itself implies.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from symid.diagnosis.weighting import Weighting, starting_pulses, weighting_of
 from symid.errors import LogError
 
 _TAKES_PART = 0.2
-_LEAST_ROWS = 100
+_LEAST_ROWS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,12 @@ class State:
     errors: ComplexArray
     rows: FloatArray
     beginning: FloatArray
+
+    @property
+    def masses(self) -> dict[str, float]:
+        """Values of the masses and inertias, SI."""
+        names = self.scene.record.dynamics.parameters_of("mass")
+        return {name: self.scene.parameters[name] for name in names}
 
     def weighted(self, weighting: Weighting) -> State:
         """The same with other weights."""
@@ -75,6 +81,23 @@ def first_state(
             "take a log in which the axis moves"
         )
     return _state(scene, (), record.measured - scene.predicted, weighting), weighting
+
+
+def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
+    """The same with weights that belong to its parameters, and that allow for errors of the model.
+
+    Parameters
+    ----------
+    state : State
+        The model.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    levels : sequence of float
+        Error of each output, in multiples of its noise.
+    """
+    scene = state.scene.leveled(levels)
+    weighting = weighting_in(scene, allowed)
+    return replace(state, scene=scene).weighted(weighting), weighting
 
 
 def _state(scene: Scene, placed: tuple[Placed, ...], errors: ComplexArray, weighting: Weighting) -> State:

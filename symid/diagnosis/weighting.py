@@ -205,11 +205,15 @@ class Autoregression:
     def apply(self, rows: FloatArray) -> FloatArray:
         """White rows, of shape (..., n_outputs * n_usable), from weighted ones of shape (..., n_outputs, n_rows)."""
         left = rows.copy()
-        for k in range(self.coefficients.shape[1]):
-            past = np.roll(rows, k + 1, axis=-1)
-            left -= np.einsum("ij,...jm->...im", self.coefficients[:, k], past)
-        white = np.einsum("ij,...jm->...im", self.whitening, left)[..., self.usable]
-        return np.asarray(white.reshape(*rows.shape[:-2], rows.shape[-2] * int(self.usable.sum())))
+        n_outputs = len(self.coefficients)
+        for i, k, j in np.argwhere(self.coefficients):
+            left[..., i, k + 1 :] -= self.coefficients[i, k, j] * rows[..., j, : -(k + 1)]
+        if n_outputs > 1:
+            left = np.matmul(self.whitening, left)
+        else:
+            left *= self.whitening[0, 0]
+        white = left[..., self.usable]
+        return np.asarray(white.reshape(*rows.shape[:-2], n_outputs * white.shape[-1]))
 
 
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:

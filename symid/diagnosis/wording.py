@@ -56,7 +56,10 @@ def sentence(
         first += f" (or {spoken(*doubt[0])}: this log does not tell them apart)"
     with_them = "with them" if others else "with it"
     named = " and ".join([first, *others])
-    return f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}."
+    found = f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}"
+    if verdict == "partly":
+        return f"{found}; {gap.unexplained_share:.0%} of the excess stays unexplained."
+    return f"{found}."
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:

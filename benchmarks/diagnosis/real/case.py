@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import symid
 from symid import Axis, Log
 from symid.diagnosis import Diagnosis, diagnose
 
+from .plain import Plain, Script, plain
 from .recordings import Recording
 
 Values = dict[str, float]
@@ -30,46 +32,71 @@ class Case:
     published : str
         What is known of the machine, and where from.
     right : tuple of (str, str)
-        Effects and places of which one must come first; none where "unexplained" is the honest answer.
-    tied : tuple of (str, str)
-        Those that the logs cannot tell from these, which count if the answer names a right one beside them.
+        Published effects with their places: one of them must come first. Empty where nothing is published.
+    confirmed : tuple of (str, str)
+        Effects that are not published but that a plain script confirms on the held-out log.
     axis : Axis
         The model.
-    logs : tuple of Log
+    training : tuple of Recording
         For identification.
-    validation : Log
+    held_out : Recording
         For the gap.
     nominal : mapping of str to float
         Values of the simulation.
+    script : Script
+        What the plain script fits.
+    band_hz : float
+        Band in which the logs show the effect, for the plain script alone.
     """
 
     name: str
     model: str
     published: str
-    axis: Axis
-    logs: tuple[Log, ...]
-    validation: Log
-    nominal: Mapping[str, float]
     right: tuple[Key, ...] = ()
-    tied: tuple[Key, ...] = field(default=())
+    confirmed: tuple[Key, ...] = ()
+    axis: Axis
+    training: tuple[Recording, ...]
+    held_out: Recording
+    nominal: Mapping[str, float]
+    script: Script
+    band_hz: float
+
+    @cached_property
+    def logs(self) -> tuple[Log, ...]:
+        """For identification, with the signals of the axis."""
+        return tuple(log_of(self.axis, run) for run in self.training)
+
+    @cached_property
+    def validation(self) -> Log:
+        """For the gap."""
+        return log_of(self.axis, self.held_out)
 
     def found(self) -> Diagnosis:
         """The diagnosis."""
-        logs = self.logs if _TAKES_SEVERAL else self.logs[0]
+        logs = self.logs if TAKES_SEVERAL else self.logs[0]
         return diagnose(self.axis, logs, validation=self.validation, nominal=self.nominal)  # type: ignore[arg-type]
 
+    def plain(self, band_hz: float | None = None) -> Plain:
+        """What the plain script finds on the same logs, in the case's band or another."""
+        training = self.training if TAKES_SEVERAL else self.training[:1]
+        return plain(self.script, training, self.held_out, band_hz or self.band_hz)
 
-_TAKES_SEVERAL = "logs" in inspect.signature(diagnose).parameters
+
+TAKES_SEVERAL = "logs" in inspect.signature(diagnose).parameters
+"""Whether `diagnose` takes several logs for identification; else it gets the first."""
 
 
-def log_of(recording: Recording, *names: str) -> Log:
-    """Log of some signals of a recording, or of all."""
-    signals = {name: recording[name] for name in names or recording.signals}
+def log_of(axis: Axis, recording: Recording) -> Log:
+    """Log of those signals of a recording that an axis declares."""
+    names = (axis.drive.signal, *(sensor.signal for sensor in axis.sensors))
+    signals = {name: recording[name] for name in names}
     return Log.from_arrays(
         signals, sampling_period=recording.period, start=recording.start, source=recording.source
     )
 
 
-def identified(axis: Axis, log: Log, *measured: str) -> Values:
-    """Values of a model by weighted least squares on the log: a simulation as well adjusted as its structure allows."""
-    return symid.identify(symid.derive(axis, measured or None), log, examine=False).physical_parameters
+def identified(axis: Axis, recording: Recording) -> Values:
+    """Values of a model by weighted least squares on a log: a simulation as well adjusted as its structure allows."""
+    log = log_of(axis, recording)
+    measured = tuple(sensor.signal for sensor in axis.sensors)
+    return symid.identify(symid.derive(axis, measured), log, examine=False).physical_parameters

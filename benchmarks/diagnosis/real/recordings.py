@@ -73,7 +73,8 @@ def emps(file: str = "DATA_EMPS") -> Recording:
     """The electro-mechanical positioning system, force made of the controller's volts."""
     found = loadmat(DATA / "emps" / f"{file}.mat", variable_names=("t", "qm", "vir"))
     t, q, volts = (np.asarray(found[name], dtype=float).ravel() for name in ("t", "qm", "vir"))
-    return Recording(f"emps/{file}.mat", float(t[0]), float(t[1] - t[0]), {"q": q, "F": EMPS_GAIN * volts})
+    period = round(float(t[-1] - t[0]) / (t.size - 1), 9)  # the times are rounded to some nanoseconds
+    return Recording(f"emps/{file}.mat", float(t[0]), period, {"q": q, "F": EMPS_GAIN * volts})
 
 
 def bench(which: str) -> Recording:
@@ -121,17 +122,17 @@ def double_pendulum(run: str) -> Recording:
 def servo(run: str) -> Recording:
     """The servo with a weight on a lever: its angle, and the voltage that its position controller applies.
 
-    The controller's law gives the duty, and that times the nominal voltage the drive, at the times of the file.
+    The controller's law gives the duty, and that times the measured supply voltage the drive, at the times of the file.
     """
     file = f"bam_xl330/bak_2026-01-15_{run}.json"
     found = json.loads((DATA / file).read_text())
-    time, goal, q = (
+    time, goal, q, volts = (
         np.array([entry[name] for entry in found["entries"]], dtype=float)
-        for name in ("timestamp", "goal_position", "position")
+        for name in ("timestamp", "goal_position", "position", "input_volts")
     )
     error = (goal - q) * SERVO_COUNTS / (2.0 * np.pi)
     duty = np.clip(found["kp"] * error * SERVO_DUTY, -1.0, 1.0)
-    return on_grid(file, time, q=q, u=duty * found["vin"])
+    return on_grid(file, time, q=q, u=duty * volts)
 
 
 def motor(run: str) -> Recording:

@@ -8,13 +8,15 @@ all read the same text. What a module of this package lists in ``__all__`` is kn
 Amplitudes are parameters to identify; what an amplitude cannot scale, such as a pitch, is a number of the declaration.
 """
 
-from symid.axis.laws import along_stroke, friction, spring
+from symid.axis.laws import along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.base import FUNCTIONS, Hypothesis, Law, ShapeParameter, Term
+from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
 
 __all__ = ["FUNCTIONS", "Hypothesis", "Law", "ShapeParameter", "Term"]
 __all__ += along_stroke.__all__
+__all__ += constant.__all__
 __all__ += friction.__all__
 __all__ += spring.__all__

@@ -1,4 +1,4 @@
-"""Forces and friction that vary along the stroke: offset, stiffness, cogging, friction that depends on the place."""
+"""Forces and friction that vary along the stroke: stiffness, cogging, friction that depends on the place."""
 
 from __future__ import annotations
 
@@ -11,54 +11,14 @@ from symid.axis.laws.friction import CoulombFriction, ViscousFriction
 
 __all__ = [
     "Cogging",
-    "OffsetForce",
     "PeriodicFriction",
     "PositionDependentFriction",
     "PositionDependentViscousFriction",
     "PositionStiffness",
-    "UnknownZero",
 ]
 
 _PHASE = f"{math.tau!r}*q/pitch"
 _ALONG = "move slowly over the whole stroke in both directions"
-
-
-@dataclass(frozen=True)
-class OffsetForce(Law):
-    """A constant force against the positive direction: drive offset, spring preload.
-
-    Parameters
-    ----------
-    at : Body or Between
-        The joint.
-    level : str
-        Parameter in N or N m; it may be negative.
-    """
-
-    level: str
-    formula: ClassVar = (Term("level", "1", signed=True),)
-    hypotheses: ClassVar = (Hypothesis("offset_force", ("F0",)),)
-    moves_hidden: ClassVar = False
-    advice: ClassVar = "turn the axis round, or unload it: a constant force stays, friction changes its sign"
-
-
-@dataclass(frozen=True)
-class UnknownZero(Law):
-    """The force of a spring whose deflection is measured from an unknown zero, as between two incremental encoders.
-
-    It acts like a preload, but has another value in each log: it is estimated with each log and says nothing
-    of the axis.
-
-    Parameters
-    ----------
-    at : Body or Between
-        The joint of the spring.
-    preload : str
-        Parameter in N or N m; it may be negative.
-    """
-
-    preload: str
-    formula: ClassVar = (Term("preload", "1", signed=True, per_log=True),)
 
 
 @dataclass(frozen=True)

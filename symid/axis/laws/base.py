@@ -97,12 +97,15 @@ class Hypothesis:
         Laws that are added with it.
     beside : tuple of Law classes
         Laws that must be declared in the joint already.
+    without : tuple of Law classes
+        Laws that must not be declared there: they act alike.
     """
 
     effect: str
     symbols: tuple[str, ...]
     together: tuple[type[Law], ...] = ()
     beside: tuple[type[Law], ...] = ()
+    without: tuple[type[Law], ...] = ()
 
 
 @dataclass(frozen=True)

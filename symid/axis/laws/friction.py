@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
+from symid.axis.laws.constant import OffsetForce
 
 __all__ = [
     "AsymmetricFriction",
@@ -13,6 +14,7 @@ __all__ = [
     "FrictionAsymmetry",
     "QuadraticDrag",
     "StribeckFriction",
+    "ViscousAsymmetry",
     "ViscousFriction",
 ]
 
@@ -106,10 +108,34 @@ class FrictionAsymmetry(Law):
     viscous: str
     formula: ClassVar = (Term("coulomb", "1", signed=True), Term("viscous", "abs(v)", 1, 1, signed=True))
     hypotheses: ClassVar = (
-        Hypothesis("asymmetric_friction", ("dFs", "dFv")),
-        Hypothesis("asymmetric_friction", ("dFs",)),
+        Hypothesis("asymmetric_friction", ("dFs", "dFv"), without=(OffsetForce,)),
+        Hypothesis("asymmetric_friction", ("dFs",), without=(OffsetForce,)),
     )
     advice: ClassVar = "move over the same stroke at the same speeds in both directions"
+
+
+@dataclass(frozen=True)
+class ViscousAsymmetry(Law):
+    """What viscous friction in both directions differs by: dFv abs(v), beside a constant force.
+
+    Parameters
+    ----------
+    at : Body or Between
+        The joint.
+    viscous : str
+        Parameter dFv in N s/m or N m s/rad, half the difference of the coefficients, forward less backward; it may be
+        negative.
+
+    Examples
+    --------
+    >>> from symid import Body, ViscousAsymmetry
+    >>> ViscousAsymmetry(Body("motor", mass="M"), "dFv").terms()[0].expression
+    'abs(v)'
+    """
+
+    viscous: str
+    formula: ClassVar = (Term("viscous", "abs(v)", 1, 1, signed=True),)
+    hypotheses: ClassVar = (Hypothesis("asymmetric_friction", ("dFv",), beside=(OffsetForce,)),)
 
 
 @dataclass(frozen=True)

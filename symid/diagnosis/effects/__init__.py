@@ -13,6 +13,7 @@ from symid.diagnosis.effects.signals import (
     GainAsymmetry,
     GainNonlinearity,
     Saturation,
+    SensorDelay,
 )
 
 LIBRARY: tuple[Effect, ...] = (
@@ -32,6 +33,7 @@ LIBRARY: tuple[Effect, ...] = (
     GainNonlinearity(3),
     GainAsymmetry(),
     EncoderRipple(),
+    SensorDelay(),
 )
 """Everything that a diagnosis considers, unless told otherwise."""
 

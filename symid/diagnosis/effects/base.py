@@ -49,6 +49,10 @@ class Effect(ABC):
         """Whether a machine can have these amplitudes."""
         return not (self.positive and amplitudes[0] < 0)
 
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """Whether values are of a size that machines have; what lies at a bound of the search has none."""
+        return True
+
     @abstractmethod
     def places(self, scene: Scene) -> Iterable[str]:
         """Where it may sit."""

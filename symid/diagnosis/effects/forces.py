@@ -6,12 +6,15 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+import scipy
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.axis.axis import length_unit
 from symid.diagnosis.effects.base import (
     Effect,
     JointEffect,
     LinearEffect,
+    Placed,
     Pull,
     Shape,
     best_peaks,
@@ -25,13 +28,19 @@ from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
 LEAST_PITCH = 1e-3
-"""Shortest pitch of what repeats along the stroke, m (or rad)."""
+"""Shortest pitch of what repeats along a straight stroke, m."""
+MOST_WAVES = 150
+"""Of what repeats along a turn: slots and pole pairs of a motor, teeth of a gear."""
+_SPEEDS_OF_ENERGY = 48
+_WAVES_OF_ENERGY = 400
 _LEAST_STROKE = 5e-3
 _TRIALS = 4
 _SHARE_OF_BAND = 0.6
 _LOWEST_MODE = 3.0
 _SHARE_OF_MOTION = 0.9
 _MODES = 40
+_MOST_OF_MASS = 0.95
+_INSIDE = 0.99
 _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
 _DAMPINGS = (0.01, 0.05, 0.2)
 
@@ -69,20 +78,34 @@ def repeating_pitches(
     """
     low, high = joint.range
     inside = scene.record.in_log
-    n = max(256, math.ceil(8 * (high - low) / LEAST_PITCH))
+    least = 2 * math.pi / MOST_WAVES if turns(scene) else LEAST_PITCH
+    n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
     along = np.bincount(place, weights=pull[inside], minlength=n)
-    padded = 4 * n
+    padded = scipy.fft.next_fast_len(4 * n, real=True)
     waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
-    strength = np.abs(np.fft.rfft(along, padded)) ** 2
-    used = (waves > 1.0 / (high - low)) & (waves < 1 / LEAST_PITCH)
-    speeds, edges = np.histogram(np.abs(joint.v[inside]), bins=48)
+    strength = np.abs(scipy.fft.rfft(along, padded)) ** 2
+    used = (waves > 1.0 / (high - low)) & (waves < 1 / least)
+    if not used.any():
+        return ()
+    score = strength[used] / _felt(scene, joint, waves[used], response)
+    return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
+
+
+def _felt(scene: Scene, joint: Joint, waves: FloatArray, response: ComplexArray) -> FloatArray:
+    """Mean square that a unit wave along the stroke leaves in the weighted outputs: at v waves a second, of each v."""
+    speeds, edges = np.histogram(np.abs(joint.v[scene.record.in_log]), bins=_SPEEDS_OF_ENERGY)
     middle = (edges[1:] + edges[:-1]) / 2
     power = np.sum(np.abs(response * scene.density) ** 2, axis=0)
     frequency = scene.record.omega / (2 * math.pi)
-    energy = np.interp(np.outer(waves[used], middle), frequency, power, right=0.0) @ speeds
-    score = strength[used] / (energy + 1e-3 * energy.max())
-    return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
+    coarse = np.linspace(waves[0], waves[-1], _WAVES_OF_ENERGY)
+    energy = np.interp(np.outer(coarse, middle), frequency, power, right=0.0) @ speeds
+    return np.asarray(np.interp(waves, coarse, energy) + 1e-3 * energy.max())
+
+
+def turns(scene: Scene) -> bool:
+    """Whether the driven joint turns instead of sliding."""
+    return str(length_unit(scene.axis.drive.at)) == "rad"
 
 
 class PeriodicDisturbance(JointEffect):
@@ -92,6 +115,10 @@ class PeriodicDisturbance(JointEffect):
     amplitudes = ("As", "Ac")
     shape_names = ("f",)
     per_log = True
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """A line of the motion itself is no disturbance: what repeats with the motion belongs to the motion."""
+        return not is_line_of_motion(scene, placed.shape[0])
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         response = -scene.response.of_force(scene.joints[place].direction)
@@ -113,6 +140,27 @@ class PeriodicDisturbance(JointEffect):
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force = str(joint_units(scene, place)[0])
         return force, force, "Hz"
+
+
+_LINE = 8.0
+"""Power of a line relative to that of its neighbourhood."""
+_NEIGHBOURS = 8
+
+
+def is_line_of_motion(scene: Scene, frequency: float) -> bool:
+    """Whether the force that the motion asks for has a line at a frequency.
+
+    The power within one bin of a log of that length is held against the median of its neighbours.
+    """
+    record = scene.record
+    inside = record.row_time < record.duration
+    force = record.rows(scene.predicted[0] * record.taper)[inside]
+    power = np.abs(np.fft.rfft((force - force.mean()) * np.hanning(force.size))) ** 2
+    at = round(frequency * record.duration)
+    low, high = max(at - _NEIGHBOURS, 1), min(at + _NEIGHBOURS + 1, power.size)
+    if at < 1 or at + 2 > power.size or high - low < _NEIGHBOURS:
+        return False
+    return bool(power[at - 1 : at + 2].max() > _LINE * np.median(power[low:high]))
 
 
 _CHANGES_WITHIN = np.array([0.1, 0.9])
@@ -178,6 +226,13 @@ class FlexibleMode(LinearEffect):
     amplitudes = ("m",)
     shape_names = ("f", "D")
     positive = True
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """The mode is part of the body's mass, and within the frequencies at which the axis moves."""
+        body = scene.bodies[placed.at].direction
+        whole = float(body @ scene.response.plant.mass @ body)
+        highest = _SHARE_OF_MOTION * scene.record.motion_hz
+        return placed.amplitudes[0] < _MOST_OF_MASS * whole and placed.shape[0] < _INSIDE * highest
 
     def joint(self, scene: Scene, place: str) -> Joint:
         return scene.bodies[place]

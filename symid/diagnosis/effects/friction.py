@@ -10,14 +10,16 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import ViscousFriction as DeclaredViscous
-from symid.diagnosis.effects.base import JointEffect, Pull, Shape, joint_units, sampled
+from symid.diagnosis.effects.base import JointEffect, Placed, Pull, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
-_WARM_UPS = (0.08, 0.2, 0.5, 3.0)
+_WARM_UPS = (0.08, 0.2, 0.5, 2.0)
+_SLOWEST_WARM_UP = 3.0
+"""Times of a drift relative to the log: slower ones show no course."""
 
 
 class PreslidingFriction(JointEffect):
@@ -126,6 +128,9 @@ class FrictionDrift(JointEffect):
     shape_names = ("T",)
     per_log = True
 
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        return placed.shape[0] < 0.99 * _SLOWEST_WARM_UP * scene.record.duration
+
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous
         self.amplitudes = ("dFs",) * coulomb + ("dFv",) * viscous
@@ -139,7 +144,9 @@ class FrictionDrift(JointEffect):
         return [(x * scene.record.duration,) for x in _WARM_UPS]
 
     def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
-        return (float(np.clip(shape[0], 0.02 * scene.record.duration, 20 * scene.record.duration)),)
+        return (
+            float(np.clip(shape[0], 0.02 * scene.record.duration, _SLOWEST_WARM_UP * scene.record.duration)),
+        )
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         fading = _fading(scene, shape[0])

@@ -13,7 +13,7 @@ import sympy as sp
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
 from symid.axis.elements import Joint as Place
-from symid.diagnosis.effects.base import JointEffect, LinearEffect, Pull, Shape, joint_units, sampled
+from symid.diagnosis.effects.base import JointEffect, LinearEffect, Placed, Pull, Shape, joint_units, sampled
 from symid.diagnosis.march import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.simulation.law_functions import array_function, law_function
@@ -61,8 +61,15 @@ class LawEffect(JointEffect):
             return tuple(scene.springs)
         taken: set[str] = set(scene.springs) if any(t.expression == "q" for t in self.formula) else set()
         taken = taken.union(*(joints_with(scene, each) for each in self.laws if each.once))
+        taken = taken.union(*(joints_with(scene, each) for each in self.hypothesis.without))
         beside = [joints_with(scene, each) for each in self.hypothesis.beside]
         return [name for name in scene.joints if name not in taken and all(name in names for names in beside)]
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """A spring leaves its dead zone at times."""
+        joint = self.joint(scene, placed.at)
+        widths = zip(self.shape_parameters, placed.shape, strict=True)
+        return all(x / 2 < _scale(number, joint) for number, x in widths if number.scale == "deflection")
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         joint = self.joint(scene, place)

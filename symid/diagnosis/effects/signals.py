@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects.base import ACTUATOR, Effect, Pull, Shape
+from symid.diagnosis.effects.base import ACTUATOR, Effect, Placed, Pull, Shape
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.scene import Joint, Scene
 
+_LONGEST_DELAY = 0.05
 _DELAYS = np.array([-4.0, -2.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
 """Of the largest logged force: a controller that winds up asks for many times what the drive gives."""
+_STEEPEST_RIPPLE = 0.2
 _USUAL_LIMIT = 0.3
 """Of the largest force; below it a limit may cut few samples: an axis without force would show no error either."""
 _MOSTLY_BELOW = 0.9
@@ -39,6 +42,9 @@ class Delay(DriveEffect):
     amplitudes = ("share",)
     shape_names = ("T",)
     fixed = True
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        return abs(placed.shape[0]) < _LONGEST_DELAY
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         return [(float(x * scene.record.log.sampling_period),) for x in _DELAYS]
@@ -72,6 +78,9 @@ class Saturation(DriveEffect):
     shape_names = ("limit",)
     fixed = True
 
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        return placed.shape[0] > 1.01 * _least_limit(scene)
+
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         top, least = _top_force(scene), _least_limit(scene)
         return [(share * top,) for share in _LIMITS if share * top > least]
@@ -87,7 +96,7 @@ class Saturation(DriveEffect):
         return "1", _drive_unit(scene)
 
 
-_MOST_BEND = 0.9
+_MOST_BEND = 0.6
 """Change of the gain at the largest force, relative to the gain: with 1 more command would give no more force."""
 
 
@@ -120,6 +129,9 @@ class GainAsymmetry(DriveEffect):
     name = "gain_nonlinearity"
     amplitudes = ("difference",)
 
+    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+        return abs(amplitudes[0]) < _MOST_BEND
+
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         return self._force(scene, scene.record.from_samples(np.abs(scene.record.whole_force)))
 
@@ -133,6 +145,11 @@ class EncoderRipple(Effect):
     name = "encoder_ripple"
     amplitudes = ("As", "Ac")
     shape_names = ("pitch",)
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """The reading still rises with the position, by far."""
+        slope = math.tau * math.hypot(*placed.amplitudes) / placed.shape[0]
+        return slope < _STEEPEST_RIPPLE
 
     def places(self, scene: Scene) -> Iterable[str]:
         sensors = scene.record.dynamics.sensors
@@ -156,6 +173,34 @@ class EncoderRipple(Effect):
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return (str(scene.axis.signal_units[place]),) * 3
+
+
+class SensorDelay(Effect):
+    """A reading is late against the position from which all is predicted: y(t - T); early where T is negative."""
+
+    name = "sensor_delay"
+    amplitudes = ("share",)
+    shape_names = ("T",)
+    fixed = True
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        return abs(placed.shape[0]) < _LONGEST_DELAY
+
+    def places(self, scene: Scene) -> Iterable[str]:
+        return scene.record.signals[1:]
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        period = scene.record.log.sampling_period
+        return [(float(x * period),) for x in _DELAYS if abs(x * period) < _LONGEST_DELAY]
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        at = scene.record.signals.index(place)
+        columns = np.zeros((1, *scene.record.measured.shape), dtype=complex)
+        columns[0, at] = np.expm1(-1j * scene.record.omega * shape[0]) * scene.predicted[at]
+        return columns
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        return "1", "s"
 
 
 def _reading(scene: Scene, signal: str) -> Joint:
