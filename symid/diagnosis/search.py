@@ -37,7 +37,6 @@ _TWINS = 3
 _COULOMB = "coulomb_friction"
 _LATE = ("delay", "actuator_lag")
 """Nearly the same: beside each other they tell nothing."""
-_MORE_THAN_COULOMB = ("position_dependent_friction", "presliding_friction", "stribeck_friction")
 _PROMISING = 0.15
 """Share of the best candidate's gain by projection from which on another is fitted."""
 _HARDLY_MORE = 0.01
@@ -84,6 +83,11 @@ class Confirmed:
     def worth(self) -> float:
         """The gain, less what its free values would gain in noise."""
         return self.gain - PRICE * self.fit.state.placed[-1].n_free
+
+    @property
+    def effect(self) -> Effect:
+        """What was added."""
+        return self.fit.state.placed[-1].effect
 
     @property
     def key(self) -> tuple[str, str]:
@@ -184,17 +188,17 @@ def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str],
 
 
 def _simpler(key: tuple[str, str], confirmed: Mapping[tuple[str, str], Confirmed]) -> bool:
-    """Whether a candidate is the Coulomb friction that one of those confirmed contains."""
+    """Whether a candidate is a simpler effect than one of those confirmed, which may imitate it."""
     name, place = key
-    contained = any((more, place) in confirmed for more in _MORE_THAN_COULOMB)
-    return name == _COULOMB and contained and key not in confirmed
+    imitated = any(own.key[1] == place and name in own.effect.imitates for own in confirmed.values())
+    return imitated and key not in confirmed
 
 
 def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
     """Drop what explains hardly more than the Coulomb friction that it contains: the next turn finds the rest."""
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
-        if plain is None or name not in _MORE_THAN_COULOMB:
+        if plain is None or _COULOMB not in more.effect.imitates:
             continue
         if more.worth < (1 + _HARDLY_MORE) * plain.worth or _is_nearly_constant(
             more.fit.state.scene, more.fit.state.placed[-1]

@@ -4,31 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Gap, Simulator, Verdict
 
 _ADVICE = {
     "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
     "actuator_lag": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
-    "backlash": "reverse slowly under small loads, so that the spring passes its zero often",
-    "stiffness_nonlinearity": "accelerate at several levels up to the limit",
-    "stribeck_friction": "move at five to ten constant speeds below 10 % of the highest",
     "presliding_friction": "reverse slowly over 10 to 500 um",
-    "coulomb_friction": "move at constant speeds in both directions",
-    "viscous_friction": "move at several constant speeds in both directions",
-    "asymmetric_friction": "move over the same stroke at the same speeds in both directions",
-    "offset_force": "turn the axis round, or unload it: a constant force stays, friction changes its sign",
     "friction_drift": "repeat the same motion from cold until nothing changes",
     "payload_change": "repeat the same motion with the load fixed",
-    "position_dependent_friction": "move slowly over the whole stroke in both directions",
-    "position_stiffness": "move slowly over the whole stroke in both directions",
-    "cogging": "move slowly at two speeds over the whole stroke: ripple of the stroke scales its frequency with speed",
     "encoder_ripple": "move at two speeds over the whole stroke: an error of the reading grows with the speed squared",
     "periodic_disturbance": "record the axis at rest and at two speeds: a disturbance in time keeps its frequency",
     "flexible_mode": "excite with a multisine up to twice the frequency found",
     "load_dependent_friction": "move at the same speeds with and without a load on the drive",
-    "quadratic_drag": "move at several high constant speeds",
     "saturation": "accelerate at levels below and above the limit found",
     "gain_nonlinearity": "accelerate at several levels up to the limit",
+}
+_ADVICE |= {
+    effect.name: effect.advice for effect in LIBRARY if isinstance(effect, LawEffect) and effect.advice
 }
 
 

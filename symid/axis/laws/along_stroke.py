@@ -18,6 +18,7 @@ __all__ = [
 ]
 
 _PHASE = f"{math.tau!r}*q/pitch"
+_ALONG = "move slowly over the whole stroke in both directions"
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class PositionStiffness(Law):
     stiffness: str
     formula: ClassVar = (Term("stiffness", "q", 1, signed=True),)
     hypotheses: ClassVar = (Hypothesis("position_stiffness", ("k",)),)
+    advice: ClassVar = "move slowly over the whole stroke in both directions"
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,10 @@ class Cogging(Law):
     shape: ClassVar = (ShapeParameter("pitch", "pitch", "stroke"),)
     hypotheses: ClassVar = (Hypothesis("cogging", ("As", "Ac")),)
     moves_hidden: ClassVar = False
+    advice: ClassVar = (
+        "move slowly at two speeds over the whole stroke: "
+        "ripple of the stroke scales its frequency with speed"
+    )
 
 
 @dataclass(frozen=True)
@@ -113,6 +119,8 @@ class PeriodicFriction(Law):
         Hypothesis("position_dependent_friction", ("dFs", "dFc"), beside=(CoulombFriction,)),
         Hypothesis("position_dependent_friction", ("Fs", "dFs", "dFc"), together=(CoulombFriction,)),
     )
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = _ALONG
 
 
 @dataclass(frozen=True)
@@ -146,6 +154,8 @@ class PositionDependentFriction(Law):
         Hypothesis("position_dependent_friction", ("Fs", "dF1", "dF2"), together=(CoulombFriction,)),
     )
     moves_hidden: ClassVar = False
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = _ALONG
 
 
 @dataclass(frozen=True)
@@ -181,3 +191,5 @@ class PositionDependentViscousFriction(Law):
             beside=(ViscousFriction, CoulombFriction),
         ),
     )
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = _ALONG

@@ -142,6 +142,10 @@ class Law(ABC):
     """Whether it belongs to a spring, so that q is the deflection of that."""
     moves_hidden: ClassVar[bool] = True
     """Whether it may change the motion of a joint that no sensor sees so much that a diagnosis must integrate it."""
+    imitates: ClassVar[tuple[type[Law], ...]] = ()
+    """Simpler laws whose lack it may explain as well: a diagnosis tries them too, and prefers them in a tie."""
+    advice: ClassVar[str] = ""
+    """What to measure to be sure of it, as the next experiment of a diagnosis."""
 
     def terms(self) -> tuple[Term, ...]:
         """Terms of the force that opposes the motion."""

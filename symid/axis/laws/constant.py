@@ -27,6 +27,7 @@ class OffsetForce(Law):
     hypotheses: ClassVar = (Hypothesis("offset_force", ("F0",)),)
     once: ClassVar = True
     moves_hidden: ClassVar = False
+    advice: ClassVar = "turn the axis round, or unload it: a constant force stays, friction changes its sign"
 
 
 @dataclass(frozen=True)

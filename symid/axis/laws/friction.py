@@ -35,6 +35,7 @@ class ViscousFriction(Law):
     formula: ClassVar = (Term("coefficient", "v", 1, 1),)
     hypotheses: ClassVar = (Hypothesis("viscous_friction", ("Fv",)),)
     once: ClassVar = True
+    advice: ClassVar = "move at several constant speeds in both directions"
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ class CoulombFriction(Law):
     formula: ClassVar = (Term("level", "sign(v)"),)
     hypotheses: ClassVar = (Hypothesis("coulomb_friction", ("Fs",)),)
     once: ClassVar = True
+    advice: ClassVar = "move at constant speeds in both directions"
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,7 @@ class FrictionAsymmetry(Law):
         Hypothesis("asymmetric_friction", ("dFs", "dFv"), without=(OffsetForce,)),
         Hypothesis("asymmetric_friction", ("dFs",), without=(OffsetForce,)),
     )
+    advice: ClassVar = "move over the same stroke at the same speeds in both directions"
 
 
 @dataclass(frozen=True)
@@ -160,6 +163,8 @@ class StribeckFriction(Law):
     formula: ClassVar = (Term("level", "sign(v)*exp(-(v/velocity)**2)"),)
     shape: ClassVar = (ShapeParameter("velocity", "vs", "speed", trials=(0.006, 0.6, 12)),)
     hypotheses: ClassVar = (Hypothesis("stribeck_friction", ("dF",)),)
+    imitates: ClassVar = (CoulombFriction,)
+    advice: ClassVar = "move at five to ten constant speeds below 10 % of the highest"
 
 
 @dataclass(frozen=True)
@@ -183,3 +188,4 @@ class QuadraticDrag(Law):
     coefficient: str
     formula: ClassVar = (Term("coefficient", "v*abs(v)", 2, 2),)
     hypotheses: ClassVar = (Hypothesis("quadratic_drag", ("c",)),)
+    advice: ClassVar = "move at several high constant speeds"

@@ -33,6 +33,7 @@ class StiffnessNonlinearity(Law):
     formula: ClassVar = (Term("cubic", "q**3", 3, signed=True),)
     hypotheses: ClassVar = (Hypothesis("stiffness_nonlinearity", ("k3",)),)
     in_spring: ClassVar = True
+    advice: ClassVar = "accelerate at several levels up to the limit"
 
 
 @dataclass(frozen=True)
@@ -65,3 +66,4 @@ class Backlash(Law):
     shape: ClassVar = (ShapeParameter("gap", "b", "deflection", trials=(0.04, 1.8, 10)),)
     hypotheses: ClassVar = (Hypothesis("backlash", ("Kb",)),)
     in_spring: ClassVar = True
+    advice: ClassVar = "reverse slowly under small loads, so that the spring passes its zero often"

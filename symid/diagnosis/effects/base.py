@@ -46,6 +46,9 @@ class Effect(ABC):
     per_log: ClassVar[bool] = False
     """Whether its amplitudes belong to a log: time starts anew in each."""
 
+    imitates: tuple[str, ...] = ()
+    """Names of simpler effects whose lack it may explain as well."""
+
     def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
         """Whether a machine can have these amplitudes."""
         return not (self.positive and amplitudes[0] < 0)

@@ -29,6 +29,7 @@ class PreslidingFriction(JointEffect):
     """
 
     name = "presliding_friction"
+    imitates = ("coulomb_friction",)
     amplitudes = ("Fs",)
     shape_names = ("reach",)
     positive = True

@@ -43,6 +43,8 @@ class LawEffect(JointEffect):
         self.shape_names = tuple(number.symbol for number in self.shape_parameters)
         formula = tuple(term for each in self.laws for term in each.formula)
         self.formula = formula[: len(self.amplitudes)]
+        self.advice = law.advice
+        self.imitates = tuple(each.hypotheses[0].effect for each in law.imitates)
         self.positive = not (hypothesis.together or self.formula[0].signed)
 
     @property
