@@ -27,6 +27,7 @@ _ABOVE_NOISE = 3.0
 _RISES = 3.0
 _WIDTH_OF_LINES = 9
 _QUARTER = 2**0.125
+_FEWEST_BINS = 8
 _BAND_OF_MOTION = 2.0
 _WIDEST = 0.3
 _SEGMENT = 4096
@@ -338,10 +339,17 @@ def _smoothed(density: FloatArray) -> FloatArray:
 
 
 def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> float:
-    """Standard deviation of white noise with the density of a reading within the octave beyond its motion."""
+    """Standard deviation of white noise with the density of a reading beyond its motion.
+
+    The lower of two octaves counts: motion may reach into the first. Further up, filters of the sensor take noise away.
+    """
     frequency, density = _density(x, sampling_frequency)
-    beyond = (frequency > end_hz) & (frequency < max(2 * end_hz, end_hz + 8 * frequency[1]))
-    level = np.median(density[beyond]) if beyond.any() else density[-1]
+    levels = []
+    for low in (end_hz, 2 * end_hz):
+        octave = (frequency > low) & (frequency < 2 * low)
+        if octave.sum() >= _FEWEST_BINS:
+            levels.append(float(np.median(density[octave])))
+    level = min(levels, default=float(np.median(density[-_FEWEST_BINS:])))
     return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
 
 

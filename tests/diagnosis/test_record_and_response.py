@@ -144,7 +144,6 @@ def test_columns_are_finite_differences_of_the_prediction(axis: str, values: dic
         (effects_of(ViscousFriction)[0], (), lambda q, v, F: v),
         (effects_of(QuadraticDrag)[0], (), lambda q, v, F: v * np.abs(v)),
         (effects_of(StribeckFriction)[0], (0.3,), lambda q, v, F: np.sign(v) * np.exp(-((v / 0.3) ** 2))),
-        (LoadDependentFriction(), (), lambda q, v, F: np.abs(F) * np.sign(v)),
         (effects_of(PositionDependentFriction)[0], (), lambda q, v, F: np.sign(v) * q),
         (effects_of(PositionDependentViscousFriction)[1], (), lambda q, v, F: np.sign(v) * q),
         (effects_of(PositionDependentViscousFriction)[0], (), lambda q, v, F: v * q),
@@ -163,6 +162,18 @@ def test_forces_of_effects(effect, shape, force) -> None:
     expected = np.full(at.size, np.nan)
     expected[logged] = force(q[logged], v[logged], F[logged])
     assert np.abs(found - expected[rows]).max() < 0.01 * np.abs(expected[rows]).max()
+
+
+def test_the_load_of_friction_is_that_of_the_model_and_not_the_record() -> None:
+    """A record of the drive that is no answer to the motion changes nothing."""
+    t = np.arange(4000) / 1000
+    q = 0.2 * t + 0.005 * np.sin(9 * t)
+    found = []
+    for logged in (60 + 20 * np.cos(9 * t), np.zeros(t.size)):
+        scene = scene_of(record("rigid_1m", q=q, F=logged), RIGID)
+        found.append(LoadDependentFriction().forces(scene, scene.joints["motor"], ()))
+    assert np.abs(found[0]).max() > 0
+    assert np.allclose(found[0], found[1])
 
 
 def test_a_mode_is_a_mass_hung_on_a_spring() -> None:

@@ -6,7 +6,8 @@ import scipy
 
 from symid import Log, load_axis
 from symid.diagnosis import start
-from symid.diagnosis.diagnose import data_of
+from symid.diagnosis.diagnose import Recorded, data_of
+from symid.diagnosis.joined import joined
 from symid.diagnosis.state import first_state
 
 TRUE = {"Ms": 3030.0, "Fvs": 32800.0, "Ks": 2.18e8, "Mm": 242.0, "Fvm": 74.0, "Fsm": 112.0}
@@ -36,7 +37,7 @@ def flexible_log(seed: int) -> Log:
 
 
 def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    data = data_of(load_axis("direct_2m1s"), flexible_log(1), None)
+    data = data_of(load_axis("direct_2m1s"), (joined([flexible_log(1)]), None), Recorded({}, None))
     begin = first_state(data.record, FAR, data.training)
     found = start.fitted_axis(*begin)
     assert found.mean_square < start.NOISE_ALONE

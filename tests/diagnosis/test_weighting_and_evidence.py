@@ -8,7 +8,7 @@ from hand_made import RIGID, motion
 
 from symid import Log, load_axis
 from symid.diagnosis.comparison import closed_fraction
-from symid.diagnosis.evidence import outcome
+from symid.diagnosis.evidence import Errors, outcome
 from symid.diagnosis.record import record_of
 from symid.diagnosis.state import first_state
 from symid.diagnosis.weighting import autoregression
@@ -105,7 +105,12 @@ def test_nothing_to_close_has_no_fraction() -> None:
     ],
 )
 def test_verdict_without_any_candidate(nominal: float | None, left: float, verdict: str) -> None:
-    found = outcome((), 0, nominal, left, left)
+    found = outcome((), 0, Errors(nominal, left, left, float("nan")))
     assert found.verdict == verdict
     assert sum(found.as_mapping.values()) == pytest.approx(1.0)
     assert found.effect == 0.0
+
+
+@pytest.mark.parametrize(("stationary", "verdict"), [(True, "no_gap"), (False, "unexplained")])
+def test_noise_of_any_colour_is_no_gap_unless_it_knows_of_the_motion(stationary: bool, verdict: str) -> None:
+    assert outcome((), 0, Errors(3.0, 3.0, 3.0, float("nan"), stationary)).verdict == verdict

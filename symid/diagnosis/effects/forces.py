@@ -118,6 +118,8 @@ class PeriodicDisturbance(JointEffect):
 
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:
         """A line of the motion itself is no disturbance: what repeats with the motion belongs to the motion."""
+        if placed.shape[0] * scene.record.duration < _FEWEST_CYCLES:
+            return False
         return not is_line_of_motion(scene, placed.shape[0], math.hypot(*placed.amplitudes))
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
@@ -127,7 +129,7 @@ class PeriodicDisturbance(JointEffect):
         padded = 4 * wanted.size
         frequency = np.fft.rfftfreq(padded, d=record.fine_time[1])
         strength = np.abs(np.fft.rfft(wanted, padded)) ** 2
-        used = (frequency > 1.5 / record.duration) & (frequency < _SHARE_OF_BAND * record.band_hz)
+        used = (frequency > _FEWEST_CYCLES / record.duration) & (frequency < _SHARE_OF_BAND * record.band_hz)
         power = np.sum(np.abs(response * scene.density) ** 2, axis=0)
         energy = np.interp(frequency[used], record.omega / (2 * math.pi), power)
         return [(f,) for f in best_peaks(strength[used] / energy, frequency[used], _TRIALS)]
@@ -146,6 +148,8 @@ _LINE = 3.0
 """Amplitude of a line relative to that of its neighbourhood."""
 _NEIGHBOURS = 8
 _FAST = 0.1
+_FEWEST_CYCLES = 4.0
+"""Cycles of a disturbance within a log: of fewer, it is a slow course of any kind."""
 _HARMONICS = 5
 """Cycles of a disturbance for each of the motion, up to which it may be the motion's own."""
 
