@@ -25,6 +25,9 @@ _PRIOR = {"asymmetric_friction": -1.0}
 """An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
 _LEAST_REMOVED = 0.15
 _REMOVED_WIDTH = 0.05
+_COVERED = 0.5
+_COVERED_WIDTH = 0.12
+_HALF = 0.5
 _WHITE = 1.6
 _COLOURED = 6.0
 """Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
@@ -94,17 +97,23 @@ class Outcome:
     ----------
     no_gap, parameters, effect, unexplained : float
         Probabilities.
+    holds : bool
+        Whether what was found is more than noise, and takes away a share of the gap that counts. It may still stand for
+        something that no effect of the library is: the less it takes away, the more so.
     """
 
     no_gap: float
     parameters: float
     effect: float
     unexplained: float
+    holds: bool = False
 
     @property
     def verdict(self) -> Verdict:
-        """The most probable."""
-        found = self.as_mapping
+        """The most probable; what was found, as soon as it holds."""
+        if self.holds:
+            return "effect"
+        found = {name: p for name, p in self.as_mapping.items() if name != "effect"}
         return max(found, key=lambda name: found[name])
 
     @property
@@ -156,7 +165,8 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     there = is_there(turns[0]) if turns else 0.0
     if not upheld:
         there = min(there, 0.1)
-    left = _in_vain(errors)
+    holds = there * (1 - _in_vain(errors))
+    causes = holds * _covers(errors)
     good = 1.0
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
@@ -167,9 +177,17 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     return Outcome(
         no_gap=plain * good,
         parameters=plain * (1 - good),
-        effect=there * (1 - left),
-        unexplained=there * left + (1 - there) * (1 - fits),
+        effect=causes,
+        unexplained=there - causes + (1 - there) * (1 - fits),
+        holds=holds > _HALF,
     )
+
+
+def _covers(errors: Errors) -> float:
+    """Probability that what takes away a share of the gap is what it is called, and stands for nothing else."""
+    if errors.explained <= NOISE_ALONE or not np.isfinite(errors.left):
+        return 1.0
+    return _logistic((1 - errors.left - _COVERED) / _COVERED_WIDTH)
 
 
 def _in_vain(errors: Errors) -> float:

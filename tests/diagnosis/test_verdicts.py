@@ -112,10 +112,11 @@ def test_wrong_values_are_parameters_and_no_effect() -> None:
 
 def test_a_force_that_nothing_in_the_library_stands_for_is_unexplained() -> None:
     rng = np.random.default_rng(3)
-    found = diagnose(
-        load_axis("rigid_1m"),
-        rigid_log(lambda t, q, v, a, path: np.cumsum(rng.standard_normal(t.size)) * 0.6),
-        validation=rigid_log(lambda t, q, v, a, path: np.cumsum(rng.standard_normal(t.size)) * 0.6, seed=2),
-    )
+
+    def walk(t, q, v, a, path):
+        course = np.cumsum(rng.standard_normal(t.size)) * 0.6
+        return course - course.mean()  # its mean would be an offset, and rightly found as one
+
+    found = diagnose(load_axis("rigid_1m"), rigid_log(walk), validation=rigid_log(walk, seed=2))
     assert found.verdict == "unexplained"
     assert found.effects == ()
