@@ -19,7 +19,8 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.blocks import predicted
 from symid.diagnosis.comparison import applied, compared
-from symid.diagnosis.conclusion import concluded, effect_values, standard_deviations
+from symid.diagnosis.conclusion import concluded, effect_values
+from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted, unfitted

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from symid.arrays import FloatArray
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
+from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.evidence import INDISTINGUISHABLE, NOISE_ALONE, Errors, Outcome, is_there, odds, outcome
-from symid.diagnosis.faults import shifted_channels
+from symid.diagnosis.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.location import located, maps
 from symid.diagnosis.record import Record
@@ -24,9 +24,7 @@ from symid.diagnosis.result import (
     ParameterChange,
     Verdict,
 )
-from symid.diagnosis.screening import AR_ORDER
 from symid.diagnosis.search import Turn
-from symid.diagnosis.weighting import autoregression
 from symid.diagnosis.wording import next_experiment, sentence
 
 _ABSORBED_DEVIATIONS = 3.0
@@ -42,7 +40,7 @@ def concluded(
     fits: Sequence[Fit],
     nominal: Mapping[str, float] | None,
     logs: tuple[Log, Log | None],
-    damaged: Sequence[str] = (),
+    damaged: Damage = NO_DAMAGE,
 ) -> Diagnosis:
     """The diagnosis that follows from a search.
 
@@ -58,14 +56,14 @@ def concluded(
         Nominal values.
     logs : tuple of Log
         What was identified from, and the validation log if there is one.
-    damaged : sequence of str
+    damaged : Damage
         Faults of the recording.
     """
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
     chances = outcome(turns, upheld, _errors(gap, comparison.is_stationary))
-    verdict = _verdict(chances, gap, damaged)
+    verdict = _verdict(chances, gap, damaged.fatal)
     accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
@@ -73,13 +71,13 @@ def concluded(
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, turns[0], chances)
     axis = comparison.record.dynamics.axis
-    faults = (*damaged, *shifted_channels(logs[0], axis.drive.signal, accepted))
+    faults = (*damaged.texts, *shifted_channels(logs[0], axis.drive.signal, accepted))
     return Diagnosis(
         axis=axis,
         measured=comparison.record.signals,
         logs=tuple(log.source for log in logs if log is not None),
         verdict=verdict,
-        sentence=sentence(verdict, gap, effects, alternatives, damaged),
+        sentence=sentence(verdict, gap, effects, alternatives, damaged.fatal),
         gap=gap,
         location=located(found, _shares(comparison, accepted, turns)),
         maps=found,
@@ -161,17 +159,6 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
         values = zip(item.values(fit.state.scene), stds, strict=True)
         found.append({name: EffectParameter(value, float(std), unit) for (name, value, unit), std in values})
     return found
-
-
-def standard_deviations(fit: Fit) -> FloatArray:
-    """Of parameters and effects' values: errors taken as autoregressive."""
-    noise = autoregression(fit.left, fit.weighting.kept, AR_ORDER)
-    columns = noise.apply(fit.base)
-    scale = np.linalg.norm(columns, axis=1)
-    scale = np.where(scale > 0, scale, 1.0)
-    unit = columns / scale[:, None]
-    inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-13, hermitian=True)
-    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) / scale)[: len(fit.columns)]
 
 
 def _alternatives(comparison: Comparison, turn: Turn, chances: Outcome) -> tuple[Alternative, ...]:

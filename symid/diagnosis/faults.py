@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +12,12 @@ from symid.data.stuck import inspect_spans
 from symid.diagnosis.search import Turn
 from symid.diagnosis.state import State
 from symid.diagnosis.weighting import Weighting
+from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault
 
+_MANY = replace(CRITERIA, dead_share=0.05)
+"""Share of lost or repeated samples from which on a log shows its recorder rather than its machine; with fewer, as a
+coarse force has them near its turning points, effects are still told."""
 _WHOLE_SAMPLE = 0.15
 _OPPOSITE = -0.5
 """Correlation of the measured with the predicted force from which on one of their signs is wrong."""
@@ -20,8 +25,32 @@ _BOTH_SIGNS = 0.2
 """Share of the samples in which a force must be negative, and positive, for a record of one sign to be odd."""
 
 
-def damage(log: Log, state: State, weighting: Weighting) -> tuple[str, ...]:
-    """What the recorder, or a wrong sign, has done to a log, one sentence for each signal.
+@dataclass(frozen=True)
+class Damage:
+    """What is wrong with a recording.
+
+    Parameters
+    ----------
+    fatal : tuple of str
+        What leaves no physics to be read, one sentence each.
+    noted : tuple of str
+        What harms less.
+    """
+
+    fatal: tuple[str, ...] = ()
+    noted: tuple[str, ...] = ()
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """All of it, the worst first."""
+        return (*self.fatal, *self.noted)
+
+
+NO_DAMAGE = Damage()
+
+
+def damage(log: Log, state: State, weighting: Weighting) -> Damage:
+    """What the recorder, or a wrong sign, has done to a log.
 
     Parameters
     ----------
@@ -34,11 +63,12 @@ def damage(log: Log, state: State, weighting: Weighting) -> tuple[str, ...]:
     """
     record = state.scene.record
     force = record.dynamics.axis.drive.signal
-    found = [channel_fault(log[name], name) for name in (force, *record.signals)]
     signals = {name: log[name] for name in (force, *record.signals)}
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
-    found += inspect_spans(log.time, signals, positions)
-    return tuple(text for text in (*found, _wrong_sign(state, weighting)) if text)
+    faults = [channel_fault(x, name, _MANY) for name, x in signals.items()]
+    fatal = tuple(text for text in (_wrong_sign(state, weighting), *faults) if text)
+    few = (channel_fault(x, name) for name, x in signals.items())
+    return Damage(fatal, (*(x for x in few if x and not fatal), *inspect_spans(log.time, signals, positions)))
 
 
 def _wrong_sign(state: State, weighting: Weighting) -> str:

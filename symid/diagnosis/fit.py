@@ -1,4 +1,4 @@
-"""Physical parameters and effects from a record: weighted least squares of the outputs' errors, by Gauss-Newton."""
+"""Physical parameters and effects from a record: weighted least squares of the outputs' errors."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from symid.diagnosis.weighting import Weighting, with_restarts
 from symid.errors import SettingError
 
 _LARGEST_SHAPE_STEP = 0.3
-_SHORTENINGS = 5
-_SHORTER = 3.0
+_SMALLER_MASS = 0.3
+"""Factor by which a mass may fall in a step: it stays positive while all else moves."""
+_DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
+"""Relative to the squares of the columns; with the last one, a step is a sixth of that of steepest descent."""
 _SETTLED = 1e-6
 _RANK = 1e-10
 ITERATIONS = 10
@@ -121,8 +123,7 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
     spectra = derivatives(state)
     columns = weighting.rows(spectra)
     for _ in range(iterations):
-        step = _step(state, weighting, columns)
-        found, after = _searched(state, weighting, step, cost)
+        found, after = _searched(state, weighting, columns, cost)
         if found is None:
             break
         state, settled = found, after > cost * (1 - _SETTLED)
@@ -186,33 +187,43 @@ def _cost(state: State, weighting: Weighting) -> float:
     return float(error @ error)
 
 
-def _step(state: State, weighting: Weighting, columns: FloatArray) -> FloatArray:
-    columns, error = (weighting.known(x, state.beginning) for x in (columns, state.rows))
-    return solved(columns.T, error)
-
-
 def _searched(
-    state: State, weighting: Weighting, step: FloatArray, cost: float
+    state: State, weighting: Weighting, columns: FloatArray, cost: float
 ) -> tuple[State | None, float]:
-    """The longest of the step and its fractions that lowers the cost; None if none does."""
-    share = 1.0
-    for _ in range(_SHORTENINGS):
+    """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does.
+
+    Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
+    ratio; a shorter step would hold back all.
+    """
+    flat, error = (weighting.known(x, state.beginning) for x in (columns, state.rows))
+    scale = np.linalg.norm(flat, axis=1)
+    scale = np.where(scale > 0, scale, 1.0)
+    unit = flat / scale[:, None]
+    normal, gradient = unit @ unit.T, unit @ error
+    for damping in _DAMPINGS:
         try:
-            found = evaluated(state, weighting, *_moved(state, share * step))
+            left = normal + damping * np.eye(len(normal))
+            step = (
+                np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else solved(flat.T, error)
+            )
+            found = evaluated(state, weighting, *_moved(state, step))
             after = _cost(found, weighting)
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             after = np.inf
         if after < cost:
             return found, after
-        share /= _SHORTER
     return None, cost
 
 
 def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:
     parameters = dict(state.scene.parameters)
     names = state.scene.record.dynamics.parameters
+    masses = state.scene.record.dynamics.parameters_of("mass")
     for name, change in zip(names, step, strict=False):
-        parameters[name] += float(change)
+        moved_to = parameters[name] + float(change)
+        if name in masses:
+            moved_to = max(moved_to, _SMALLER_MASS * parameters[name], state.least.get(name, 0.0))
+        parameters[name] = moved_to
     place, placed = len(names), []
     for item in state.placed:
         amplitudes = item.amplitudes

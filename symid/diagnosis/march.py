@@ -8,6 +8,7 @@ hidden coordinate is treated, which two bodies and a measured drive have.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,9 @@ import scipy
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.record import Record
 from symid.simulation import Plant
+
+_POINTS_PER_ROW = 2
+"""Of the integration: the band ends at a quarter of that rate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,21 +100,23 @@ def marched(
     inertia = (
         np.tensordot(np.stack([np.ones_like(s), s, s**2]), carried, axes=(0, 0)) * record.motion[:, None]
     )
-    pushed = record.fine((known - inertia) @ hidden.balance)
+    n_points, stride = record.n_rows * _POINTS_PER_ROW, record.fine_per_row // _POINTS_PER_ROW
+    pushed = record.grid((known - inertia) @ hidden.balance, n_points)
     mass, damping, stiffness = (
         float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
     )
-    q, v = record.fine(record.motion), record.fine(s * record.motion)
+    q, v = record.grid(record.motion, n_points), record.grid(s * record.motion, n_points)
     joints = [
         (float(d @ hidden.carried), float(d @ hidden.free), float(hidden.balance @ d), law) for d, law in laws
     ]
+    step = record.period / n_points
     z, forces = _integrated(
-        (mass, damping, stiffness), pushed, q, v, joints, record.fine_time[1], int(record.in_log.sum())
+        (mass, damping, stiffness), pushed, q, v, joints, step, math.ceil(record.duration / step), stride
     )
     displacement = np.multiply.outer(hidden.carried, record.motion) + np.multiply.outer(
-        hidden.free, record.from_fine(z)
+        hidden.free, record.from_grid(z)
     )
-    return displacement, tuple(record.from_fine(f) for f in forces)
+    return displacement, tuple(record.from_grid(f) for f in forces)
 
 
 def _integrated(
@@ -121,6 +127,7 @@ def _integrated(
     joints: Sequence[tuple[float, float, float, Pointwise]],
     step: float,
     n_log: int,
+    stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """Hidden coordinate and forces on the fine grid; the way back from end to beginning is run twice, so that the
     course is periodic."""
@@ -132,7 +139,7 @@ def _integrated(
     order = [*range(n_log, q.size), *range(n_log), *range(n_log, q.size)]
     z, forces = np.zeros(q.size), [np.zeros(q.size) for _ in joints]
     try:
-        place, states, pushes = _loop(transition, first + second, second, given, moved, order)
+        place, states, pushes = _loop(transition, first + second, second, given, moved, order, stride)
     except ValueError as error:  # a sine of what has grown without bound
         raise OverflowError("the hidden motion grows without bound") from error
     back = q.size - n_log
@@ -165,8 +172,12 @@ def _loop(
     given: list[list[float]],
     moved: Sequence[tuple[list[float], list[float], float, float, Pointwise]],
     order: Sequence[int],
+    stride: int,
 ) -> tuple[list[int], FloatArray, list[FloatArray]]:
-    """States and forces in the order of the points; smooth forces by Heun's rule, dry friction held over each step."""
+    """States and forces in the order of the points, each `stride` points of the fine grid from the last.
+
+    Smooth forces by Heun's rule, dry friction held over each step.
+    """
     (a00, a01), (a10, a11) = transition.tolist()
     (b0, b1), (c0, c1) = whole.tolist(), second.tolist()
     g0, g1 = given
@@ -184,14 +195,14 @@ def _loop(
             )
         total = 0.0
         for qs, vs, h, w, law, pushed in smooth:
-            own = law(k, qs[k] + h * x, vs[k] + h * rate)
+            own = law(k * stride, qs[k] + h * x, vs[k] + h * rate)
             pushed.append(own)
             total += w * own
         x -= c0 * (total - force)
         rate -= c1 * (total - force)
         for qs, vs, h, w, law, pushed in dry:
             speed = vs[k] + h * rate
-            level = law(k, qs[k] + h * x, speed)
+            level = law(k * stride, qs[k] + h * x, speed)
             own = speed / (h * b1 * w)
             own = level if own > level else -level if own < -level else own
             pushed.append(own)

@@ -107,8 +107,8 @@ class Record:
 
     @cached_property
     def fine_per_row(self) -> int:
-        """Points of the fine grid for each row."""
-        wanted = math.ceil(_FINE_HZ * self.period / self.n_rows)
+        """Points of the fine grid for each row, an even number."""
+        wanted = 2 * math.ceil(_FINE_HZ * self.period / self.n_rows / 2)
         return min(max(wanted, 2), _FINEST)
 
     @property
@@ -194,10 +194,10 @@ class Record:
         """Spectrum of a signal given at all samples of a period."""
         return self._spectrum(values)
 
-    def from_fine(self, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal given on the fine grid."""
-        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins])
-        return whole * (self.n_extended / self.n_fine)
+    def from_grid(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at any number of evenly spaced points of a period, of shape (..., n_points)."""
+        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins], dtype=np.complex128)
+        return np.asarray(whole * (self.n_extended / values.shape[-1]))
 
     def fine(self, spectrum: ComplexArray) -> FloatArray:
         """Signal on the fine grid."""
@@ -207,10 +207,9 @@ class Record:
         """Signal at the rows."""
         return self._signal(spectrum, self.n_rows)
 
-    def from_rows(self, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal given at the rows."""
-        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins])
-        return whole * (self.n_extended / self.n_rows)
+    def grid(self, spectrum: ComplexArray, n_points: int) -> FloatArray:
+        """Signal at any number of evenly spaced points of a period."""
+        return self._signal(spectrum, n_points)
 
     def _signal(self, spectrum: ComplexArray, n: int) -> FloatArray:
         padded = np.zeros((*spectrum.shape[:-1], n // 2 + 1), dtype=complex)

@@ -153,7 +153,7 @@ class Scene:
         for direction, terms in self.record.dynamics.laws:
             joint = self._joint("", direction)
             spectra = tuple(
-                self.record.from_fine(joint.averaged(term.forces(joint.q, joint.v))) for term in terms
+                self.record.from_grid(joint.averaged(term.forces(joint.q, joint.v))) for term in terms
             )
             found.append((direction, spectra))
         return tuple(found)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.deviations import AR_ORDER
 from symid.diagnosis.effects import Effect, Placed, Shape
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.weighting import Autoregression, autoregression, unweighted
 
-AR_ORDER = 6
 PRICE = 4.5
 """Price of a free value, of the logarithm of the likelihood: half the logarithm of 8000 rows (Schwarz)."""
 _BATCH = 64

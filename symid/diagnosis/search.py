@@ -11,8 +11,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood, rows_of
+from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.effects import DriveEffect, Effect, JointEffect, LawEffect, LinearEffect, Placed
-from symid.diagnosis.fit import Fit, fitted, keeps_inertia, refitted, settled
+from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, keeps_inertia, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -49,6 +50,7 @@ _TIE = 2.0
 _TIMING_FIRST = 0.6
 """Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
 like play, friction or compliance, and what there is of these is found after it."""
+_LATE_READING = "sensor_delay"
 _OF_MASSES = ("flexible_mode", "payload_change")
 _LEAST_ACTING = 0.5
 """Share of the logged force that must act on the axis: with less, the drive has been explained away."""
@@ -143,7 +145,8 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         The model before re-identification, another start for effects that led the parameters astray.
     """
     turns: list[Turn] = []
-    current = fit
+    current = fit = replace(fit, state=fit.state.with_least(1 / LEAST_INERTIA))
+    nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library, None if turns else nominal)
         if turns and not turn.is_worth_another(fit.mean_square):
@@ -173,10 +176,22 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
     most = max((c.worth for c in confirmed.values()), default=0.0)
 
     def order(own: Confirmed) -> tuple[bool, float]:
-        timing = own.key[0] == "sensor_delay" and own.worth > _TIMING_FIRST * most
+        timing = own.key[0] == _LATE_READING and own.worth > _TIMING_FIRST * most
         return not timing, -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
 
-    return Turn(fit, tuple(sorted(confirmed.values(), key=order)), tuple(found))
+    ranked = sorted(confirmed.values(), key=order)
+    while ranked and not _is_certain(ranked[0].fit):
+        ranked.pop(0)
+    return Turn(fit, tuple(ranked), tuple(found))
+
+
+def _is_certain(fit: Fit) -> bool:
+    """Whether each shape of the last effect exceeds its deviation, by whichever route this is larger."""
+    item = fit.state.placed[-1]
+    shapes = range(-len(item.shape), 0)
+    deviations = standard_deviations(fit)
+    names = item.effect.shape_names
+    return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.moments)
 
 
 def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]) -> None:
@@ -228,18 +243,26 @@ def _stages(
     least = max(LEAST_WORTH / 2, _PROMISING * best_worth)
     promising = [c for c in found if max(c.worth, c.white_worth) > least]
     white = sorted(promising, key=lambda c: -c.white_worth)
+    timing = [c for c in found if c.placed.effect.name == _LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
-    yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3]], promising[:3])]
+    yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
     if nominal is None:
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
-    yield other[:4]
+    yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == _LATE_READING)]
+    if _least_left(confirmed) < _HARDLY * fit.mean_square:
+        return
     hidden = [replace(s, placed=replace(s.placed, marched=True)) for s in other]
     yield [s for s in hidden if can_march(nominal.state.scene, s.placed)][:_MARCHED]
     best = sorted(confirmed.values(), key=lambda c: -c.worth)
     yield islice(twins(fit, [c.fit for c in best]), _TWINS)
-    if min((c.fit.mean_square for c in confirmed.values()), default=np.inf) > _HARDLY * fit.mean_square:
+    if _least_left(confirmed) > _HARDLY * fit.mean_square:
         yield of_grid(fit, nominal, library)
+
+
+def _least_left(confirmed: Mapping[tuple[str, str], Confirmed]) -> float:
+    """Mean square that the best of those confirmed leaves."""
+    return min((c.fit.mean_square for c in confirmed.values()), default=math.inf)
 
 
 def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Candidate]:
@@ -306,12 +329,8 @@ def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
     spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
     masses = found.state.scene.record.dynamics.parameters_of("mass")
-    doubts = [
-        _DEVIATIONS * s / abs(value)
-        for (name, value), s in zip(found.parameters.items(), spread, strict=True)
-        if name in masses
-    ]
-    return keeps_inertia(found.state, *plain, doubt=float(min(doubts, default=0.0)))
+    least = min(s for name, s in zip(found.parameters, spread, strict=True) if name in masses)
+    return keeps_inertia(found.state, *plain, doubt=min(_DEVIATIONS * float(least) / max(plain), 1.0))
 
 
 def is_determined(item: Placed, blocks: Blocks) -> bool:

@@ -7,7 +7,7 @@ no sensor sees is evaluated at the motion that the model itself implies.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -41,6 +41,8 @@ class State:
         The same, weighted.
     beginning : array of shape (n_starts, n_outputs, n_rows)
         What an unknown state at the beginning of the log makes of them.
+    least : mapping of str to float
+        Masses and inertias below which a fit must not go, SI.
     """
 
     scene: Scene
@@ -48,6 +50,13 @@ class State:
     errors: ComplexArray
     rows: FloatArray
     beginning: FloatArray
+    least: Mapping[str, float] = field(default_factory=dict)
+
+    def with_least(self, share: float) -> State:
+        """The same with masses that may fall to a share of their values."""
+        scene = self.scene
+        names = scene.record.dynamics.parameters_of("mass")
+        return replace(self, least={name: share * abs(scene.parameters[name]) for name in names})
 
     @property
     def inertia(self) -> float:
@@ -134,7 +143,7 @@ def evaluated(
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             errors = errors - item.change(scene)
-    return _state(scene, placed, errors, weighting)
+    return replace(_state(scene, placed, errors, weighting), least=state.least)
 
 
 def _acted_on(before: Scene, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> Scene:

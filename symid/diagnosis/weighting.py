@@ -59,13 +59,13 @@ class Weighting:
 
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
-        windowed = self.record.from_rows(self.record.rows(errors * self.record.taper) * self.window)
+        windowed = self.record.from_grid(self.record.rows(errors * self.record.taper) * self.window)
         return self.record.rows(windowed * self.density)
 
     def back(self, rows: FloatArray) -> ComplexArray:
         """The adjoint of `rows`, up to a factor: what weighted rows of shape (n_outputs, n_rows) ask of spectra."""
-        weighted = self.record.rows(self.record.from_rows(rows) * self.density)
-        return self.record.from_rows(weighted * self.window) * self.record.taper
+        weighted = self.record.rows(self.record.from_grid(rows) * self.density)
+        return self.record.from_grid(weighted * self.window) * self.record.taper
 
     def known(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
         """Kept rows without what unknown starts could make, of shape (..., n), from rows (..., n_outputs, n_rows).

@@ -84,7 +84,7 @@ def test_noise_levels_are_those_of_the_noise() -> None:
 
 def test_back_and_forth_between_the_grids() -> None:
     one = rigid_record()
-    for there, back in ((one.rows, one.from_rows), (one.fine, one.from_fine)):
+    for there, back in ((one.rows, one.from_grid), (one.fine, one.from_grid)):
         assert np.allclose(back(there(one.motion)), one.motion, atol=1e-9 * np.abs(one.motion).max())
 
 

@@ -56,7 +56,7 @@ def test_back_is_the_adjoint_of_rows() -> None:
     one = record_of(forward_dynamics(load_axis("rigid_1m")), linear_log({"F": 1.0, "q": 1e-7}), 40.0)
     weighting, rng = first_state(one, LINEAR)[1], np.random.default_rng(1)
     course, rows = rng.standard_normal(one.n_rows), rng.standard_normal((1, one.n_rows))
-    spectrum = one.from_rows(course)
+    spectrum = one.from_grid(course)
     course = one.rows(spectrum)  # what of it lies in the band
     assert np.sum(weighting.rows(spectrum[None]) * rows) == pytest.approx(
         np.sum(course * one.rows(weighting.back(rows))[0]), rel=1e-6

@@ -123,7 +123,7 @@ class LinearEffect(JointEffect):
 def sampled(scene: Scene, *forces: FloatArray, joint: Joint | None = None) -> ComplexArray:
     """Spectra of signals on the fine grid, one a row; those that jump with the velocity of a joint if it is given."""
     values = np.stack(forces)
-    return scene.record.from_fine(values if joint is None else joint.averaged(values))
+    return scene.record.from_grid(values if joint is None else joint.averaged(values))
 
 
 def joint_units(scene: Scene, place: str) -> tuple[Unit, Unit]:

@@ -200,7 +200,7 @@ class PayloadChange(Effect):
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         body, record = scene.bodies[place], scene.record
         response = -scene.response.of_force(body.direction)
-        felt = record.from_fine(body.a)
+        felt = record.from_grid(body.a)
         energy = np.sum(record.fine(response * scene.density * felt) ** 2, axis=0) * record.in_log
         later = np.cumsum((pull(response) * body.a * record.in_log)[::-1])[::-1]
         after = np.cumsum(energy[::-1])[::-1] / energy.sum()
@@ -222,7 +222,7 @@ class PayloadChange(Effect):
         outputs = other.of_position * record.motion + other.of_forces(scene.law_forces + scene.forces)
         time = record.fine_time
         later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
-        return record.from_fine(record.fine(outputs - scene.predicted) * later)[None]
+        return record.from_grid(record.fine(outputs - scene.predicted) * later)[None]
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)

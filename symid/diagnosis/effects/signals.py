@@ -161,7 +161,7 @@ class EncoderRipple(Effect):
         return repeating_pitches(scene, _reading(scene, place), pull(response), response)
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        waves = scene.record.from_fine(np.stack(ripple(scene, _reading(scene, place), shape[0])))
+        waves = scene.record.from_grid(np.stack(ripple(scene, _reading(scene, place), shape[0])))
         return self._response(scene, place) * waves[:, None, :]
 
     def _response(self, scene: Scene, place: str) -> ComplexArray:
@@ -192,7 +192,8 @@ class SensorDelay(Effect):
 
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         period = scene.record.log.sampling_period
-        return [(float(x * period),) for x in _DELAYS if abs(x * period) < _LONGEST_DELAY]
+        times = [float(x * period) for x in _DELAYS]
+        return [(time,) for time in (*times, *_apparent_delay(scene, place)) if abs(time) < _LONGEST_DELAY]
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         at = scene.record.signals.index(place)
@@ -202,6 +203,17 @@ class SensorDelay(Effect):
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return "1", "s"
+
+
+def _apparent_delay(scene: Scene, place: str) -> list[float]:
+    """Delay of a position against the driven one if nothing else came between them: y = r q + z - T r dq/dt."""
+    record = scene.record
+    if record.dynamics.sensors[place][1]:
+        return []
+    q, y = (record.log[name] for name in (record.signals[0], place))
+    speed = np.gradient(q, record.log.sampling_period)
+    ratio, late, _ = np.linalg.lstsq(np.stack([q, speed, np.ones_like(q)]).T, y, rcond=None)[0]
+    return [float(-late / ratio)] if ratio and late else []
 
 
 def _reading(scene: Scene, signal: str) -> Joint:
