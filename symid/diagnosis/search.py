@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.blocks import Blocks, blocks_of, certainty, log_likelihood, rows_of
+from symid.diagnosis.blocks import Blocks, blocks_of, certainty, deviation, log_likelihood, rows_of
 from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.effects import DriveEffect, Effect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, keeps_inertia, refitted, settled
@@ -215,9 +215,9 @@ def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
         if plain is None or _COULOMB not in more.effect.imitates:
             continue
-        if more.worth < (1 + _HARDLY_MORE) * plain.worth or _is_nearly_constant(
-            more.fit.state.scene, more.fit.state.placed[-1]
-        ):
+        doubt = deviation(plain.squares, more.squares, rows_of(plain.fit))
+        clearly = more.worth - plain.worth > max(_HARDLY_MORE * plain.worth, doubt)
+        if not clearly or _is_nearly_constant(more.fit.state.scene, more.fit.state.placed[-1]):
             del confirmed[name, place]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
+from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.base import JointEffect, Placed, Pull, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
@@ -19,6 +20,7 @@ from symid.units import Unit
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
+_MOST_CHANGED = 3.0
 """Times of a drift relative to the log: slower ones show no course."""
 
 
@@ -116,6 +118,14 @@ class LoadDependentFriction(JointEffect):
         return ("1",)
 
 
+def _level(scene: Scene, place: str, kind: type[Law]) -> float:
+    """Value of the declared friction of a kind in a joint."""
+    laws = (
+        law for law in scene.axis.laws if isinstance(law, kind) and getattr(law.at, "name", None) == place
+    )
+    return sum(abs(scene.parameters[term.parameter]) for law in laws for term in law.terms())
+
+
 class FrictionDrift(JointEffect):
     """exp(-t/T) (dFs sign(v) + dFv v): coefficients of declared friction change while the axis warms up.
 
@@ -130,7 +140,12 @@ class FrictionDrift(JointEffect):
     per_log = True
 
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:
-        return placed.shape[0] < 0.99 * _SLOWEST_WARM_UP * scene.record.duration
+        """It shows a course within the log, and changes declared friction by no more than a few times that."""
+        if placed.shape[0] > 0.99 * _SLOWEST_WARM_UP * scene.record.duration:
+            return False
+        kinds = (DeclaredCoulomb,) * self.coulomb + (DeclaredViscous,) * self.viscous
+        changes = zip(kinds, placed.amplitudes, strict=True)
+        return all(abs(change) < _MOST_CHANGED * _level(scene, placed.at, kind) for kind, change in changes)
 
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous
