@@ -67,8 +67,7 @@ def damage(log: Log, state: State, weighting: Weighting) -> Damage:
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
     faults = [channel_fault(x, name, _MANY) for name, x in signals.items()]
     fatal = tuple(text for text in (_wrong_sign(state, weighting), *faults) if text)
-    few = (channel_fault(x, name) for name, x in signals.items())
-    return Damage(fatal, (*(x for x in few if x and not fatal), *inspect_spans(log.time, signals, positions)))
+    return Damage(fatal, inspect_spans(log.time, signals, positions))
 
 
 def _wrong_sign(state: State, weighting: Weighting) -> str:

@@ -196,6 +196,8 @@ def _searched(
     ratio; a shorter step would hold back all.
     """
     flat, error = (weighting.known(x, state.beginning) for x in (columns, state.rows))
+    if not (np.isfinite(flat).all() and np.isfinite(error).all()):
+        return None, cost
     scale = np.linalg.norm(flat, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
     unit = flat / scale[:, None]

@@ -2,7 +2,8 @@
 
 What was found first stood in for what was found later. With the others in the model each is left out in turn, which
 tells how well the rest predicts blocks that are left out. In this order they are fitted again, so that the steps of the
-gap add up; where one of them is then worth nothing, they stay in the order in which they were found.
+gap add up. Where one of them is then worth nothing, the order of what each took away when it was found is tried; and
+else they stay in the order in which they were found.
 """
 
 from __future__ import annotations
@@ -33,23 +34,34 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
     if len(accepted) < 2:
         return tuple(turns)
     whole = accepted[-1].confirmed[0].fit
+    n = len(accepted)
+    lost = [predicted(_without(whole, n - i)) for i in range(n)]
+    taken = [turn.before.mean_square - turn.confirmed[0].fit.mean_square for turn in accepted]
+    for order in (sorted(range(n), key=lambda i: lost[i]), sorted(range(n), key=lambda i: -taken[i])):
+        if order == sorted(order):
+            break
+        chain = _chain(accepted, order)
+        if chain is not None:
+            return chain
+    return tuple(turns)
+
+
+def _chain(accepted: Sequence[Turn], order: Sequence[int]) -> tuple[Turn, ...] | None:
+    """The turns in another order, fitted again; None if one of them is then worth nothing, or more is left."""
+    whole, first = accepted[-1].confirmed[0].fit, accepted[0].before
     own = whole.state.placed[-len(accepted) :]
-    lost = [predicted(_without(whole, len(own) - i)) for i in range(len(own))]
-    order = sorted(range(len(own)), key=lambda i: lost[i])
-    if order == sorted(order):
-        return tuple(turns)
     chain: list[Turn] = []
-    before = accepted[0].before
+    before = first
     for i in order:
         found = confirmed_from(before, Start.of(before, own[i]))
         if found is None:
-            return tuple(turns)
+            return None
         turn = _in_place_of(accepted[i], before, found)
-        if not turn.is_worth_another(accepted[0].before.mean_square):
-            return tuple(turns)
+        if not turn.is_worth_another(first.mean_square):
+            return None
         chain.append(turn)
         before = replace(found.fit, begun=before.begun)
-    return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else tuple(turns)
+    return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else None
 
 
 def _without(whole: Fit, from_end: int) -> Fit:

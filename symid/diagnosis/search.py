@@ -289,7 +289,7 @@ def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
 
 def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     """The gain of a model over that without its last effect, on blocks that are left out."""
-    if not np.isfinite(found.mean_square):
+    if not (np.isfinite(found.mean_square) and np.isfinite(found.columns).all()):
         return None
     blocks = blocks_of(found)
     if not is_credible(fit, found, blocks):

@@ -202,6 +202,8 @@ class PayloadChange(Effect):
         response = -scene.response.of_force(body.direction)
         felt = record.from_grid(body.a)
         energy = np.sum(record.fine(response * scene.density * felt) ** 2, axis=0) * record.in_log
+        if not 0 < energy.sum() < np.inf:
+            return []
         later = np.cumsum((pull(response) * body.a * record.in_log)[::-1])[::-1]
         after = np.cumsum(energy[::-1])[::-1] / energy.sum()
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
