@@ -32,11 +32,15 @@ if TYPE_CHECKING:
     from symid.codegen.generate import compiled, generate
     from symid.codegen.store import load_generated
     from symid.data import Log, read_log
+    from symid.diagnosis import Diagnosis
     from symid.fleet import Batch, BatchSettings, identify_batch
-    from symid.identification import Identification, Preparation, identify, predict, read_axis_log
-    from symid.simulation import simulate
-    from symid.symbolic import DerivedModel, derive
-    from symid.tuning import Tuning, tune
+    from symid.identification import Identification, Preparation, predict
+    from symid.symbolic import DerivedModel
+    from symid.tuning import Tuning
+    from symid.verbs.diagnose import diagnose
+    from symid.verbs.identify import identify
+    from symid.verbs.logs import read_axis_log
+    from symid.verbs.simulate import derive, simulate, tune
 
 __version__ = "0.1.0"
 
@@ -44,20 +48,22 @@ _ROOMS = {
     "Batch": "symid.fleet",
     "BatchSettings": "symid.fleet",
     "compiled": "symid.codegen.generate",
-    "derive": "symid.symbolic",
+    "derive": "symid.verbs.simulate",
     "DerivedModel": "symid.symbolic",
-    "identify": "symid.identification",
+    "diagnose": "symid.verbs.diagnose",
+    "Diagnosis": "symid.diagnosis",
+    "generate": "symid.codegen.generate",
+    "identify": "symid.verbs.identify",
     "identify_batch": "symid.fleet",
     "Identification": "symid.identification",
     "load_generated": "symid.codegen.store",
     "Log": "symid.data",
-    "generate": "symid.codegen.generate",
     "predict": "symid.identification",
     "Preparation": "symid.identification",
-    "read_axis_log": "symid.identification",
+    "read_axis_log": "symid.verbs.logs",
     "read_log": "symid.data",
-    "simulate": "symid.simulation",
-    "tune": "symid.tuning",
+    "simulate": "symid.verbs.simulate",
+    "tune": "symid.verbs.simulate",
     "Tuning": "symid.tuning",
 }
 """Rooms that load sympy or scipy, opened when a name is used: declaring an axis needs neither."""
@@ -81,6 +87,7 @@ __all__ = [
     "Body",
     "Damper",
     "DerivedModel",
+    "Diagnosis",
     "Drive",
     "Geared",
     "Hypothesis",
@@ -101,6 +108,7 @@ __all__ = [
     "chain",
     "compiled",
     "derive",
+    "diagnose",
     "generate",
     "identify",
     "identify_batch",

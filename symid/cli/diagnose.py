@@ -28,6 +28,7 @@ from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.verbs.diagnose import derive_if_missing
 
 _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 
@@ -106,6 +107,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         if simulated:
             found = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
         else:
+            derive_if_missing(declared, runs[0])
             found = diagnose(declared, runs, validation=validation, nominal=nominal, **recorded)
     if experiment:
         found = _with_experiment(found, limits, experiment)

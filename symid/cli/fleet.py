@@ -13,7 +13,7 @@ from symid.axis import load_axis
 from symid.cli.options import json_option, signal_list, write_json
 from symid.cli.outputs import Command, Output
 from symid.cli.progress import working
-from symid.codegen import GeneratedModel, load_generated
+from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
 from symid.fleet import (
     FleetReview,
@@ -119,4 +119,4 @@ def _model(files: Mapping[str, str], axis: str, sensors: tuple[str, ...]) -> Gen
         raise SettingError(
             f"results name the axis {axis!r}, which is no name: say with --axis which file is meant"
         )
-    return load_generated(files.get(axis, axis), sensors or None)
+    return model_of(files.get(axis, axis), sensors or None)

@@ -36,7 +36,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
-from symid.codegen import GeneratedModel, load_generated
+from symid.codegen import GeneratedModel, model_of
 from symid.data import AnyLog, Log
 from symid.identification import (
     Identification,
@@ -106,7 +106,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
     runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
-    model = load_generated(axis, measured_signals(declared, runs, signal_list(options["measured"])))
+    model = model_of(axis, measured_signals(declared, runs, signal_list(options["measured"])))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
     by_method = _by_output_error if options["method"] == "oe" else _by_regression
     found, validation, record = by_method(declared, model, runs, validating, options)

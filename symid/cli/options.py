@@ -47,7 +47,7 @@ gain_option = click.option(
 )
 
 _LARGEST = 1e50
-"""Of a parameter in SI units: products of what is larger leave the range of numbers."""
+"""Of a parameter in SI units, and the inverse of the smallest: products of others leave the range of numbers."""
 _LONGEST_LAG = 1000.0
 """Seconds by which a signal may be late."""
 _CASCADE = {
@@ -192,7 +192,7 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     for name, value in values.items():
         if value is None or (name not in axis.physical_parameters and not is_finite_number(value)):
             continue
-        if not is_finite_number(value) or abs(value) > _LARGEST:
+        if not is_finite_number(value) or (value and not 1 / _LARGEST < abs(value) < _LARGEST):
             raise SettingError(f"{file}: {name} is {shortened(value)}: give a finite number in SI units")
         parameters[name] = float(value)
     missing = [name for name in axis.physical_parameters if name not in parameters]

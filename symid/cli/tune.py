@@ -26,7 +26,7 @@ from symid.cli.options import (
 from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
-from symid.codegen import load_generated
+from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of
 from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
@@ -175,14 +175,14 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
     if options["noise_from"]:
         log = read_log_of(declared, options["noise_from"], options)
         measured = measured_signals(declared, [log], signal_list(options["measured"]))
-        model, rate = load_generated(name, measured), log.sampling_frequency
+        model, rate = model_of(name, measured), log.sampling_frequency
         levels = {**noise_levels(log, model.force, model.measured), **given}
         settings = replace(settings, held=held_force(options["held"], declared))
         late = settings.with_hold(model, log.sampling_period)
         runs = runs_of_log(declared, model, parameters, log, late)
     else:
         model, rate, levels = (
-            load_generated(name, signal_list(options["measured"])),
+            model_of(name, signal_list(options["measured"])),
             options["log_rate"],
             given,
         )

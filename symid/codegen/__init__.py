@@ -4,6 +4,6 @@ Importing this package needs no sympy; `symid.codegen.generate` does.
 """
 
 from symid.codegen.model import GeneratedModel
-from symid.codegen.store import as_generated, load_generated
+from symid.codegen.store import as_generated, load_generated, model_of
 
-__all__ = ["GeneratedModel", "as_generated", "load_generated"]
+__all__ = ["GeneratedModel", "as_generated", "load_generated", "model_of"]

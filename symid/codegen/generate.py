@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from symid.axis import axis_file, axis_names, load_axis
+from symid.axis import Axis, axis_file, axis_names, load_axis
 from symid.codegen.model import GeneratedModel
 from symid.codegen.module import module_text
 from symid.codegen.store import (
@@ -83,6 +83,17 @@ def _plan_axis(name: str, measured: Sequence[str] | None) -> list[GeneratedFile]
     sets = (measured,) if measured else (*axis.sensor_sets, *sensor_sets_in(folder, axis))
     models = [derive(axis, signals) for signals in sets]
     return [planned_file(folder / f"{module_name(axis.name, m.measured)}.py", module_text(m)) for m in models]
+
+
+def derived_text(axis: Axis, measured: Sequence[str]) -> str:
+    """Text of the module of an axis and its sensors, derived now.
+
+    Examples
+    --------
+    >>> "def regressor(F, q_d1, q_d2):" in derived_text(load_axis("rigid_1m"), ("q",))
+    True
+    """
+    return module_text(derive(axis, tuple(measured)))
 
 
 def compiled(model: DerivedModel) -> GeneratedModel:

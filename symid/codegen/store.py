@@ -13,7 +13,7 @@ from symid.axis import Axis, axis_file, load_axis
 from symid.axis.loading import PACKAGE
 from symid.codegen.model import GeneratedModel
 from symid.codegen.vetting import require_vetted
-from symid.errors import GeneratedModuleError
+from symid.errors import GeneratedModuleError, SymidError
 from symid.files import free_name, write_whole
 
 if TYPE_CHECKING:
@@ -199,12 +199,55 @@ def stored_module(
     signals = tuple(
         sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
     )
+    module = f"{module_name(declared.name, signals)}.py"
+    if folder is None and (text := _DERIVED.get((declared.signature, declared.name, signals))):
+        return StoredModule(module, text, declared.signature, "derive it again")
     folder = folder or generated_folder(axis_file(name_or_path))
-    path = folder / f"{module_name(declared.name, signals)}.py"
+    path = folder / module
     cure = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
     if not path.is_file():
         raise GeneratedModuleError(f"there is no generated module {path.name}; {cure}")
     return StoredModule(path.name, _text(path), declared.signature, cure)
+
+
+_DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}
+"""Texts of modules that this process has derived, by signature and name of the axis and its sensors."""
+
+
+def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> GeneratedModel:
+    """The generated model of an axis, derived on the spot if it has no module, or an old one, and kept in memory.
+
+    Parameters
+    ----------
+    axis : str or Axis
+        Name or path of an axis file, or a declaration, which need not be in any file.
+    measured : sequence of str, optional
+        Signals of the sensors; the first sensor by default.
+
+    Raises
+    ------
+    SymidError
+        If there is no such axis, or it cannot be derived.
+
+    Examples
+    --------
+    >>> from symid.axis import Axis, Body, Drive, Position
+    >>> body = Body("body", mass="M")
+    >>> model_of(Axis("free", (body,), Drive("F", body), (Position("q", body),))).signals
+    ('F', 'q_d2')
+    """
+    declared = axis if isinstance(axis, Axis) else load_axis(axis)
+    signals = tuple(
+        sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
+    )
+    try:
+        return load_generated(axis, signals)
+    except SymidError:
+        # Only who has no module needs sympy.
+        from symid.codegen.generate import derived_text
+
+        _DERIVED[declared.signature, declared.name, signals] = derived_text(declared, signals)
+        return load_generated(declared, signals)
 
 
 def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:

@@ -15,6 +15,7 @@ from symid.data.filtering import (
     kept_indices,
 )
 from symid.data.foreign import ForeignColumn, foreign_columns
+from symid.data.frames import Frame
 from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, spans
@@ -34,6 +35,7 @@ __all__ = [
     "AnyLog",
     "Clock",
     "ForeignColumn",
+    "Frame",
     "Layout",
     "Log",
     "LongLog",

@@ -79,7 +79,7 @@ def names_of(headers: Collection[str]) -> frozenset[str]:
     >>> sorted(names_of(["q [mm]"]))
     ['q', 'q [mm]']
     """
-    return frozenset(headers) | {_split(header)[0] for header in headers}
+    return frozenset(headers) | {split_unit(header)[0] for header in headers}
 
 
 def _unknown_keys(given: Assignment) -> list[str]:
@@ -114,14 +114,14 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
     if signal in given.units or signal in given.gains:
         raise LogError(
             f"unit or gain of {signal!r} is given, but it is made from column {given.headers[position]!r}: "
-            f"add --column {signal}={_split(given.headers[position])[0]} or drop them"
+            f"add --column {signal}={split_unit(given.headers[position])[0]} or drop them"
         )
     return Source(signal, position, gain * _factor(given, other, position, None))
 
 
 def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) -> float:
     header = given.headers[position]
-    text = given.units.get(signal, _split(header)[1])
+    text = given.units.get(signal, split_unit(header)[1])
     gain = float(given.gains.get(signal, 1.0))
     if not np.isfinite(gain) or gain == 0.0:
         raise LogError(f"gain {gain:g} of {signal!r} is not possible: give a finite number other than zero")
@@ -133,8 +133,14 @@ def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) ->
         raise LogError(f"column {header!r}: {error}") from error
 
 
-def _split(header: str) -> tuple[str, str | None]:
-    """Name and unit of a header."""
+def split_unit(header: str) -> tuple[str, str | None]:
+    """Name and unit of a header.
+
+    Examples
+    --------
+    >>> split_unit("q2 [mm]"), split_unit("q2")
+    (('q2', 'mm'), ('q2', None))
+    """
     match = _HEADER.fullmatch(header)
     return (match["name"], match["unit"].strip()) if match else (header, None)
 
@@ -142,7 +148,7 @@ def _split(header: str) -> tuple[str, str | None]:
 def _position(headers: Sequence[str], column: str) -> int | None:
     """Position of the column with this header or, failing that, with this name before its unit."""
     wanted = column.strip()
-    for names in (headers, [_split(header)[0] for header in headers]):
+    for names in (headers, [split_unit(header)[0] for header in headers]):
         found = [position for position, name in enumerate(names) if name == wanted]
         if len(found) > 1:
             same = ", ".join(repr(headers[position]) for position in found)

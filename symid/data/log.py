@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import polars as pl
 
 from symid.arrays import FloatArray, read_only
+from symid.data.frames import Frame, uniform
 from symid.errors import LogError
 
 
@@ -99,6 +101,61 @@ class Log:
             sampling_period=sampling_period,
             signals={name: _finite_copy(source, name, values) for name, values in signals.items()},
         )
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: Frame,
+        *,
+        columns: Mapping[str, str] | None = None,
+        units: Mapping[str, str] | None = None,
+        gains: Mapping[str, float] | None = None,
+        sampling_period: float | None = None,
+        source: str = "frame",
+    ) -> Log:
+        """Log of a data frame: a column for each signal, in the unit of its header or SI, and one of the time.
+
+        Parameters
+        ----------
+        frame : data frame or mapping of str to array
+            Of pandas, polars, pyarrow or columns by name, such as ``t``, ``q`` and ``F [kN]``. Columns without numbers
+            are left out, and a note says so. Moments and durations become seconds.
+        columns, units, gains : mapping, optional
+            Column, unit and factor by signal, as in `symid.read_log`.
+        sampling_period : float, optional
+            Time between two samples, s, of a frame without a column of the time.
+        source : str
+            Name of the data in messages and results.
+
+        Raises
+        ------
+        LogError
+            If the clock is not uniform, a value is not finite, or a unit is not known or depends on what is measured
+            (`symid.read_axis_log` knows that).
+
+        Examples
+        --------
+        >>> log = Log.from_frame({"Time [ms]": range(30), "q [mm]": range(30)}, columns={"t": "Time"})
+        >>> log.sampling_period, log["q"][:3].tolist()
+        (0.001, [0.0, 0.001, 0.002])
+        """
+        found = uniform(
+            frame, columns=columns, units=units, gains=gains, sampling_period=sampling_period, source=source
+        )
+        signals = {name: _finite_copy(source, name, values) for name, values in found.signals.items()}
+        return cls(source, found.start, found.sampling_period, signals, found.notes)
+
+    def to_frame(self) -> pl.DataFrame:
+        """A polars data frame with a column ``t`` of the time, s, and one for each signal, SI.
+
+        Its ``to_pandas`` and ``to_arrow`` give those of other libraries.
+
+        Examples
+        --------
+        >>> Log.from_arrays({"q": [0.0, 0.1]}, sampling_period=0.5).to_frame().rows()
+        [(0.0, 0.0), (0.5, 0.1)]
+        """
+        return pl.DataFrame({"t": self.time, **self.signals})
 
     @property
     def n_samples(self) -> int:

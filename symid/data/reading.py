@@ -14,6 +14,7 @@ from symid.arrays import FloatArray
 from symid.data.checks import inspect_steps, inspect_values
 from symid.data.clock import Clock, inspect_clock
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, sources_of
+from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
 from symid.data.log import Log
 from symid.data.memory import require_room
@@ -29,7 +30,7 @@ _NO_ALTERNATIVES: Final[Mapping[str, tuple[str, float]]] = MappingProxyType({})
 
 
 def read_log(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Frame,
     *,
     expected: Mapping[str, Unit],
     alternatives: Mapping[str, tuple[str, float]] = _NO_ALTERNATIVES,
@@ -46,8 +47,8 @@ def read_log(
 
     Parameters
     ----------
-    path : path-like
-        File; its suffix says its kind.
+    path : path-like or data frame
+        File, whose suffix says its kind; or a frame of pandas, polars or pyarrow, or columns by name.
     expected : Mapping of str to Unit
         Signals that the axis knows. Those in the file are read, and must be usable; others may be missing.
     alternatives : Mapping of str to (str, float)
@@ -73,8 +74,7 @@ def read_log(
         In one line: the file is unreadable, a named column is missing, no signal is there, a unit does not
         fit, a value is no number, the clock is not uniform, a signal is constant.
     """
-    file = Path(path)
-    table = opened_table(file, layout, sampling_period)
+    file, table = opened(path, layout, sampling_period)
     given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
     with said_of(file):
         return read_table(file, table, expected, sources_of(given, named=columns.keys()), columns.keys())
@@ -89,6 +89,20 @@ def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> fr
         As in `read_log`.
     """
     return names_of(open_table(Path(path), layout).headers)
+
+
+def opened(
+    path: str | os.PathLike[str] | Frame,
+    layout: Layout | None,
+    sampling_period: float | None,
+    memory: int | None = None,
+) -> tuple[Path, Table]:
+    """What a log is called and its table: that of a file, or a frame; parameters and errors as those of `open_log`."""
+    if isinstance(path, (str, os.PathLike)):
+        return Path(path), opened_table(Path(path), layout, sampling_period, memory)
+    table = table_of(path)
+    with said_of(SOURCE):
+        return SOURCE, table if sampling_period is None else with_clock(table, sampling_period)
 
 
 def opened_table(

@@ -19,11 +19,12 @@ from symid.arrays import FloatArray
 from symid.data.checks import inspect_finite, inspect_steps, said_range
 from symid.data.clock import MINIMUM_SAMPLES, Clock, ClockOfBlocks
 from symid.data.columns import REFERENCE, TIME, Assignment, Source, sources_of
+from symid.data.frames import Frame
 from symid.data.layout import Layout
 from symid.data.long_log import BLOCK, AnyLog, LongLog, spans
-from symid.data.reading import in_si, opened_table, positions_of, read_table
+from symid.data.reading import in_si, opened, positions_of, read_table
 from symid.data.stuck import inspect_spans
-from symid.data.table import Slices, said_of
+from symid.data.table import Slices, Table, said_of
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -39,7 +40,7 @@ _WINDOW: Final = 131_072
 
 
 def open_log(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Frame,
     *,
     expected: Mapping[str, Unit],
     alternatives: Mapping[str, tuple[str, float]] | None = None,
@@ -70,21 +71,24 @@ def open_log(
     LogError
         As `read_log` does; of a long log, for the first block that has a fault.
     """
-    file, named = Path(path), dict(columns or {})
-    table = opened_table(file, layout, sampling_period, memory)
+    named = dict(columns or {})
+    file, table = opened(path, layout, sampling_period, memory)
     given = Assignment(
         table.headers, expected, alternatives or {}, {TIME: TIME, **named}, units or {}, gains or {}
     )
     with said_of(file):
         sources = sources_of(given, named=named.keys())
-        at_most = file.stat().st_size / _BYTES_OF_A_ROW if table.n_rows is None else table.n_rows
-        if table.slices is not None and not whole and at_most * _BYTES_OF_A_SAMPLE > memory:
+        if table.slices is not None and not whole and _most_rows(file, table) * _BYTES_OF_A_SAMPLE > memory:
             used = [source for source in sources if source.signal != REFERENCE]
             slices = table.slices([source.position for source in used])
             if slices.n_rows * _BYTES_OF_A_SAMPLE > memory:
                 headers = [table.headers[source.position] for source in used]
                 return _Scan(file, slices, used, headers, expected, block).log()
         return read_table(file, table, expected, sources, named.keys(), memory)
+
+
+def _most_rows(file: Path, table: Table) -> float:
+    return file.stat().st_size / _BYTES_OF_A_ROW if table.n_rows is None else table.n_rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -96,7 +96,7 @@ class _Projection:
         for group, sizes in zip(columns, whole, strict=True):
             norms = np.linalg.norm(group, axis=1)
             seen = norms > _BLIND * np.maximum(sizes, np.finfo(float).tiny)
-            if not np.all(seen):
+            if not (np.all(seen) and np.isfinite(norms).all()):
                 found.append((0.0, np.zeros(len(group))))
                 continue
             unit = group / norms[:, None]

@@ -182,6 +182,8 @@ def is_hidden(scene: Scene, joint: Joint) -> bool:
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
     """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
+    if not np.isfinite(force).all():
+        raise OverflowError(f"the force at {joint.name} grows without bound")
     s = 1j * joint.record.omega
     motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
     scale = np.linalg.norm(motion, axis=1)

@@ -90,6 +90,10 @@ class Batch:
         """The rows as a table, as the files hold it."""
         return table_of(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
 
+    def to_frame(self) -> pl.DataFrame:
+        """The rows as a polars data frame; its ``to_pandas`` and ``to_arrow`` give those of other libraries."""
+        return self.table
+
     @property
     def statuses(self) -> dict[str, int]:
         """How many logs have each status, the most frequent first."""

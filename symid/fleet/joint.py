@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import polars as pl
 import scipy
 from threadpoolctl import threadpool_limits
 
@@ -131,6 +132,10 @@ class JointIdentification(EstimatedParameters):
     message: str
     disagreement: float
     degrees_of_freedom: int
+
+    def to_frame(self) -> pl.DataFrame:
+        """Parameters as a polars data frame, as those of an `Identification`."""
+        return self._as_frame(self.covariance)
 
     @property
     def standard_deviations(self) -> FloatArray:

@@ -13,9 +13,9 @@ from pathlib import Path
 import symid
 from symid.axis import Axis, load_axis
 from symid.codegen import GeneratedModel
-from symid.codegen.store import StoredModule, stored_module
+from symid.codegen.store import StoredModule, model_of, stored_module
 from symid.data.tables import SUFFIXES
-from symid.errors import GeneratedModuleError, SettingError
+from symid.errors import GeneratedModuleError, SettingError, SymidError
 from symid.fleet.kept_factors import FACTORS
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
 from symid.fleet.settings import BatchSettings
@@ -135,15 +135,16 @@ def _require_no_column(axes: Sequence[Axis]) -> None:
 def _modules(
     source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]], folder: Path | None
 ) -> Iterator[tuple[tuple[str, ...], StoredModule]]:
-    """Modules that there are; the first one must be there and fit the declaration."""
+    """Modules that there are; the first one is derived on the spot if it is not there, or old."""
     for place, measured in enumerate(sets):
         try:
             module = stored_module(source, measured, folder)
             module.compiled()
-        except GeneratedModuleError:
-            if place == 0:
-                raise
-            continue
+        except SymidError:
+            if place > 0:
+                continue
+            model_of(axis, measured)
+            module = stored_module(axis, measured)
         yield tuple(sensor.signal for sensor in axis.measured(measured)), module
 
 

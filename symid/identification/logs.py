@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 
 from symid.axis import Axis
-from symid.data import MEMORY, AnyLog, Layout, Log, open_log, read_log
+from symid.data import MEMORY, AnyLog, Frame, Layout, Log, open_log, read_log
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -45,7 +45,7 @@ def axis_columns(
 
 def read_axis_log(
     axis: Axis,
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Frame,
     *,
     measured: Sequence[str] | None = None,
     columns: Mapping[str, str] | None = None,
@@ -60,8 +60,8 @@ def read_axis_log(
     ----------
     axis : Axis
         Says which signals to expect, and in which units.
-    path : path-like
-        The file.
+    path : path-like or data frame
+        The file, or a frame of pandas, polars or pyarrow, or columns by name.
     measured : sequence of str, optional
         Sensors to read; all that the file holds by default.
     columns, units, gains : mapping, optional
@@ -96,7 +96,7 @@ def read_axis_log(
 
 def open_axis_log(
     axis: Axis,
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Frame,
     *,
     measured: Sequence[str] | None = None,
     columns: Mapping[str, str] | None = None,

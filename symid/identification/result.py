@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import polars as pl
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
@@ -35,6 +36,22 @@ class EstimatedParameters:
         if not self.physical:
             return {}
         return dict(zip(self.model.physical_units, map(float, self.physical[0].parameters), strict=True))
+
+    def _as_frame(self, covariance: FloatArray) -> pl.DataFrame:
+        """Rows of `to_frame`, by a covariance of the minimal parameters."""
+        rows = [
+            ("minimal", name, value, float(np.sqrt(variance)), str(self.model.minimal_units[name]))
+            for (name, value), variance in zip(
+                self.minimal_parameters.items(), np.diag(covariance), strict=True
+            )
+        ]
+        if self.physical:
+            deviations = self.physical[0].propagated_deviations(covariance)
+            rows += [
+                ("physical", name, value, float(std), str(self.model.physical_units[name]))
+                for (name, value), std in zip(self.physical_parameters.items(), deviations, strict=True)
+            ]
+        return pl.DataFrame(rows, schema=["kind", "name", "value", "std", "unit"], orient="row")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +106,13 @@ class Identification(EstimatedParameters):
     def covariance(self) -> FloatArray:
         """Covariance of the minimal parameters, corrected for the residual's correlation where that can be told."""
         return trusted_covariance(self.fit, self.correlated)
+
+    def to_frame(self) -> pl.DataFrame:
+        """A polars data frame with a row for each minimal and physical parameter: kind, name, value, std, unit (SI).
+
+        Its ``to_pandas`` and ``to_arrow`` give those of other libraries.
+        """
+        return self._as_frame(self.covariance)
 
     @property
     def standard_deviations(self) -> FloatArray:

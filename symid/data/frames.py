@@ -1,0 +1,168 @@
+"""Data frames of pandas, polars and pyarrow, and columns by name, as the tables that files are read as."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+
+import narwhals.stable.v2 as nw
+import numpy as np
+import numpy.typing as npt
+
+from symid.arrays import FloatArray
+from symid.data.clock import inspect_clock
+from symid.data.columns import REFERENCE, TIME, split_unit
+from symid.data.table import Table
+from symid.errors import LogError
+from symid.units import Unit, to_si
+
+if TYPE_CHECKING:
+    from narwhals.stable.v2.typing import IntoDataFrame
+
+Frame: TypeAlias = "IntoDataFrame | Mapping[str, npt.ArrayLike]"
+"""A data frame of pandas, polars, pyarrow or another library that narwhals knows, or columns by name."""
+
+SOURCE: Final = Path("frame")
+"""What a frame is called in messages and results."""
+_CONTEXTS: Final = tuple(map(Unit.of, ("rad", "rad/s", "rad/s^2", "m/s^2")))
+"""Signals in which a unit may mean something else than by itself."""
+
+
+def table_of(frame: Frame) -> Table:
+    """A frame as a table; a column of moments or durations is seconds from its first value.
+
+    Parameters
+    ----------
+    frame : data frame or mapping of str to array
+        The columns. An index of pandas that is called ``t`` is a column too.
+
+    Raises
+    ------
+    LogError
+        If it is no frame, or its columns differ in length.
+
+    Examples
+    --------
+    >>> table = table_of({"t": [0.0, 0.1], "q [mm]": [1, 2]})
+    >>> table.headers, table.read([1])[0].tolist()
+    (('t', 'q [mm]'), [1.0, 2.0])
+    """
+    columns = _columns_of(frame)
+    lengths = {name: np.shape(values)[:1] for name, values in columns.items()}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{name} {size[0] if size else 'a number'}" for name, size in lengths.items())
+        raise LogError(f"{SOURCE}: the columns differ in length ({listed}): give as many samples of each")
+    headers = tuple(columns)
+    return Table(headers, lambda positions: [_values(columns[headers[position]]) for position in positions])
+
+
+class Uniform(NamedTuple):
+    """Signals of a frame on a uniform clock, SI, and what looked odd."""
+
+    signals: dict[str, FloatArray]
+    start: float
+    sampling_period: float
+    notes: tuple[str, ...]
+
+
+def uniform(
+    frame: Frame,
+    *,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    gains: Mapping[str, float] | None = None,
+    sampling_period: float | None = None,
+    source: str,
+) -> Uniform:
+    """Signals of a frame: parameters and errors as those of `Log.from_frame`."""
+    table, given = table_of(frame), dict(columns or {})
+    signals_by_column = {column: signal for signal, column in given.items()}
+    values: dict[str, FloatArray] = {}
+    notes: list[str] = []
+    for header, column in zip(table.headers, table.read(range(len(table.headers))), strict=True):
+        name, written = split_unit(header)
+        signal = signals_by_column.get(header, signals_by_column.get(name, name))
+        if isinstance(column, str):
+            notes.append(f"column {header!r} {column}; left out")
+            continue
+        if signal in values:
+            raise LogError(f"{source}: two columns are {signal!r}: rename one")
+        unit = (units or {}).get(signal, written)
+        try:
+            factor = 1.0 if unit is None else _factor(unit, is_time=signal == TIME)
+        except LogError as error:
+            raise LogError(f"{source}: column {header!r}: {error}") from error
+        values[signal] = (gains or {}).get(signal, 1.0) * factor * column
+    if lacking := [signal for signal in given if signal not in values]:
+        raise LogError(
+            f"{source}: there is no column {given[lacking[0]]!r} of numbers for {lacking[0]!r}: it has "
+            f"{', '.join(table.headers)}"
+        )
+    return _clocked(values, sampling_period, source, notes)
+
+
+def _columns_of(frame: Frame) -> dict[str, Any]:
+    if isinstance(frame, Mapping):
+        return {str(name): np.asarray(values) for name, values in frame.items()}
+    given: Any = frame
+    index = getattr(given, "index", None)
+    if getattr(index, "name", None) == TIME and TIME not in getattr(given, "columns", ()):
+        given = given.reset_index()
+    try:
+        native = nw.from_native(given, eager_only=True)
+    except TypeError as error:
+        raise LogError(
+            f"{type(frame).__name__} is no log: give a Log, the path of a file, a data frame of pandas, polars or "
+            "pyarrow, or columns by name"
+        ) from error
+    return {str(name): native[name] for name in native.columns}
+
+
+def _values(column: Any) -> FloatArray | str:
+    """Numbers of a column, NaN where it has none, or a sentence that says why it has no numbers."""
+    if isinstance(column, nw.Series):
+        if column.dtype.is_numeric():
+            return np.asarray(column.cast(nw.Float64).to_numpy(), dtype=np.float64)
+        column = column.to_numpy()
+    if column.dtype.kind in "mM":
+        seconds = (column - column[0]) / np.timedelta64(1, "s") if column.size else column.astype(float)
+        return np.asarray(seconds, dtype=np.float64)
+    if column.dtype.kind not in "biuf" or column.ndim != 1:
+        what = f"{column.dtype}" if column.ndim == 1 else f"an array of shape {column.shape}"
+        return f"holds {what} where a vector of numbers is required"
+    return np.array(column, dtype=np.float64)
+
+
+def _factor(text: str, *, is_time: bool) -> float:
+    if is_time:
+        return to_si(text, Unit.of("s"))
+    factor = to_si(text)
+    for expected in _CONTEXTS:
+        try:
+            other = to_si(text, expected)
+        except LogError:
+            continue
+        if other != factor:
+            raise LogError(
+                f"unit {text!r} depends on what is measured: read it with read_axis_log, or give units"
+            )
+    return factor
+
+
+def _clocked(values: dict[str, FloatArray], period: float | None, source: str, notes: list[str]) -> Uniform:
+    """Values on the clock of their time, or with a period where there is none."""
+    time = values.pop(TIME, None)
+    signals = {name: x for name, x in values.items() if name != REFERENCE or np.isfinite(x).all()}
+    if time is None:
+        if period is None:
+            raise LogError(
+                f"{source}: there is no column 't' of the time: give columns={{'t': NAME}} or sampling_period"
+            )
+        return Uniform(signals, 0.0, period, tuple(notes))
+    if period is not None:
+        raise LogError(f"{source}: there is a column 't': give no sampling period beside it")
+    clock = inspect_clock(time)
+    if clock.faults:
+        raise LogError(f"{source}: {'; '.join(clock.faults)}")
+    return Uniform(signals, clock.start, clock.period, (*notes, *clock.notes))

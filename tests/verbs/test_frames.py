@@ -1,0 +1,89 @@
+"""Data frames as logs: units, clocks, what holds no numbers."""
+
+import datetime as dt
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pytest
+
+import symid
+from symid.errors import LogError
+
+N = 400
+T = np.arange(N) / 200
+COLUMNS = {"t": T, "q [mm]": 1e3 * np.sin(9 * T), "F [kN]": np.cos(9 * T)}
+FRAMES = {"dict": dict, "pandas": pd.DataFrame, "polars": pl.DataFrame, "pyarrow": pa.table}
+
+
+@pytest.mark.parametrize("kind", FRAMES)
+def test_frames_of_all_kinds_are_logs(kind: str) -> None:
+    frame = FRAMES[kind](COLUMNS)
+    for log in (symid.Log.from_frame(frame), symid.read_axis_log("rigid_1m", frame)):
+        assert (log.n_samples, log.source) == (N, "frame")
+        assert log.sampling_period == pytest.approx(0.005)
+        assert log["q"] == pytest.approx(np.sin(9 * T))
+        assert log["F"] == pytest.approx(1e3 * np.cos(9 * T))
+
+
+def test_a_frame_and_a_log_are_the_same_there_and_back() -> None:
+    log = symid.Log.from_frame(COLUMNS)
+    again = symid.Log.from_frame(log.to_frame())
+    assert again.to_frame().equals(log.to_frame())
+    assert log.to_frame().columns == ["t", "q", "F"]
+
+
+def test_moments_durations_and_an_index_are_clocks() -> None:
+    moments = [dt.datetime(2026, 11, 21) + dt.timedelta(milliseconds=5 * i) for i in range(N)]
+    frame = pd.DataFrame({"q": np.sin(T)}, index=pd.Index(moments, name="t"))
+    assert symid.Log.from_frame(frame).sampling_period == pytest.approx(0.005)
+    lengths = pl.DataFrame({"t": [moment - moments[0] for moment in moments], "q": np.sin(T)})
+    assert symid.Log.from_frame(lengths).sampling_period == pytest.approx(0.005)
+
+
+def test_texts_are_left_out_with_a_note() -> None:
+    log = symid.Log.from_frame({**COLUMNS, "mode": ["auto"] * N})
+    assert list(log.signals) == ["q", "F"]
+    assert "column 'mode' holds" in log.notes[0]
+
+
+def test_columns_units_and_gains_are_as_for_files() -> None:
+    frame = {"Zeit": 1e3 * T, "Lage": 1e3 * np.sin(9 * T), "Strom": np.cos(9 * T)}
+    mapped = {
+        "columns": {"t": "Zeit", "q": "Lage", "F": "Strom"},
+        "units": {"t": "ms", "q": "mm"},
+        "gains": {"F": 85.0},
+    }
+    for log in (symid.Log.from_frame(frame, **mapped), symid.read_axis_log("rigid_1m", frame, **mapped)):
+        assert log["q"] == pytest.approx(np.sin(9 * T))
+        assert log["F"] == pytest.approx(85 * np.cos(9 * T))
+
+
+@pytest.mark.parametrize(
+    ("frame", "says"),
+    [
+        ({"q": T}, "no column 't'"),
+        ({"t": T**2, "q": T}, "jitters|uniform"),
+        ({"t": T, "q": T[:-1]}, "differ in length"),
+        ({"t": T, "q": np.where(T > 1, np.nan, T)}, "not finite"),
+        ({"t": T, "w [1/min]": T}, "depends on what is measured"),
+        ({"t": T, "a [g]": T}, "depends on what is measured"),
+        ({"t": T, "q [count]": T}, "how much one is"),
+        ({"t": T, "q [mm]": T, "q": T}, "two columns are 'q'"),
+        ({"t": T, "q": np.ones((N, 2))}, "no signals"),
+        (5, "int is no log"),
+        ([1, 2], "list is no log"),
+        ("run.csv", "str is no log"),
+        ({"t": T, "q": 3.0}, "differ in length"),
+    ],
+)
+def test_what_is_no_log_is_refused(frame: object, says: str) -> None:
+    with pytest.raises(LogError, match=says):
+        symid.Log.from_frame(frame)
+
+
+def test_a_period_takes_the_place_of_a_clock() -> None:
+    assert symid.Log.from_frame({"q": T}, sampling_period=0.1).time[1] == 0.1
+    with pytest.raises(LogError, match="no sampling period beside it"):
+        symid.Log.from_frame(COLUMNS, sampling_period=0.1)

@@ -1,0 +1,111 @@
+"""An axis, its name or a model, with logs, files or frames: the same result, derived on the spot where needed."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_line import run
+from fleet_logs import TRUE, write_log
+
+import symid
+from symid.codegen import store
+from symid.errors import SettingError, SymidError
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write_log(Path("a.csv"), 1)
+    return tmp_path
+
+
+def own(friction: str = "Fv") -> symid.Axis:
+    body = symid.Body("body", mass="M")
+    laws = (body, symid.ViscousFriction(body, friction), symid.CoulombFriction(body, "Fs"))
+    return symid.Axis("own_verbs", laws, symid.Drive("F", body), (symid.Position("q", body),))
+
+
+def test_all_ways_of_naming_an_axis_and_a_log_are_alike(folder: Path) -> None:
+    axis, frame = symid.load_axis("rigid_1m"), pd.read_csv("a.csv")
+    log = symid.read_axis_log(axis, "a.csv")
+    found = [
+        symid.identify(given, source).physical_parameters
+        for given in ("rigid_1m", axis, symid.load_generated("rigid_1m"), symid.derive("rigid_1m"))
+        for source in (log, "a.csv", Path("a.csv"), frame, [frame], {name: frame[name] for name in frame})
+    ]
+    assert all(one == found[0] for one in found)
+    assert found[0] == pytest.approx(TRUE, rel=0.02)
+
+
+def test_an_axis_without_module_is_derived_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = symid.identify(own("Fvisc"), "a.csv")
+    assert found.physical_parameters["Fvisc"] == pytest.approx(TRUE["Fv"], rel=0.05)
+    monkeypatch.setattr("symid.codegen.generate.derived_text", lambda *_: pytest.fail("derived again"))
+    assert symid.identify(own("Fvisc"), "a.csv").status == found.status
+    assert not (folder / "generated").exists()
+
+
+def test_the_command_line_needs_no_generate(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("new", "line", "--bodies", "1") == 0
+    source = Path("models/line.py").read_text(encoding="utf-8")
+    axis = symid.load_axis("line")
+    columns = [f"--column={axis.drive.signal}=F", f"--column={axis.sensors[0].signal}=q"]
+    assert run("identify", "line", "a.csv", *columns) == 0
+    assert run("batch", "line", "a.csv", "-o", "r.parquet", "--jobs", "1", *columns) == 0
+    assert "rows: r.parquet" in capsys.readouterr().out
+    assert (Path("models/line.py").read_text(encoding="utf-8"), Path("generated").exists()) == (source, False)
+
+
+def test_a_stale_module_is_not_used(folder: Path) -> None:
+    assert run("new", "aged", "--bodies", "1") == 0
+    assert run("generate", "aged") == 0
+    text = Path("models/aged.py").read_text(encoding="utf-8")
+    changed = text.replace('mass="', 'mass="new')
+    Path("models/aged.py").write_text(changed, encoding="utf-8")
+    assert changed != text
+    axis = symid.load_axis("aged")
+    with pytest.raises(SymidError, match="older than the declaration"):
+        symid.load_generated("aged")
+    frame = pd.read_csv("a.csv").rename(columns={"F": axis.drive.signal, "q": axis.sensors[0].signal})
+    assert set(symid.identify("aged", frame).physical_parameters) == set(axis.physical_parameters)
+
+
+def test_diagnose_takes_names_and_frames(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[object] = []
+    monkeypatch.setattr(
+        "symid.verbs.diagnose.diagnose_axis", lambda *given, **settings: seen.append((given, settings))
+    )
+    symid.diagnose("rigid_1m", pd.read_csv("a.csv"), validation="a.csv", nominal=TRUE)
+    symid.diagnose(own("Fdiag"), "a.csv")
+    ((first, settings), (second, _)) = seen
+    assert first[0] == symid.load_axis("rigid_1m")
+    assert np.array_equal(first[1]["q"], settings["validation"]["q"])
+    assert settings["nominal"] == TRUE
+    assert ("own_verbs", ("q",)) in {key[1:] for key in store._DERIVED}
+    assert second[1].n_samples == 2000
+
+
+def test_results_are_frames(folder: Path) -> None:
+    table = symid.identify("rigid_1m", "a.csv").to_frame()
+    assert table.columns == ["kind", "name", "value", "std", "unit"]
+    assert table.filter(kind="physical")["name"].to_list() == ["M", "Fv", "Fs"]
+    assert symid.identify_batch("rigid_1m", "a.csv", jobs=1).to_frame().height == 1
+
+
+@pytest.mark.parametrize("given", [5, None, ["rigid_1m"]])
+def test_what_is_no_axis_is_refused(given: object) -> None:
+    with pytest.raises(SettingError, match="is no axis"):
+        symid.derive(given)
+    with pytest.raises(SymidError):
+        symid.identify("no_axis", {"t": [0.0]})
+
+
+def test_what_is_typed_says_so() -> None:
+    assert (Path(symid.__file__).parent / "py.typed").is_file()
+
+
+def test_there_is_one_version() -> None:
+    root = Path(__file__).parents[2]
+    assert f"version: {symid.__version__}" in (root / "CITATION.cff").read_text(encoding="utf-8")
+    assert symid.__version__ not in (root / "pyproject.toml").read_text(encoding="utf-8")
