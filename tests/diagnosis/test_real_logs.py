@@ -1,6 +1,6 @@
 """The real logs of benchmarks/diagnosis/real: readers beside symid's, plain scripts beside what SOURCE.md files say."""
 
-from itertools import pairwise, product
+from itertools import pairwise, permutations, product
 from types import SimpleNamespace
 
 import numpy as np
@@ -153,6 +153,11 @@ def test_load_dependent_friction_is_solved_for():
     script = Script("u", "q", ("inertia", "weight", "viscous"), (LOAD,))
     values = plain(script, [run], run, 400.0).best.values
     assert values == pytest.approx({"inertia": 0.2, "weight": 0.5, "viscous": 0.1, LOAD: 0.15}, rel=0.02)
+
+
+def test_no_name_of_a_case_begins_another():
+    names = [case.name for machine in ("emps", "pendulum", "robot", "motor") for case in MACHINES[machine]()]
+    assert not [(a, b) for a, b in permutations(names, 2) if b.startswith(a)]
 
 
 def test_each_case_has_logs_of_its_axis_and_values_for_it():

@@ -74,16 +74,13 @@ class Motion:
 
     def low_passed(self, x: FloatArray) -> FloatArray:
         """A signal in the band."""
-        share = 2.0 * self.recording.period * self.band / (np.sqrt(2.0) - 1.0) ** (0.5 / _ORDER)
-        if share > 0.98:
-            return x
-        sections = signal.butter(_ORDER, share, output="sos")
-        return np.asarray(signal.sosfiltfilt(sections, x), dtype=np.float64)
+        return low_passed(x, self.recording.period, self.band)
 
     @cached_property
     def time(self) -> FloatArray:
         """Since the first sample, s."""
-        return self.recording.period * np.arange(self.recording[self.script.force].size)
+        steps = np.arange(self.recording[self.script.force].size, dtype=np.float64)
+        return np.asarray(self.recording.period * steps, dtype=np.float64)
 
     @cached_property
     def force(self) -> FloatArray:
@@ -108,6 +105,14 @@ class Motion:
         end = round(_END / self.recording.period) + 1
         rest[:end] = rest[-end:] = True
         return ~rest
+
+
+def low_passed(x: FloatArray, period: float, band: float) -> FloatArray:
+    """A signal with half of its power left at the band's end; all of it where the band holds the Nyquist frequency."""
+    share = 2.0 * period * band / (np.sqrt(2.0) - 1.0) ** (0.5 / _ORDER)
+    if share > 0.98:
+        return x
+    return np.array(signal.sosfiltfilt(signal.butter(_ORDER, share, output="sos"), x), dtype=np.float64)
 
 
 def columns_of(motion: Motion, name: str, shape: Shape | None = None) -> dict[str, FloatArray]:
@@ -227,12 +232,15 @@ class Plain:
         Of the base model, and with the published effect.
     base, best : Model
         Both.
+    motion : Motion
+        The held-out log in the band.
     """
 
     before: Error
     after: Error
     base: Model
     best: Model
+    motion: Motion
 
     @property
     def removed(self) -> float:
@@ -262,6 +270,7 @@ def plain(script: Script, training: Sequence[Recording], held_out: Recording, ba
         after=_measured(best, other),
         base=base,
         best=best,
+        motion=other,
     )
 
 

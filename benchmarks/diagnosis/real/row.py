@@ -11,12 +11,14 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from symid import SymidError
 from symid.diagnosis import Diagnosis, FoundEffect, Level
 
 from .case import Case
 from .judge import absurdities, rightness
-from .plain import Error, Plain
+from .plain import Error, Plain, low_passed
 
 Row = dict[str, Any]
 _MEGABYTE = 1024.0
@@ -52,6 +54,7 @@ def _answer(case: Case, found: Diagnosis, own: Plain) -> Row:
         "after": _level(gap.explained),
         "plain": script_of(script),
         "ratio": gap.explained.rms / script.after.rms,
+        "ratio_in_own_band": ratio(found, own),
         "unexplained_share": getattr(gap, "unexplained_share", None),
     }
 
@@ -81,6 +84,16 @@ def script_of(script: Plain) -> Row:
         "best": dict(script.best.values),
         "shape": script.best.shape,
     }
+
+
+def ratio(found: Diagnosis, script: Plain) -> float:
+    """Error that the diagnosis leaves over that of the script: in the script's band, on the rows that both compare."""
+    seen, motion = found.signals, script.motion
+    left = low_passed(seen.measured - seen.explained, float(seen.time[1] - seen.time[0]), motion.band)
+    time = motion.time + motion.recording.start
+    rows = seen.compared & (np.interp(seen.time, time, motion.rows) > 0.999)
+    other = np.interp(seen.time, time, script.best.error(motion))
+    return float(np.sqrt(np.mean(left[rows] ** 2) / np.mean(other[rows] ** 2)))
 
 
 def isolated(case: Case) -> Row:
