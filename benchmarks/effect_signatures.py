@@ -4,7 +4,7 @@ The machines are those of `benchmarks.blind`, a simulator that shares nothing wi
 that the gap is some fifty times the noise. The plain axis is fitted to the log as the diagnosis does, and its force
 error is drawn over that which shows the effect: velocity, position, time, frequency and so on. Motion forward and
 backward have colours of their own, lines are means in bins. For a spring the error is that of its own force, from both
-its ends.
+its ends; for a further reading it is that of the reading.
 
 Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/EFFECT.png
 """
@@ -26,7 +26,8 @@ from symid import Axis, Log
 from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.comparison import Comparison, compared
-from symid.diagnosis.diagnose import data_of
+from symid.diagnosis.diagnose import Recorded, data_of
+from symid.diagnosis.joined import joined
 from symid.diagnosis.start import fitted_axis
 from symid.diagnosis.state import first_state
 from symid.report.colours import MEASURED, MODEL, NOISE
@@ -36,7 +37,11 @@ from .blind import draw, gap, laws, motion
 from .blind.engine import CONTROL_HZ, LOG_TICKS
 
 FOLDER = Path(__file__).parents[1] / "docs" / "effects"
+READING = "ql"
+"""Further reading of the ball screw."""
 SEED, RATIO = 7, 50.0
+_LATE = 0.25e-3
+"""Time by which a late reading is late, s: one sample of the logs of the blind cases."""
 _SHOWN = 5000
 _BINS, _LEAST_IN_BIN = 60, 2
 _LEAST_SPEED = 2e-3
@@ -58,13 +63,18 @@ class Signature:
 
     @property
     def axis(self) -> str:
-        """The ball screw for effects in a spring, else the rigid axis."""
-        return "ballscrew_2m1s" if self.at == "transmission" else "rigid_1m"
+        """The ball screw for effects in a spring or in a further reading, else the rigid axis."""
+        return "ballscrew_2m1s" if self.at in ("transmission", READING) else "rigid_1m"
 
     @property
     def sensors(self) -> tuple[str, ...]:
         """Both ends of the spring where there is one."""
-        return ("qm", "ql") if self.at == "transmission" else ("q",)
+        return ("qm", READING) if self.axis == "ballscrew_2m1s" else ("q",)
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Label of the error that is drawn, and its scale."""
+        return (f"error of {READING} [µm]", 1e6) if self.at == READING else ("force error [N]", 1.0)
 
 
 SIGNATURES = {
@@ -91,6 +101,7 @@ SIGNATURES = {
     "actuator_lag": Signature("actuator", ("change of force", "frequency")),
     "saturation": Signature("actuator", ("drive force", "time")),
     "gain_nonlinearity": Signature("actuator", ("drive force", "acceleration"), {"cubic": 1.0}),
+    "sensor_delay": Signature(READING, ("velocity", "time"), shaken=True),
     "encoder_ripple": Signature("q", ("part of the stroke", "velocity"), {"pitch": 0.004, "phase": 0.0}),
 }
 
@@ -102,8 +113,9 @@ def signature_of(effect: str) -> Signature:
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """The force error of the re-identified plain axis, and what it may be drawn over, all of shape (n,)."""
+    """An error of the re-identified plain axis, named by `label`, and what it may be drawn over, all of shape (n,)."""
 
+    label: str
     error: np.ndarray
     over: dict[str, np.ndarray]
     used: np.ndarray
@@ -147,12 +159,14 @@ def log_with(effect: str, signature: Signature) -> tuple[Log, dict[str, float]]:
     """A log of the machine with the effect, and the parameters of the plain axis."""
     machine = setting(signature.axis, signature.sensors, shaken=signature.shaken)
     hidden: tuple[laws.Effect, ...] = ()
-    if not signature.lacking:
+    if not signature.lacking and signature.at != READING:
         drawn = laws.draw(effect, signature.at, np.random.default_rng(SEED))
         shaped = replace(drawn, numbers=drawn.numbers | signature.shape)
         hidden, _ = draw.tamed(machine, (draw.sized(machine, shaped, RATIO),))
     run = draw.simulate(machine, hidden, "identification", disturbed=False)
     readings = draw.measured(machine, run.readings, "identification")
+    if signature.at == READING:
+        readings[READING] = np.roll(readings[READING], round(_LATE * gap.RATE))
     force = symid.load_axis(signature.axis).drive.signal
     signals = {force if name == "F" else name: values for name, values in readings.items()}
     return Log.from_arrays(signals, sampling_period=1 / gap.RATE, source=effect), dict(machine.true)
@@ -170,7 +184,7 @@ def residual_of(effect: str) -> Residual:
     signature = signature_of(effect)
     log, true = log_with(effect, signature)
     axis = model(signature)
-    record = data_of(axis, log, None).record
+    record = data_of(axis, (joined([log]), None), Recorded({}, held=None)).record
     start = {name: true[name] for name in axis.physical_parameters}
     base = fitted_axis(*first_state(record, start))
     comparison = compared(record, None, [base], None)
@@ -185,9 +199,19 @@ def residual_of(effect: str) -> Residual:
         "change of force": np.gradient(signals.reidentified) * rate,
     }
     error = signals.measured - signals.reidentified
+    if signature.at == READING:
+        error = error_of_reading(comparison)
     if signature.at == "transmission":
         over["spring"], error = (np.interp(time, log.time, x) for x in spring_force(log, base.parameters))
-    return Residual(error, over, signals.compared, comparison)
+    label, scale = signature.unit
+    return Residual(label, scale * error, over, signals.compared, comparison)
+
+
+def error_of_reading(comparison: Comparison) -> np.ndarray:
+    """Measured less predicted further reading of the re-identified model, in the rows of the comparison's signals."""
+    record, state = comparison.record, comparison.states[1]
+    assert state is not None
+    return record.rows(state.errors[1] * record.taper)[record.row_time < record.duration]
 
 
 def spring_force(log: Log, p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -275,7 +299,7 @@ def draw_spectrum(axes: Axes, found: Residual) -> None:
 
 def draw_panel(axes: Axes, found: Residual, panel: str) -> None:
     """One panel by its name."""
-    axes.set_ylabel("force error [N]")
+    axes.set_ylabel(found.label)
     if panel == "frequency":
         draw_spectrum(axes, found)
     elif panel == "since reversal":

@@ -12,6 +12,7 @@ from rich.console import Console
 
 from symid.cli.options import write_json
 from symid.diagnosis import Level
+from symid.diagnosis.result import Removed
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.waterfall import waterfall
 
@@ -27,7 +28,11 @@ PROMISED = {
     "next_experiment",
 }
 """Keys that interface.md fixes."""
-GAP = {"signal", "unit", "nominal", "reidentified", "explained", "noise_floor", "closed_fraction"}
+GAP = {"signal", "unit", "nominal", "reidentified", "explained", "noise_floor", "closed_fraction"} | {
+    "unexplained_share",
+    "reversal",
+    "motion",
+}
 
 
 def printed(record: dict[str, object]) -> str:
@@ -46,7 +51,9 @@ def test_record_has_the_keys_that_programs_rely_on(kind):
     assert all(set(place) == {"at", "share", "band_hz", "regime"} for place in record["location"])
     assert all(set(other) >= {"effect", "at", "probability"} for other in record["alternatives"])
     assert set(record["probabilities"]) == {"no_gap", "parameters", "unexplained"}
-    assert bool(record["effects"]) == (record["verdict"] == "effect")
+    assert bool(record["effects"]) == (record["verdict"] in ("effect", "partly"))
+    assert all(set(effect["removes"]) == {"share", "low", "high"} for effect in record["effects"])
+    assert record["gap"]["motion"] is None
 
 
 def test_record_of_an_effect():
@@ -56,6 +63,40 @@ def test_record_of_an_effect():
     assert first["parameters"]["vs"] == {"value": 0.0203, "std": 0.0005, "unit": "m/s"}
     assert second["gap_after"].keys() == {"rms", "relative"}
     assert second["indistinguishable_from"] == [{"effect": "actuator_lag", "at": "actuator"}]
+
+
+def test_record_of_a_part_says_what_stays():
+    record = diagnosis_record(diagnosis_example("partly"))
+    assert record["verdict"] == "partly"
+    assert 0.1 < record["gap"]["unexplained_share"] < 1
+    assert record["effects"][0]["removes"] == {"share": 0.62, "low": 0.55, "high": 0.68}
+    assert set(record["gap"]["reversal"]) == {"reidentified", "explained"}
+    assert set(record["gap"]["reversal"]["explained"]) == {"rms", "relative"}
+
+
+def test_record_of_a_damaged_recording_names_the_fault_and_no_effect():
+    record = diagnosis_record(diagnosis_example("recording"))
+    assert record["verdict"] == "recording"
+    assert record["effects"] == []
+    (fault,) = record["faults"]
+    assert fault in record["sentence"]
+
+
+def test_a_part_is_printed_with_its_interval_and_the_error_at_reversals():
+    text = printed(diagnosis_record(diagnosis_example("partly")))
+    assert "62 % (55 to 68 %)" in text
+    assert "within 50 ms of reversals: " in text
+    found = diagnosis_example("partly")
+    still = replace(found, gap=replace(found.gap, reversal=None))
+    assert diagnosis_record(still)["gap"]["reversal"] is None
+    assert "reversals" not in printed(diagnosis_record(still))
+
+
+def test_a_share_that_is_not_known_is_left_open():
+    found = diagnosis_example("effect")
+    (effect,) = found.effects
+    unknown = replace(effect, removes=Removed(math.nan, math.nan, math.nan))
+    assert "nan" not in printed(diagnosis_record(replace(found, effects=(unknown,))))
 
 
 def test_numbers_that_are_not_known_are_null_in_the_file(tmp_path):
