@@ -29,6 +29,8 @@ class Criteria:
         limited; on random undamaged logs it takes 0 to 0.1, on clipped ones 0.4 to 0.9.
     nonlinear_output : float
         Part of the output (rms) that this cubic must be.
+    smoothed_output : float
+        The same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it.
     worst_fit : float
         Residual, as part of the output, beyond which an equation says nothing where noise does not explain it: shares
         of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1.
@@ -52,6 +54,7 @@ class Criteria:
     change_explains: float = 0.25
     nonlinear: float = 0.35
     nonlinear_output: float = 0.01
+    smoothed_output: float = 0.03
     worst_fit: float = 0.3
     cutoff_fit: float = 0.1
     noise_explains: float = 3.0

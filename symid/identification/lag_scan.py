@@ -25,6 +25,8 @@ FARTHEST = 1.0
 """Seconds to either side: what recorders are late by (network, video and PLC clocks)."""
 _MOST_OF_LOG = 0.25
 """Part of a log by which it is moved at most."""
+_AS_GOOD = 1.3
+"""Times the least residual that counts as good as it: the lag between two rows makes about so much."""
 _LEAST_SHARE, _LEAST_ROWS = 0.5, 10
 """Rows that must be left of those at lag 0, and for each parameter, for a lag to count."""
 _LEAST_EIGENVALUE = 1e-12
@@ -52,8 +54,13 @@ class LagScan:
 
     @property
     def best(self) -> tuple[float, float]:
-        """Lag of least residual, s, and that residual as part of that at zero."""
-        i = int(np.argmin(self.residual))
+        """Lag of least residual, s, and that residual as part of that at zero; of several as good the smallest lag.
+
+        Motion that repeats itself has a residual nearly as small at every period.
+        """
+        least = float(self.residual.min())
+        good = np.flatnonzero(self.residual <= max(_AS_GOOD * least, np.finfo(float).eps))
+        i = int(good[np.argmin(np.abs(self.late[good]))])
         return float(self.late[i]), float(self.residual[i]) / max(self.at_zero, np.finfo(float).tiny)
 
 

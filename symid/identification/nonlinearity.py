@@ -58,7 +58,7 @@ def nonlinearity_of(
             continue  # flexible bodies make the same difference
         bent = np.concatenate([_bent(parts[r.part], fit, j) for r in rows])
         share, size = _share(Z, rest, bent, y)
-        if share > criteria.nonlinear and size > criteria.nonlinear_output:
+        if share > criteria.nonlinear and size > criteria.smoothed_output:
             return (
                 f"{model.force} lacks what is fast in the motion (its second derivative takes away {100 * share:.2g} % "
                 "of the residual's power): it was smoothed; record it raw, or lower --cutoff"

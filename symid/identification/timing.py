@@ -31,6 +31,8 @@ _FARTHEST = 0.25
 """Periods of the cutoff frequency, beyond which a delay of filtered signals is not unique."""
 _WORTH_MOVING = 0.7
 """Part of the residual's power that another lag must leave at most, for the search to begin there."""
+_AS_MUCH = 1.5
+"""Times the residual's power at the best lag of the scan that a delay refined from zero may leave."""
 _PREFERENCE = 1.25
 """Times the residual that a late sensor must leave less than a late force."""
 _ROWS_A_DEVIATION = 6.0
@@ -159,9 +161,12 @@ def _timing_of_signal(
 ) -> Timing | None:
     scanned = scan(model, parts, fit, name)
     late, left = scanned.best
-    start = late if left < _WORTH_MOVING else 0.0
-    refined = _refined(model, parts, fit, name, start)
-    if refined is None and start:
+    near = _refined(model, parts, fit, name, 0.0)
+    # motion that repeats itself fits as well a period later: a delay near zero that explains as much comes first
+    if left >= _WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
+        return near
+    refined = _refined(model, parts, fit, name, late)
+    if refined is None:
         return _coarse(parts, fit, name, scanned, is_force=name == model.force)
     return refined
 

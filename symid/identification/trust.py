@@ -19,6 +19,7 @@ _LARGE_BIAS = 0.05
 """Relative bias that makes a status of it."""
 _CERTAIN = 2.0
 """Standard deviations that a change or a bias must have for a status."""
+_NOISE_IN_W = "noise of the sensors in the columns of W"
 _FAITHFUL = 0.997
 """Gain of the differences at the cutoff above which they are not the cause of a bias."""
 
@@ -46,7 +47,8 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
     """The identification with status, message and notes about all that was examined.
 
     A status that it has already stays, and learns of a fault or the timing as a possible cause. Otherwise the first of
-    these is the status: a fault of a channel, the timing, a misfit, a large bias, a parameter that is not determined.
+    these is the status: a fault of a channel, the timing, a bias by noise, a misfit, another bias, a parameter that is
+    not determined.
     """
     timing = found.timing if found.timing is not None and found.timing.is_significant else None
     status, message, notes = found.status, found.message, list(found.notes)
@@ -59,6 +61,7 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
         ("recording", faults.recording),
         ("timing", faults.drift),
         ("timing", timing.statement if timing is not None and _is_fault(timing) else ""),
+        ("biased", large_bias if _NOISE_IN_W in large_bias else ""),
         ("poor_fit", faults.misfit),
         ("biased", large_bias),
         ("undetermined", _undetermined(found, criteria)),
@@ -120,7 +123,7 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
     share = np.sum(np.abs(bias.noise[places]) / deviations[places])
     rest = np.sum(np.abs(bias.preparation[places]) / deviations[places])
     cause = (
-        "noise of the sensors in the columns of W: lower --cutoff, or take --method iv"
+        f"{_NOISE_IN_W}: lower --cutoff, or take --method iv"
         if share > rest
         else _cause_of_preparation(found)
     )

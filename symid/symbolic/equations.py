@@ -158,14 +158,17 @@ class SignalWriter:
 
     def _dropped(self, inputs: Row) -> tuple[sp.Expr, ...]:
         """Jumps in the laws of an equation that are differentiated in it."""
-        rate = sp.Symbol("u1", real=True)
         dropped: dict[sp.Expr, None] = {}
         for entry in self.operators.source.inputs:
-            if max(by_power(inputs.get(str(entry.symbol))), default=0) > 0:
-                position = sp.Symbol("u0", real=True)
-                law = entry.expression.xreplace({sp.Symbol("q"): position, sp.Symbol("v"): rate})
+            power = max(by_power(inputs.get(str(entry.symbol))), default=0)
+            displacements = sp.symbols(f"u:{power + 2}", real=True)
+            law = entry.expression.xreplace(
+                {sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]}
+            )
+            for _ in range(power):
                 jumps = sorted(law.atoms(sp.sign, positive), key=sp.default_sort_key)
                 dropped.update(dict.fromkeys(self._written(jump, entry) for jump in jumps))
+                law = time_derivative(law, displacements)
         return tuple(sorted(dropped, key=str))
 
     def _written(self, expression: sp.Expr, entry: LawInput) -> sp.Expr:

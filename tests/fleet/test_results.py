@@ -29,8 +29,9 @@ def test_rows_are_those_of_each_log_alone(logs: Path) -> None:
         assert row["samples"] == 2000
         for name, value in found.physical_parameters.items():
             assert row[name] == value
-        deviation = found.physical[0].propagated_deviations(found.covariance)[0]
-        assert row["M_std"] == deviation
+        assert row["M_std"] == found.physical_deviations[0]
+        assert row["notes"] == ("; ".join(found.notes) or None)
+        assert found.timing is None or row["late_s"] == found.timing.late
         assert row["residual_rms"] == found.residuals[0].rms
         assert math.isclose(float(row["M"] or 0), 5.0, rel_tol=0.01)
 
