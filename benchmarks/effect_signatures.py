@@ -4,8 +4,8 @@ The machines are those of `benchmarks.blind`, a simulator that shares nothing wi
 that the gap is some fifty times the noise. The plain axis is fitted to the log as the diagnosis does, and its force
 error is drawn over that which shows the effect: velocity, position, time, frequency and so on. Motion forward and
 backward have colours of their own, lines are means in bins. For a spring the error is that of its own force, from both
-its ends; for a further reading it is that of the reading, and the values are those of the machine: re-identified, damping
-of the spring hides most of it.
+its ends; for a further reading it is that of the reading, and the values are those of the machine: re-identified,
+damping of the spring hides most of it.
 
 Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/EFFECT.png
 """
