@@ -4,7 +4,8 @@ The machines are those of `benchmarks.blind`, a simulator that shares nothing wi
 that the gap is some fifty times the noise. The plain axis is fitted to the log as the diagnosis does, and its force
 error is drawn over that which shows the effect: velocity, position, time, frequency and so on. Motion forward and
 backward have colours of their own, lines are means in bins. For a spring the error is that of its own force, from both
-its ends; for a further reading it is that of the reading.
+its ends; for a further reading it is that of the reading, and the values are those of the machine: re-identified,
+damping of the spring hides most of it.
 
 Usage: python -m benchmarks.effect_signatures [EFFECT ...] writes docs/effects/EFFECT.png
 """
@@ -27,6 +28,7 @@ from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.diagnose import Recorded, data_of
+from symid.diagnosis.fit import unfitted
 from symid.diagnosis.joined import joined
 from symid.diagnosis.start import fitted_axis
 from symid.diagnosis.state import first_state
@@ -40,7 +42,7 @@ FOLDER = Path(__file__).parents[1] / "docs" / "effects"
 READING = "ql"
 """Further reading of the ball screw."""
 SEED, RATIO = 7, 50.0
-_LATE = 0.25e-3
+LATE = 0.25e-3
 """Time by which a late reading is late, s: one sample of the logs of the blind cases."""
 _SHOWN = 5000
 _BINS, _LEAST_IN_BIN = 60, 2
@@ -101,7 +103,7 @@ SIGNATURES = {
     "actuator_lag": Signature("actuator", ("change of force", "frequency")),
     "saturation": Signature("actuator", ("drive force", "time")),
     "gain_nonlinearity": Signature("actuator", ("drive force", "acceleration"), {"cubic": 1.0}),
-    "sensor_delay": Signature(READING, ("velocity", "time"), shaken=True),
+    "sensor_delay": Signature(READING, ("velocity", "time")),
     "encoder_ripple": Signature("q", ("part of the stroke", "velocity"), {"pitch": 0.004, "phase": 0.0}),
 }
 
@@ -166,7 +168,7 @@ def log_with(effect: str, signature: Signature) -> tuple[Log, dict[str, float]]:
     run = draw.simulate(machine, hidden, "identification", disturbed=False)
     readings = draw.measured(machine, run.readings, "identification")
     if signature.at == READING:
-        readings[READING] = np.roll(readings[READING], round(_LATE * gap.RATE))
+        readings[READING] = np.roll(readings[READING], round(LATE * gap.RATE))
     force = symid.load_axis(signature.axis).drive.signal
     signals = {force if name == "F" else name: values for name, values in readings.items()}
     return Log.from_arrays(signals, sampling_period=1 / gap.RATE, source=effect), dict(machine.true)
@@ -180,13 +182,14 @@ def model(signature: Signature) -> Axis:
 
 
 def residual_of(effect: str) -> Residual:
-    """What the re-identified plain axis leaves of a log with the effect."""
+    """What the re-identified plain axis leaves of a log with the effect; of a late reading, the axis as it is."""
     signature = signature_of(effect)
     log, true = log_with(effect, signature)
     axis = model(signature)
     record = data_of(axis, (joined([log]), None), Recorded({}, held=None)).record
     start = {name: true[name] for name in axis.physical_parameters}
-    base = fitted_axis(*first_state(record, start))
+    begun = first_state(record, start)
+    base = unfitted(*begun) if signature.at == READING else fitted_axis(*begun)
     comparison = compared(record, None, [base], None)
     signals = comparison.signals()
     time, rate = signals.time, 1 / (signals.time[1] - signals.time[0])

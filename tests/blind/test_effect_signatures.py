@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.effect_signatures import SIGNATURES, picture, residual_of
+from benchmarks.effect_signatures import LATE, SIGNATURES, picture, residual_of
 from symid.diagnosis import LIBRARY
 
 
@@ -18,3 +18,10 @@ def test_a_constant_force_is_left_as_a_constant(tmp_path) -> None:
     assert abs(forward - backward) < 0.02 * abs(forward)
     picture("offset_force", tmp_path / "offset.png")
     assert (tmp_path / "offset.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_late_reading_follows_the_speed() -> None:
+    found = residual_of("sensor_delay")
+    speed = found.over["velocity"][found.used]
+    slope = np.polyfit(speed, found.error[found.used], 1)[0]
+    assert abs(slope / (-1e6 * LATE) - 1) < 0.02

@@ -69,7 +69,7 @@ def test_record_of_a_part_says_what_stays():
     record = diagnosis_record(diagnosis_example("partly"))
     assert record["verdict"] == "partly"
     assert 0.1 < record["gap"]["unexplained_share"] < 1
-    assert record["effects"][0]["removes"] == {"share": 0.62, "low": 0.55, "high": 0.68}
+    assert record["effects"][0]["removes"] == {"share": 0.71, "low": 0.66, "high": 0.75}
     assert set(record["gap"]["reversal"]) == {"reidentified", "explained"}
     assert set(record["gap"]["reversal"]["explained"]) == {"rms", "relative"}
 
@@ -84,7 +84,7 @@ def test_record_of_a_damaged_recording_names_the_fault_and_no_effect():
 
 def test_a_part_is_printed_with_its_interval_and_the_error_at_reversals():
     text = printed(diagnosis_record(diagnosis_example("partly")))
-    assert "62 % (55 to 68 %)" in text
+    assert "71 % (66 to 75 %)" in text
     assert "within 50 ms of reversals: " in text
     found = diagnosis_example("partly")
     still = replace(found, gap=replace(found.gap, reversal=None))
