@@ -132,7 +132,7 @@ def pendulum() -> Iterator[Case]:
     for name, model, lacking, right, base, added in (
         ("frictionless", "inertia and weight", (viscous, coulomb), friction, (), "coulomb"),
         (
-            "friction",
+            "full",
             "inertia, weight, viscous and Coulomb friction",
             (),
             (),
