@@ -222,13 +222,14 @@ def _assumptions(comparison: Comparison, validation: Log | None) -> tuple[str, .
     record = comparison.record
     return (
         "Each sample is the value at its time; the force is compared as it is recorded.",
-        f"Noise is white up to the Nyquist frequency, at the level found above {record.noise_from_hz:.0f} Hz.",
-        "Standstills and 15 ms around them are left out: no model tells friction at rest.",
+        f"Noise is white, at the level of the readings beyond their motion, which ends at {record.motion_hz:.0f} Hz; "
+        "it is the floor of what the sensors alone leave, not of what a repetition of the log would.",
+        "Rests and some milliseconds around them are left out, as no model tells friction at rest; reversals count.",
         "The gap is measured on "
         + (
             "parts of the log that took no part in the identification."
             if validation is None
-            else "the validation log."
+            else f"{validation.source}, which took no part in the identification."
         )
         + " What belongs to a log (phases of disturbances in time, moments of changes) is fitted to it.",
     )

@@ -169,7 +169,8 @@ def _diagnosed(
     fits = fits_of(base, turns)
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     logs = runs[0].log, runs[1].log if runs[1] else None
-    return concluded(comparison, turns, fits, nominal, logs, damage(runs[0].log, state, weighting))
+    parts = [part for run in runs if run is not None for part in run.parts]
+    return concluded(comparison, turns, fits, nominal, logs, damage(parts, state, weighting))
 
 
 def _with_hold(

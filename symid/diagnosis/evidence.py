@@ -23,7 +23,7 @@ _DOUBT = 0.5
 _DRIVEN_BONUS = 0.3
 _PRIOR = {"asymmetric_friction": -1.0}
 """An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
-_LEAST_REMOVED = 0.15
+_LEAST_REMOVED = 0.2
 _REMOVED_WIDTH = 0.05
 _COVERED = 0.5
 _COVERED_WIDTH = 0.12
@@ -165,6 +165,8 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     there = is_there(turns[0]) if turns else 0.0
     if not upheld:
         there = min(there, 0.1)
+    if errors.stationary and errors.reidentified < _COLOURED:
+        there *= _covers(errors)  # of noise that wanders, some course in time or place explains a part
     holds = there * (1 - _in_vain(errors))
     causes = holds * _covers(errors)
     good = 1.0

@@ -49,25 +49,26 @@ class Damage:
 NO_DAMAGE = Damage()
 
 
-def damage(log: Log, state: State, weighting: Weighting) -> Damage:
-    """What the recorder, or a wrong sign, has done to a log.
+def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
+    """What the recorder, or a wrong sign, has done to logs.
 
     Parameters
     ----------
-    log : Log
-        The log.
+    logs : sequence of Log
+        Those of the identification and of the validation.
     state : State
-        The axis with the values to begin with, under this log.
+        The axis with the values to begin with, under the first of them.
     weighting : Weighting
         Of its errors.
     """
     record = state.scene.record
     force = record.dynamics.axis.drive.signal
-    signals = {name: log[name] for name in (force, *record.signals)}
+    names = (force, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
-    faults = [channel_fault(x, name, _MANY) for name, x in signals.items()]
-    fatal = tuple(text for text in (_wrong_sign(state, weighting), *faults) if text)
-    return Damage(fatal, inspect_spans(log.time, signals, positions))
+    faults = [channel_fault(log[name], name, _MANY) for log in logs for name in names]
+    notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
+    fatal = tuple(dict.fromkeys(text for text in (_wrong_sign(state, weighting), *faults) if text))
+    return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
 
 
 def _wrong_sign(state: State, weighting: Weighting) -> str:

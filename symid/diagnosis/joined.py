@@ -32,10 +32,13 @@ class Joined:
         All of them, with smooth ways in between.
     recorded : bool array of shape (n_samples,)
         Samples that belong to a log.
+    parts : tuple of Log
+        The logs as they were recorded.
     """
 
     log: Log
     recorded: BoolArray
+    parts: tuple[Log, ...]
 
 
 def joined(logs: Sequence[Log]) -> Joined:
@@ -57,7 +60,7 @@ def joined(logs: Sequence[Log]) -> Joined:
         raise LogError("no log was given: a diagnosis needs one")
     first = logs[0]
     if len(logs) == 1:
-        return Joined(first, np.ones(first.n_samples, dtype=bool))
+        return Joined(first, np.ones(first.n_samples, dtype=bool), (first,))
     for log in logs[1:]:
         if abs(log.sampling_period - first.sampling_period) > _SAME_CLOCK * first.sampling_period:
             raise LogError(
@@ -73,7 +76,7 @@ def joined(logs: Sequence[Log]) -> Joined:
         [part for pair in zip(inside, [*ways, ways[0][:0]], strict=True) for part in pair]
     )
     source = ", ".join(log.source for log in logs)
-    return Joined(Log(source, first.start, first.sampling_period, signals), recorded)
+    return Joined(Log(source, first.start, first.sampling_period, signals), recorded, tuple(logs))
 
 
 def with_common_zeros(logs: Sequence[Log], driven: str, others: Sequence[str]) -> list[Log]:

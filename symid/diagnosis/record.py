@@ -90,11 +90,6 @@ class Record:
         """Highest frequency that is used."""
         return min(_BAND_OF_MOTION * self.motion_hz, _WIDEST * self.log.sampling_frequency)
 
-    @property
-    def noise_from_hz(self) -> float:
-        """Frequency above which nothing but noise is taken to be left in readings."""
-        return _HIGH * self.log.sampling_frequency
-
     @cached_property
     def n_bins(self) -> int:
         """Frequencies used."""

@@ -2,8 +2,8 @@
 
 The predicted outputs err by the noise of the measured ones and by that of the driven position, which the frequency
 response G of the axis carries into each: S = sigma^2 + |G|^2 sigma_q^2. Errors are divided by sqrt(S), so that
-noise alone leaves rows of unit variance. Standstills and the ends of the log are taken out by a smooth window before
-that, because no model tells friction at rest.
+noise alone leaves rows of unit variance. Rests and the ends of the log are taken out by a smooth window before that,
+because no model tells friction at rest; reversals stay.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ def sentence(
     named = " and ".join([first, *others])
     found = f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}"
     if verdict == "partly":
-        return f"{found}; {gap.unexplained_share:.0%} of the excess stays unexplained."
+        return f"{found}; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained."
     return f"{found}."
 
 
@@ -78,6 +78,8 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
     simulator : Simulator
         What its log says.
     """
+    if found.verdict == "recording":
+        return found.sentence
     gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]
     apart += [spoken(e.effect, e.at) for e in simulator.effects if e.differs]
     surplus = [spoken(e.effect, e.at) for e in simulator.effects if e.machine is None]
