@@ -192,7 +192,7 @@ def difference_factors(order: int) -> tuple[float, ...]:
 def _difference_row(x: FloatArray, period: float, factors: tuple[float, ...], out: FloatArray) -> None:
     last, reach = x.size - 1, min(len(factors), (x.size - 1) // 2)
     factors = factors if reach == len(factors) else difference_factors(2 * max(reach, 1))
-    for first in range(reach, last + 1 - reach, _BLOCK):
+    for first in range(reach, last + 1 - reach, _BLOCK) if reach else ():
         stop = min(first + _BLOCK, last + 1 - reach)
         block = out[first:stop]
         np.subtract(x[first + 1 : stop + 1], x[first - 1 : stop - 1], out=block)

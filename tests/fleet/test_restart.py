@@ -217,7 +217,7 @@ def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:
 
 
 def test_rows_survive_the_journal_unchanged(tmp_path: Path) -> None:
-    row = {"log": 'é,\n"x".csv', "M": 0.1 + 0.2, "samples": 3, "message": None}
+    row = {"log": 'é,\n"x".csv', "M": 0.1 + 0.2, "samples": 3, "status": "ok", "message": None}
     with Journal(tmp_path / "j") as journal:
         journal.append(row)
     assert read_journal(tmp_path / "j") == [row]
