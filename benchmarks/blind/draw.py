@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -202,8 +203,9 @@ def removed(setting: Setting, effects: tuple[laws.Effect, ...]) -> dict[str, flo
     found = {}
     for named in chosen:
         left = tuple(effect for i, effect in enumerate(effects) if i not in named)
-        rest = missing_square(setting, left) if left else none
-        found["".join(map(str, named))] = 1 - (rest - none) / (whole - none)
+        with suppress(ArithmeticError):  # an unstable loop has no such share
+            rest = missing_square(setting, left) if left else none
+            found["".join(map(str, named))] = 1 - (rest - none) / (whole - none)
     return found
 
 

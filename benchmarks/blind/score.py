@@ -89,11 +89,9 @@ class Verdict:
     @property
     def truth(self) -> float | None:
         """Share of the excess error that the true ones among the named effects remove, if the strongest is named."""
-        if not (self.removed and self.right):
-            return None
-        return self.removed[
-            "".join(str(i) for i, place in enumerate(self.true) if not i or place in self.found)
-        ]
+        others = self.found if self.first else self.found[1:]  # the first then stands for the strongest
+        named = "".join(str(i) for i, place in enumerate(self.true) if not i or place in others)
+        return self.removed.get(named) if self.right else None
 
     @property
     def miss(self) -> float | None:

@@ -282,30 +282,33 @@ def test_scores_of_worldly_cases():
         (hidden, worldly(LAG, left=0.2)),  # 80 % removed where 85 are true
         (hidden, worldly(LAG, DRAG, left=0.2, low=0.88)),  # 80 % where both remove everything
         (hidden, worldly(DELAY, DRAG, left=0.02, twins=(LAG, DRAG))),  # right by a tie
+        (hidden, worldly(DRAG, left=0.2, twins=(LAG,))),  # by a tie with a small one
         (hidden, worldly(DRAG, LAG, left=0.02)),  # a small one first
         (nothing, worldly(left=None)),
         (nothing, worldly(DRAG, left=0.5)),
     ]
     verdicts = [score.verdict(*pair) for pair in pairs]
-    assert [v.right for v in verdicts] == [True, True, True, False, True, False]
-    assert [v.truth for v in verdicts] == [0.85, 1.0, 1.0, None, None, None]
+    assert [v.right for v in verdicts] == [True, True, True, True, False, True, False]
+    assert [v.truth for v in verdicts] == [0.85, 1.0, 1.0, 0.85, None, None, None]
     assert [v.miss for v in verdicts[:2]] == [pytest.approx(-0.05), pytest.approx(-0.2)]
     figures = {figure.name: (figure.value, figure.cases) for figure in score.worldly(verdicts)}
-    assert figures["strongest first or tied, all"] == (0.75, 4)
-    assert figures["strongest itself first"] == (0.5, 4)
+    assert figures["strongest first or tied, all"] == (0.8, 5)
+    assert figures["strongest itself first"] == (0.4, 5)
     assert figures["no effect: a cause is named"] == (0.5, 2)
-    assert figures["right: closed share within 10 points of the truth"] == (pytest.approx(2 / 3), 3)
+    assert figures["right: closed share within 10 points of the truth"] == (0.75, 4)
     assert figures["first: interval of what it removes holds the truth"] == (0.5, 2)
-    assert figures["Brier score, first effect"] == (pytest.approx((2 * 0.2**2 + 3 * 0.8**2) / 5), 5)
+    assert figures["Brier score, first effect"] == (pytest.approx((2 * 0.2**2 + 4 * 0.8**2) / 6), 6)
     assert figures["Brier score, first effect or its ties"] == (
-        pytest.approx((3 * 0.2**2 + 2 * 0.8**2) / 5),
-        5,
+        pytest.approx((4 * 0.2**2 + 2 * 0.8**2) / 6),
+        6,
     )
-    assert score.calibration(verdicts) == [(0.8, 0.9, 5, pytest.approx(0.8), 0.4, 0.6)]
+    assert score.calibration(verdicts) == [
+        (0.8, 0.9, 6, pytest.approx(0.8), pytest.approx(1 / 3), pytest.approx(2 / 3))
+    ]
     assert score.confusion(verdicts)["worldly none"] == {"no_gap": 1, "quadratic_drag at motor": 1}
     printed = table.text(verdicts)
     assert printed.startswith("Worldly cases")
-    assert json.loads(json.dumps(table.record(verdicts, "0" * 64)))["worldly"][0]["cases"] == 4
+    assert json.loads(json.dumps(table.record(verdicts, "0" * 64)))["worldly"][0]["cases"] == 5
 
 
 def test_the_command_scores_once_all_is_answered(drawn: tuple[Path, dict], tmp_path: Path):
