@@ -10,10 +10,12 @@ from __future__ import annotations
 import json
 import secrets
 from pathlib import Path
+from typing import Any
 
 import click
 
-from . import answers, plan, score, seal, table
+from . import answers, laws, plan, score, seal, table
+from .axes import KINDS
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
 JOBS = click.option("--jobs", default=2, show_default=True, help="Processes at a time.")
@@ -28,18 +30,33 @@ def blind() -> None:
 @FOLDER
 @click.option("--cases", default=300, show_default=True)
 @click.option("--seed", type=int, help="Fresh unless given; printed.")
-@click.option("--group", type=click.Choice(list(plan.SHARES)), help="Cases of one group only.")
+@click.option("--group", type=click.Choice([*plan.SHARES, *plan.WORLDLY]), help="Cases of one group only.")
+@click.option(
+    "--worldly", is_flag=True, help="One strong effect and three small ones, or none, in a rough record."
+)
+@click.option("--kind", type=click.Choice(list(laws.LAWS)), help="Cases with this effect only.")
+@click.option("--at", help="Cases with the effect at this place only.")
+@click.option(
+    "--axis", "axes", type=click.Choice(list(KINDS)), multiple=True, help="Cases of these axes only."
+)
+@click.option(
+    "--size", type=(float, float), help="Bounds of the effect's size, in place of those of its ratio."
+)
 @JOBS
-def draw(folder: Path, cases: int, seed: int | None, group: str | None, jobs: int) -> None:
+def draw(folder: Path, cases: int, seed: int | None, jobs: int, **wish: Any) -> None:
     """Simulate cases into a new FOLDER and seal their labels."""
     seed = secrets.randbelow(1 << 31) if seed is None else seed
     print(f"seed {seed}", flush=True)
-    print(f"SHA-256 of the sealed labels {plan.draw_set(folder, cases, seed, jobs, group)}")
+    try:
+        sha256 = plan.draw_set(folder, cases, seed, jobs, plan.Wish(**wish))
+    except ValueError as wrong:
+        raise click.UsageError(str(wrong)) from None
+    print(f"SHA-256 of the sealed labels {sha256}")
 
 
 @blind.command()
 @FOLDER
-@click.option("--timeout", default=60.0, show_default=True, help="Seconds a case.")
+@click.option("--timeout", default=120.0, show_default=True, help="Seconds a case.")
 @JOBS
 def diagnose(folder: Path, timeout: float, jobs: int) -> None:
     """Diagnose every case of FOLDER as a process of its own; labels, if there are any, stay sealed."""
@@ -68,11 +85,21 @@ def print_score(folder: Path, target: Path | None) -> None:
 @blind.command()
 @FOLDER
 def peek(folder: Path) -> None:
-    """Print the labels of a FOLDER that serves development, not a score."""
+    """Print the labels of a FOLDER that serves development, not a score; in worldly cases the strongest effect first.
+
+    In brackets the gap-to-noise ratio of each effect alone and its numbers.
+    """
     for name, label in seal.read(folder).items():
-        axis, sensors = label["axis"], "+".join(label["sensors"])
-        effects = ", ".join(f"{e['effect']} at {e['at']}" for e in label["effects"])
-        print(f"{name}  {axis:15} {sensors:8} {label['group']:10} {label['ratio']:7.1f}  {effects}")
+        axis, sensors, removed = label["axis"], "+".join(label["sensors"]), label.get("removed") or {}
+        told = list(map(_told, label["effects"], label["ratios"]))
+        told += [f"the first removes {removed['0']:.0%}"] if removed else []
+        head = f"{name}  {axis:15} {sensors:8} {label['group']:12} {label['ratio']:7.1f}"
+        print(f"{head}  {'; '.join(told)}".rstrip())
+
+
+def _told(effect: dict[str, Any], ratio: float) -> str:
+    numbers = " ".join(f"{name}={value:.3g}" for name, value in effect["numbers"].items())
+    return f"{effect['effect']} at {effect['at']} ({ratio:.1f}, {numbers})"
 
 
 if __name__ == "__main__":

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import polars as pl
+from scipy.signal import lfilter
 
 from . import axes, engine, gap, laws, motion
 
 RATIOS = (2.0, 200.0)
+# Of the record of the force in worldly cases, in multiples of its white noise; hertz.
+WANDER, WANDER_HZ, QUANTUM = (1.0, 2.2), (2.0, 4.5), (0.7, 1.4)
 SECONDS = {"identification": 10.0, "validation": 6.0}
+
+Ratio = Callable[["Setting", tuple[laws.Effect, ...]], float]
 
 
 @dataclass(frozen=True)
@@ -69,10 +77,18 @@ def draw_setting(axis: str, sensors: tuple[str, ...], rng: np.random.Generator) 
     return replace(setting, travel=travel)
 
 
+def wandering(setting: Setting, rng: np.random.Generator) -> Setting:
+    """The setting with a record of the force that wanders slowly and is rounded to whole quanta."""
+    white, (low, high) = setting.noise["F"], np.log([WANDER, WANDER_HZ, QUANTUM]).T
+    wander, hertz, quantum = np.exp(rng.uniform(low, high)).tolist()
+    record = {"wander": wander * white, "wander_hz": hertz, "quantum": quantum * white}
+    return replace(setting, noise=setting.noise | record)
+
+
 def simulate(setting: Setting, effects: tuple[laws.Effect, ...], log: str, *, disturbed: bool) -> Run:
     """One log by the engine; `disturbed`: the controller sees the encoder's noise and step, if it does in this case."""
     kind, plant = axes.KINDS[setting.axis], axes.machine(setting.axis, setting.true)
-    for effect in effects:
+    for effect in sorted(effects, key=lambda e: e.effect == "presliding_friction"):  # takes all that rubs
         plant = laws.enter(plant, effect, setting.axis, setting.travel)
     ticks = setting.motions[log].shape[1]
     noise = np.zeros((2, ticks))
@@ -130,33 +146,88 @@ def measured(setting: Setting, readings: dict[str, np.ndarray], log: str) -> dic
         position = name not in ("F", "ddq1")
         noisy = values + setting.noise["position" if position else name] * rng.standard_normal(values.size)
         found[name] = np.round(noisy / step) * step if position else noisy
+    if "quantum" in setting.noise:
+        found["F"] = _recorded(found["F"], setting, log)
     return found
+
+
+def _recorded(force: np.ndarray, setting: Setting, log: str) -> np.ndarray:
+    """A force with slow wandering, from zero on and drawn back at a corner frequency, in whole quanta."""
+    rng, noise = np.random.default_rng([setting.seed, len(log), 2]), setting.noise
+    back = np.exp(-2 * np.pi * noise["wander_hz"] / gap.RATE)
+    walk = lfilter([np.sqrt(1 - back**2)], [1, -back], rng.standard_normal(force.size))
+    return np.round((force + noise["wander"] * walk) / noise["quantum"]) * noise["quantum"]
 
 
 def gap_ratio(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
     """Gap-to-noise ratio on the validation log, see `gap`."""
+    return _ratio(setting, effects, setting.sensors)
+
+
+def force_ratio(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
+    """The same of the force as it follows from the motor's position alone, whatever else is measured."""
+    return _ratio(setting, effects, driven(setting))
+
+
+def driven(setting: Setting) -> tuple[str, ...]:
+    """The sensor of the motor's position."""
+    position = axes.KINDS[setting.axis].position
+    return tuple(name for name in setting.sensors if position.get(name) == "motor")
+
+
+def _ratio(setting: Setting, effects: tuple[laws.Effect, ...], sensors: tuple[str, ...]) -> float:
     run = simulate(setting, effects, "validation", disturbed=False)
     log = measured(setting, run.readings, "validation")
-    noise = {name: log[name] - values for name, values in run.readings.items()}
-    return gap.ratio(setting.axis, setting.true, run.readings, noise, run.velocity)
+    clean = {name: run.readings[name] for name in ("F", *sensors)}
+    noise = {name: log[name] - values for name, values in clean.items()}
+    return gap.ratio(setting.axis, setting.true, clean, noise, run.velocity)
 
 
-def sized(setting: Setting, effect: laws.Effect, target: float) -> laws.Effect:
-    """The effect with the size that gives about the target ratio."""
-    size, best = effect.numbers[effect.size], (np.inf, effect)
+def missing_square(setting: Setting, effects: tuple[laws.Effect, ...]) -> float:
+    """Square of the force, N^2, that the plain axis, identified from one log, misses in the other; without noise."""
+    fitted, checked = (simulate(setting, effects, log, disturbed=False) for log in SECONDS)
+    names = ("F", *driven(setting))
+    logs = (({name: run.readings[name] for name in names}, run.velocity) for run in (fitted, checked))
+    return gap.missing_force(setting.axis, setting.true, *logs) ** 2
+
+
+def removed(setting: Setting, effects: tuple[laws.Effect, ...]) -> dict[str, float]:
+    """What naming the first effect, alone or with others, removes of the missing force's square; by their digits.
+
+    The simulator runs again without the named effects, and the plain axis is fitted again: what is then missing is
+    what a model that has these effects exactly, and no other, would leave.
+    """
+    others = range(1, len(effects))
+    chosen = [(0, *some) for n in range(len(effects)) for some in combinations(others, n)]
+    whole, none = missing_square(setting, effects), missing_square(setting, ())
+    found = {}
+    for named in chosen:
+        left = tuple(effect for i, effect in enumerate(effects) if i not in named)
+        with suppress(ArithmeticError):  # an unstable loop has no such share
+            rest = missing_square(setting, left) if left else none
+            found["".join(map(str, named))] = 1 - (rest - none) / (whole - none)
+    return found
+
+
+def sized(
+    setting: Setting, effect: laws.Effect, target: float, within: float = 0.2, ratio: Ratio = gap_ratio
+) -> tuple[laws.Effect, float]:
+    """The effect with the size that gives the target ratio to about `within`, and the ratio that it gives."""
+    size, best, reached = effect.numbers[effect.size], (np.inf, effect), 0.0
     for _ in range(6):
         size = min(size, effect.most)
         trial = effect.sized(size)
         try:
-            found = max(gap_ratio(setting, (trial,)), 1e-3)
+            found = max(ratio(setting, (trial,)), 1e-3)
         except ArithmeticError:
             size /= 3
             continue
-        best = min(best, (abs(np.log(found / target)), trial), key=lambda item: item[0])
-        if best[0] < 0.2 or (size == effect.most and found < target):
+        if abs(np.log(found / target)) < best[0]:
+            best, reached = (abs(np.log(found / target)), trial), found
+        if best[0] < within or (size == effect.most and found < target):
             break
         size *= np.clip(target / found, 1 / 20, 20)
-    return best[1]
+    return best[1], reached
 
 
 def tamed(

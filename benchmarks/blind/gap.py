@@ -83,17 +83,35 @@ def differentiated(signals: Signals) -> Signals:
 
 def ratio(axis: str, true: dict[str, float], clean: Signals, noise: Signals, moving: np.ndarray) -> float:
     """The gap-to-noise ratio; `moving`: velocity of the motor at each sample, free of noise."""
-    sensors = tuple(name for name in clean if name != "F")
-    signals, disturbed = differentiated(clean), differentiated(noise)
-    keep = ~_near_standstill(moving)
-    keep[: RATE // 10] = keep[-RATE // 10 :] = False
-    rows = np.flatnonzero(keep)[::KEEP]
-    signals["sign"] = sosfiltfilt(_LOW, np.sign(moving))
-    disturbed["sign"] = np.zeros(moving.size)
+    signals, rows = _prepared(clean, moving)
+    disturbed = differentiated(noise) | {"sign": np.zeros(moving.size)}
     return max(
         _one(equation, start(axis, true), signals, disturbed, rows)
-        for equation in equations(axis, sensors, true)
+        for equation in equations(axis, _sensors(clean), true)
     )
+
+
+def missing_force(
+    axis: str, true: dict[str, float], fitted: tuple[Signals, np.ndarray], checked: tuple[Signals, np.ndarray]
+) -> float:
+    """Rms force error, N, that the plain axis fitted to one log leaves on another; each: signals, velocity."""
+    equation = equations(axis, _sensors(fitted[0]), true)[0]
+    shape, X, _ = _fit(equation, start(axis, true), *_prepared(*fitted))
+    signals, rows = _prepared(*checked)
+    error = signals[equation.y] - _columns(equation, signals, shape) @ X
+    return float(np.sqrt(np.mean(error[rows] ** 2)))
+
+
+def _sensors(signals: Signals) -> tuple[str, ...]:
+    return tuple(name for name in signals if name != "F")
+
+
+def _prepared(clean: Signals, moving: np.ndarray) -> tuple[Signals, np.ndarray]:
+    """Signals as the equations name them, and the rows that count."""
+    keep = ~_near_standstill(moving)
+    keep[: RATE // 10] = keep[-RATE // 10 :] = False
+    signals = differentiated(clean) | {"sign": sosfiltfilt(_LOW, np.sign(moving))}
+    return signals, np.flatnonzero(keep)[::KEEP]
 
 
 def _near_standstill(velocity: np.ndarray, margin: int = RATE // 50) -> np.ndarray:
@@ -104,12 +122,23 @@ def _near_standstill(velocity: np.ndarray, margin: int = RATE // 50) -> np.ndarr
 def _one(
     equation: Equation, mode: tuple[float, float] | None, signals: Signals, noise: Signals, rows: np.ndarray
 ) -> float:
-    def columns(source: Signals, shape: np.ndarray) -> np.ndarray:
-        plain = [source[name] for name in equation.columns] + ([source["sign"]] if equation.sign else [])
-        return np.stack(plain + [_through_mode(source[name], shape) for name in equation.hidden], axis=1)
+    shape, X, error = _fit(equation, mode, signals, rows)
+    left = (noise[equation.y] - _columns(equation, noise, shape) @ X)[rows]
+    return float(np.sqrt(np.mean(error**2) / np.mean(left**2)))
+
+
+def _columns(equation: Equation, source: Signals, shape: np.ndarray) -> np.ndarray:
+    plain = [source[name] for name in equation.columns] + ([source["sign"]] if equation.sign else [])
+    return np.stack(plain + [_through_mode(source[name], shape) for name in equation.hidden], axis=1)
+
+
+def _fit(
+    equation: Equation, mode: tuple[float, float] | None, signals: Signals, rows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Shape of the hidden filter, coefficients and error."""
 
     def fit(shape: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        W, y = columns(signals, shape)[rows], signals[equation.y][rows]
+        W, y = _columns(equation, signals, shape)[rows], signals[equation.y][rows]
         norm = np.linalg.norm(W, axis=0)
         X = np.linalg.lstsq(W / norm, y, rcond=1e-12)[0] / norm
         return y - W @ X, X
@@ -119,8 +148,7 @@ def _one(
         scale = np.std(signals[equation.y][rows])
         shape = least_squares(lambda s: fit(s)[0] / scale, shape, x_scale=(0.05, 0.5), max_nfev=12).x
     error, X = fit(shape)
-    left = (noise[equation.y] - columns(noise, shape) @ X)[rows]
-    return float(np.sqrt(np.mean(error**2) / np.mean(left**2)))
+    return shape, X, error
 
 
 def _through_mode(x: np.ndarray, shape: np.ndarray) -> np.ndarray:

@@ -25,6 +25,10 @@ def record(verdicts: list[Verdict], sha256: str) -> dict[str, Any]:
             }
             for a in score.aims(verdicts)
         ],
+        "worldly": [
+            {"name": f.name, "value": None if math.isnan(f.value) else f.value, "cases": f.cases}
+            for f in score.worldly(verdicts)
+        ],
         "by_ratio": {"bins": [str(b) for b in score.BINS], **score.by_ratio(verdicts)},
         "confusion": score.confusion(verdicts),
         "calibration": score.calibration(verdicts),
@@ -39,9 +43,17 @@ def _silent(verdicts: list[Verdict]) -> int:
 
 def text(verdicts: list[Verdict]) -> str:
     """Aims first, then where the answers went."""
+    parts = [] if all(v.worldly for v in verdicts) else [_aims(verdicts)]
+    parts += [_worldly(verdicts)] if any(v.worldly for v in verdicts) else []
     return "\n\n".join(
-        [_aims(verdicts), _ratios(verdicts), _confusion(verdicts), _calibration(verdicts), _rest(verdicts)]
+        [*parts, _ratios(verdicts), _confusion(verdicts), _calibration(verdicts), _rest(verdicts)]
     )
+
+
+def _worldly(verdicts: list[Verdict]) -> str:
+    lines = [f"{'Worldly cases':58}reached  cases"]
+    lines += [f"{f.name:56}  {f.value:7.3f}  {f.cases:5}" for f in score.worldly(verdicts)]
+    return "\n".join(lines)
 
 
 def _aims(verdicts: list[Verdict]) -> str:
@@ -58,7 +70,7 @@ def _aims(verdicts: list[Verdict]) -> str:
 
 def _ratios(verdicts: list[Verdict]) -> str:
     heads = "".join(f"{f'{low:g}-{high:g}':>10}" for low, high in pairwise(score.BINS))
-    lines = ["One effect, right first, by gap-to-noise ratio", f"{'':14}{heads}"]
+    lines = ["One effect or a strongest one, right, by gap-to-noise ratio", f"{'':14}{heads}"]
     for name, bins in score.by_ratio(verdicts).items():
         lines.append(f"{name:14}" + "".join(f"{f'{right}/{n}' if n else '-':>10}" for right, n in bins))
     return "\n".join(lines)
@@ -75,10 +87,10 @@ def _confusion(verdicts: list[Verdict]) -> str:
 
 
 def _calibration(verdicts: list[Verdict]) -> str:
-    lines = ["Probability of the first effect: cases, mean, share that was right"]
+    lines = ["Probability of the first effect: cases, mean, share that was right, with its ties"]
     lines += [
-        f"{lo:5.2f} to {hi:4.2f} {n:6} {mean:7.3f} {share:7.3f}"
-        for lo, hi, n, mean, share in score.calibration(verdicts)
+        f"{lo:5.2f} to {hi:4.2f} {n:6} {mean:7.3f} {share:7.3f} {tied:7.3f}"
+        for lo, hi, n, mean, share, tied in score.calibration(verdicts)
     ]
     return "\n".join(lines)
 
