@@ -71,7 +71,7 @@ def test_curves_are_drawn(kind, page, tmp_path):
     found = diagnosis_example(kind)
     opened(page, found, tmp_path)
     model, measured = pixels(page, "#signals .plot", MODEL, MEASURED)
-    assert model > 20 * LEGEND
+    assert model > 10 * LEGEND
     assert measured > 10 * LEGEND
     model, explained = pixels(page, "#spectrum .plot", MODEL, EXPLAINED)
     assert model > 5 * LEGEND
