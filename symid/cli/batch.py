@@ -54,7 +54,7 @@ batch_options = shared(
         help="Another axis; a log is of the first whose signals it has.",
     ),
     click.option(
-        "--jobs", type=click.IntRange(1, 4096), metavar="N", help="Processes [as many as there are cores]."
+        "--jobs", type=click.IntRange(max=4096), metavar="N", help="Processes [as many as there are cores]."
     ),
     click.option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler of a cluster, such as tcp://10.0.0.1:8786."

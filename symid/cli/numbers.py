@@ -29,8 +29,9 @@ class Number(click.types.FloatParamType):
         number = float(super().convert(value, param, ctx))
         big_enough = number >= self.above if self.included else number > self.above
         if not big_enough or not (math.isfinite(number) or (self.infinite and number > 0)):
-            least = f"{self.above:g} or more" if self.included else f"above {self.above:g}"
-            self.fail(f"{value} is not possible: give a number {least}", param, ctx)
+            least = f"{self.above:g} or more" if self.included else "positive"
+            what = "finite" if self.above == -math.inf else least
+            self.fail(f"{value} is not possible: it must be {what}", param, ctx)
         return number
 
 

@@ -217,7 +217,7 @@ def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dic
     table, *_ = [read_rows(file) for file in files]  # all are looked at: none must be something else
     found: dict[str, dict[str, Row]] = defaultdict(dict)
     for row in (*table, *read_journal(journal)):
-        if row.get("key"):
+        if row.get("key") and row.get("status"):
             found[str(row["log"])][str(row["key"])] = row
     return dict(found), {str(row["log"]) for row in table}
 

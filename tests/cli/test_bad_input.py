@@ -177,5 +177,5 @@ def test_tables_with_strange_columns(column: str, value: object, code: int, fold
 def test_journals_with_strange_lines(line: str, folder: Path) -> None:
     journal = folder / "j.parquet.journal"
     journal.write_text(line + "\n", encoding="utf-8")
-    assert read_journal(journal) == []
+    assert [row for row in read_journal(journal) if "status" in row] == []
     assert run("batch", "rigid_1m", "run.csv", "-o", "j.parquet", "--jobs", "1") == 0
