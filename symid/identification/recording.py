@@ -69,7 +69,7 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
     >>> channel_fault(x, "F")
     ''
     >>> channel_fault(np.where(np.arange(4000) % 37, x, 0.0), "F")[:38]
-    'F is exactly 0 in 95 single samples bet'
+    'F is exactly 0 in 95 single samples be'
     """
     most = max(_FEWEST, criteria.dead_share * x.size)
     if (dropped := _dropped(x)) >= most:

@@ -11,6 +11,9 @@ from symid.output_error.result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0
 """Standard deviation in percent from which on a parameter is hardly determined."""
+_FORCES = ("N", "N*m")
+_NO_FRICTION = 1e-3
+"""Part of the force (rms) below which three deviations of a friction level determine that there is none."""
 _CORRELATED = 1.5
 """Ratio of the deviations of correlated innovations to those of white ones that is told."""
 _MUCH_CORRELATED = 8.0
@@ -44,7 +47,8 @@ def verdict_of(
             "the iterations did not come to rest: give nominal values with --nominal P.json",
         )
     values = np.array(list(found.physical_parameters.values()))
-    if below := negative_parameters(found.model, values):
+    absent = _absent(found)
+    if below := [name for name in negative_parameters(found.model, values) if name not in absent]:
         return (
             "not_physical",
             f"{', '.join(below)} came out negative: the model, the timing or the log does not fit",
@@ -73,8 +77,28 @@ def _vague(found: OutputErrorIdentification, most: float) -> list[str]:
     return [
         name
         for (name, value), deviation in zip(values.items(), found.physical_deviations, strict=True)
-        if name not in found.model.signed and np.isfinite(value) and not deviation < most * abs(value)
+        if name not in (*found.model.signed, *_absent(found))
+        and np.isfinite(value)
+        and not deviation < most * abs(value)
     ]
+
+
+def _absent(found: OutputErrorIdentification) -> frozenset[str]:
+    """Friction levels that are found to be 0: within three deviations, which are small beside the force itself."""
+    model = found.model
+    force = max(float(np.sqrt(np.mean(log[model.force] ** 2))) for log in found.logs)
+    units = {unit for unit in model.output_units if unit in _FORCES}
+    rows = zip(
+        model.physical_units.items(),
+        found.physical_parameters.values(),
+        found.physical_deviations,
+        strict=True,
+    )
+    return frozenset(
+        name
+        for (name, unit), value, deviation in rows
+        if unit in units and abs(value) <= 3 * deviation < _NO_FRICTION * force
+    )
 
 
 def _inflation(found: OutputErrorIdentification) -> float:

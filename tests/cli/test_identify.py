@@ -20,6 +20,8 @@ PUBLISHED = [
     "49,0",
     "--standstill",
     "0",
+    "--differences",
+    "2",
     "--ddof",
     "1",
 ]
