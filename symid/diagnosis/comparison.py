@@ -62,10 +62,13 @@ class Comparison:
 
     @property
     def upheld(self) -> int:
-        """How many of the effects hold on these data: what follows makes the error grow."""
+        """How many of the effects hold on these data: what follows makes the error grow, or may do so."""
         errors = [self._misfit(model) for model in range(1, len(self.states))]
         held = [n for n in range(1, len(errors)) if errors[n] <= _FALLS * min(errors[:n])]
-        return max(held, default=0)
+        last = max(held, default=0)
+        while last > 1 and not self.removed(last, last + 1).low > 0:
+            last -= 1
+        return last
 
     def _misfit(self, model: int) -> float:
         """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -73,17 +72,11 @@ class Case:
 
     def found(self) -> Diagnosis:
         """The diagnosis."""
-        logs = self.logs if TAKES_SEVERAL else self.logs[0]
-        return diagnose(self.axis, logs, validation=self.validation, nominal=self.nominal)  # type: ignore[arg-type]
+        return diagnose(self.axis, self.logs, validation=self.validation, nominal=self.nominal)
 
     def plain(self, band_hz: float | None = None) -> Plain:
         """What the plain script finds on the same logs, in the case's band or another."""
-        training = self.training if TAKES_SEVERAL else self.training[:1]
-        return plain(self.script, training, self.held_out, band_hz or self.band_hz)
-
-
-TAKES_SEVERAL = "logs" in inspect.signature(diagnose).parameters
-"""Whether `diagnose` takes several logs for identification; else it gets the first."""
+        return plain(self.script, self.training, self.held_out, band_hz or self.band_hz)
 
 
 def log_of(axis: Axis, recording: Recording) -> Log:
