@@ -152,7 +152,7 @@ def test_setpoints_and_units_are_told_from_names_and_values(recorded, folder: Pa
         ("import none.csv", "no such file"),
         ("import text.csv", "no columns of numbers"),
         ("import good.csv -o map.json", "-o needs --axis"),
-        ("import good.csv --rate -1", "above 0"),
+        ("import good.csv --rate -1", "must be positive"),
         ("import good.csv --plot figure.doc", ".png"),
         ("import good.csv --axis nowhere", "nowhere"),
         ("identify rigid_1m good.csv --mapping wrong.json", "holds no mapping"),

@@ -193,7 +193,7 @@ def test_folders_patterns_and_files_name_each_log_once(logs: Path) -> None:
         (["rigid_1m", "logs", "-o", "r.txt"], "end the name with .parquet or .csv"),
         (["rigid_1m", "logs", "-o", "gone/r.csv"], "folder that exists"),
         (["rigid_1m", "logs", "-o", "a.csv", "-o", "b.csv"], "one .csv"),
-        (["rigid_1m", "logs", "-o", "r.csv", "--jobs", "0"], "1<=x"),
+        (["rigid_1m", "logs", "-o", "r.csv", "--jobs", "0"], "1 or more"),
         (["rigid_1m", "empty", "-o", "r.csv"], "there is no log"),
         (["rigid_1m", "logs", "-o", "r.csv", "--column", "zz=q"], "signal 'zz' is not known"),
         (["rigid_1m", "logs", "-o", "r.csv", "--also", "rigid_1m"], "each axis once"),
