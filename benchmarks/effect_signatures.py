@@ -164,7 +164,7 @@ def log_with(effect: str, signature: Signature) -> tuple[Log, dict[str, float]]:
     if not signature.lacking and signature.at != READING:
         drawn = laws.draw(effect, signature.at, np.random.default_rng(SEED))
         shaped = replace(drawn, numbers=drawn.numbers | signature.shape)
-        hidden, _ = draw.tamed(machine, (draw.sized(machine, shaped, RATIO),))
+        hidden, _ = draw.tamed(machine, (draw.sized(machine, shaped, RATIO)[0],))
     run = draw.simulate(machine, hidden, "identification", disturbed=False)
     readings = draw.measured(machine, run.readings, "identification")
     if signature.at == READING:

@@ -3,6 +3,8 @@
 python -m benchmarks.blind draw /a/new/folder --cases 300
 python -m benchmarks.blind diagnose /a/new/folder
 python -m benchmarks.blind score /a/new/folder --json score.json
+
+Cases nearer to machines as they are: draw /another/folder --cases 45 --worldly, then as above.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ JOBS = click.option("--jobs", default=2, show_default=True, help="Processes at a
 
 @click.group()
 def blind() -> None:
-    """Axes with one hidden effect, diagnosed from their logs alone."""
+    """Axes with hidden effects, diagnosed from their logs alone."""
 
 
 @blind.command()
