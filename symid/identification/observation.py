@@ -238,10 +238,14 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
             )
             threshold = STANDSTILL_SHARE * own
         concerned = [equation for equation, rows in enumerate(sampling.model.sliding) if row in rows]
-        mark = partial(
-            _leave_out, velocity, threshold, margin, (offset, factor), [usable[j] for j in concerned]
-        )
-        in_pieces(mark, sampling.n_samples, margin + 1, WORKERS)
+        # Friction that is taken off the force leaves reversals clean: of equations that hold none of it, rests go.
+        jumping = {equation for equation, _ in sampling.model.law_columns}
+        taken_off = bool(sampling.model.coulomb_at_drive) and chosen.coulomb != ()
+        for only_rests in (False, True):
+            rows = [usable[j] for j in concerned if (taken_off and j not in jumping) == only_rests]
+            mark = partial(_leave_out, velocity, threshold, margin, (offset, factor), rows, only_rests)
+            if rows:
+                in_pieces(mark, sampling.n_samples, margin + 1, WORKERS)
     return usable
 
 
@@ -251,13 +255,18 @@ def _leave_out(
     margin: int,
     kept: tuple[int, int],
     usable: list[BoolArray],
+    only_rests: bool,
     piece: Piece,
 ) -> None:
-    """Mark the rows of a piece that are near standstill as not usable."""
+    """Mark the rows of a piece that are near standstill as not usable; near rests of some length alone if so wanted."""
     v = velocity[piece.first : piece.last]
     slow = np.abs(v) < threshold
-    backward = np.signbit(v)
-    slow[1:] |= backward[1:] != backward[:-1]
+    if only_rests:
+        core = margin // 3
+        slow, margin = ~_near(~slow, core), margin - core
+    else:
+        backward = np.signbit(v)
+        slow[1:] |= backward[1:] != backward[:-1]
     places, chosen = kept_of(piece, *kept)
     far = ~_near(slow, margin)[chosen]
     for rows in usable:
