@@ -184,7 +184,7 @@ def test_friction_of_a_load_whose_position_no_sensor_tells() -> None:
     found = identify_output_error(rough, model, log, held=True)
     assert found.fit is not None
     assert found.fit.search.errors[0].run.motions.count(None) == 1
-    assert found.status == "undetermined"  # the friction of motor and load is told apart by 5 N at best
+    assert found.status == "undetermined"  # the frictions of motor and load are not told apart
     assert "Fsm, Fsl" in found.message
     assert all(abs(z) < 5 for z in deviations(found, truth).values()), deviations(found, truth)
 
