@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.data import Log
 from symid.data.stuck import inspect_spans
 from symid.diagnosis.search import Turn
@@ -15,9 +16,10 @@ from symid.diagnosis.weighting import Weighting
 from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault
 
-_MANY = replace(CRITERIA, dead_share=0.05)
-"""Share of lost or repeated samples from which on a log shows its recorder rather than its machine; with fewer, as a
-coarse force has them near its turning points, effects are still told."""
+_LOST = replace(CRITERIA, dead_share=0.05)
+_REPEATED = replace(CRITERIA, dead_share=0.4)
+"""Share of lost and of repeated samples from which on a log shows its recorder rather than its machine. Coarse encoders
+and slow controllers repeat values by nature; a channel that is updated every second time does so in half of them."""
 _WHOLE_SAMPLE = 0.15
 _OPPOSITE = -0.5
 """Correlation of the measured with the predicted force from which on one of their signs is wrong."""
@@ -65,10 +67,16 @@ def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
     force = record.dynamics.axis.drive.signal
     names = (force, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
-    faults = [channel_fault(log[name], name, _MANY) for log in logs for name in names]
+    faults = [_destroyed(log[name], name, is_force=name == force) for log in logs for name in names]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
     fatal = tuple(dict.fromkeys(text for text in (_wrong_sign(state, weighting), *faults) if text))
     return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
+
+
+def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
+    """What leaves no physics to be read of a channel, in words; empty if nothing does."""
+    found = channel_fault(x, name, _LOST, is_force=is_force)
+    return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found
 
 
 def _wrong_sign(state: State, weighting: Weighting) -> str:
