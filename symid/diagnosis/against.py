@@ -17,7 +17,6 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.blocks import predicted
 from symid.diagnosis.comparison import applied, compared
 from symid.diagnosis.conclusion import concluded, effect_values
 from symid.diagnosis.deviations import standard_deviations
@@ -160,7 +159,7 @@ def _machine(state: State, weighting: Weighting) -> Fit:
     for item in model.state.placed:
         others = tuple(other for other in model.state.placed if other.key != item.key)
         without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)
-        gain = predicted(model) - predicted(without)
+        gain = model.predicted - without.predicted
         if gain - PRICE * item.n_free < LEAST_WORTH:
             model = without
     return model

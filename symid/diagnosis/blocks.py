@@ -18,7 +18,8 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, IntArray
-from symid.diagnosis.fit import Fit
+from symid.diagnosis.state import State
+from symid.diagnosis.weighting import Weighting
 
 N_BLOCKS = 16
 """Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
@@ -97,26 +98,35 @@ class Blocks:
         return np.asarray(inverse @ meat @ inverse / np.outer(self.scale, self.scale))
 
 
-def blocks_of(fit: Fit, n_blocks: int = N_BLOCKS) -> Blocks:
-    """A fitted model in blocks of the same number of rows."""
-    weighting, beginning = fit.weighting, fit.state.beginning
-    columns, errors = (weighting.known(x, beginning) for x in (fit.columns, fit.state.rows))
-    n_outputs, n_kept = len(fit.state.rows), int(weighting.kept.sum())
-    scale = np.linalg.norm(columns, axis=1)
+def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
+    """A fitted model in blocks of the same number of rows.
+
+    Parameters
+    ----------
+    state : State
+        The model with its values.
+    weighting : Weighting
+        Of the errors.
+    columns : array of shape (n_columns, n_outputs, n_rows)
+        Weighted derivatives of the prediction by its values.
+    """
+    known, errors = (weighting.known(x, state.beginning) for x in (columns, state.rows))
+    n_outputs, n_kept = len(state.rows), int(weighting.kept.sum())
+    scale = np.linalg.norm(known, axis=1)
     scale = np.where(scale > 0, scale, 1.0)
     return Blocks(
-        (columns / scale[:, None]).reshape(len(columns), n_outputs, n_kept),
+        (known / scale[:, None]).reshape(len(known), n_outputs, n_kept),
         scale,
         errors.reshape(n_outputs, n_kept),
-        np.array_split(np.arange(n_kept), n_blocks),
-        _free(fit),
+        np.array_split(np.arange(n_kept), N_BLOCKS),
+        _free(state),
     )
 
 
-def _free(fit: Fit) -> BoolArray:
+def _free(state: State) -> BoolArray:
     """All physical parameters and amplitudes; shapes only where these are all that an effect has."""
-    free = [True] * len(fit.parameters)
-    for item in fit.state.placed:
+    free = [True] * len(state.scene.parameters)
+    for item in state.placed:
         amplitudes = item.n_free - len(item.shape)
         free += [True] * amplitudes + [not amplitudes and i == 0 for i in range(len(item.shape))]
     return np.array(free)
@@ -173,13 +183,3 @@ def log_likelihood(squares: FloatArray, n_rows: float) -> float:
 def _gram(columns: FloatArray) -> FloatArray:
     flat = columns.reshape(len(columns), -1)
     return np.asarray(flat @ flat.T)
-
-
-def rows_of(fit: Fit) -> float:
-    """Independent rows of an output of a fit."""
-    return float(fit.weighting.kept.sum()) * fit.state.scene.record.freedom
-
-
-def predicted(fit: Fit) -> float:
-    """Logarithm of the likelihood of the blocks of a fit when they are left out, but for a constant."""
-    return log_likelihood(blocks_of(fit).squares, rows_of(fit))

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.blocks import blocks_of
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.weighting import autoregression
 
@@ -25,5 +24,5 @@ def standard_deviations(fit: Fit) -> FloatArray:
     unit = columns / scale[:, None]
     inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-13, hermitian=True)
     of_noise = (np.sqrt(np.maximum(np.diag(inverse), 0.0)) / scale)[: len(fit.columns)]
-    of_blocks = np.sqrt(np.maximum(np.diag(blocks_of(fit).covariance), 0.0))
+    of_blocks = np.sqrt(np.maximum(np.diag(fit.blocks.covariance), 0.0))
     return np.asarray(np.maximum(of_noise, of_blocks))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.diagnosis.blocks import deviation, rows_of
+from symid.diagnosis.blocks import deviation
 from symid.diagnosis.result import Verdict
 from symid.diagnosis.search import LEAST_WORTH, Turn
 
@@ -73,7 +73,7 @@ def _doubts(turn: Turn) -> dict[Key, float]:
     if not turn.confirmed:
         return {}
     best = max(turn.confirmed, key=lambda c: c.worth)
-    n = rows_of(turn.before)
+    n = turn.before.n_rows
     return {c.key: _DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
 
 

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.blocks import Blocks, blocks_of, log_likelihood
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.sensitivity import derivatives
 from symid.diagnosis.state import State, evaluated, leveled
@@ -70,6 +71,21 @@ class Fit:
         error = self.weighting.known(self.state.rows, self.state.beginning)
         rows[:, self.weighting.kept] = error.reshape(len(rows), -1)
         return rows
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The model block by block, for what it predicts of blocks that are left out."""
+        return blocks_of(self.state, self.weighting, self.columns)
+
+    @property
+    def n_rows(self) -> float:
+        """Independent rows of an output."""
+        return float(self.weighting.kept.sum()) * self.state.scene.record.freedom
+
+    @property
+    def predicted(self) -> float:
+        """Logarithm of the likelihood of the blocks when they are left out, but for a constant."""
+        return log_likelihood(self.blocks.squares, self.n_rows)
 
     @property
     def base(self) -> FloatArray:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from symid.diagnosis.effects import ACTUATOR, Delay, Placed
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.hidden_starts import Start
-from symid.diagnosis.search import LEAST_CERTAINTY, LEAST_WORTH, confirmed_from
+from symid.diagnosis.search import LATE_FORCES, LEAST_CERTAINTY, LEAST_WORTH, confirmed_from
 
 HELD = (
     "{} is held from each sample to the next: it acts half a sample after its record, which is accounted for."
 )
-_LATE = ("delay", "actuator_lag")
 _NEAR = 0.12
 """Samples by which the time found may differ from half a sample."""
 
@@ -27,7 +26,7 @@ def shows_hold(fit: Fit) -> bool:
 def is_held(fit: Fit) -> bool:
     """Whether the last effect of a model is a delay or a lag of half a sample."""
     item = fit.state.placed[-1]
-    if item.effect.name not in _LATE:
+    if item.effect.name not in LATE_FORCES:
         return False
     (time,) = item.shape or item.amplitudes
     return abs(time / fit.state.scene.record.log.sampling_period - 0.5) < _NEAR

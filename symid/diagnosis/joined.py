@@ -113,11 +113,17 @@ def _with_ways(parts: Sequence[FloatArray], n: int) -> FloatArray:
 
 def way(before: FloatArray, after: FloatArray, n: int) -> FloatArray:
     """Values that lead smoothly from the end of a signal to the beginning of another, with the slopes of both."""
-    u = np.arange(1, n + 1) / (n + 1)
     m = min(_ENDS, before.size, after.size)
     (v0, x0), (v1, x1) = (
         np.polyfit(k, part, 1) for k, part in ((np.arange(1 - m, 1), before[-m:]), (np.arange(m), after[:m]))
     )
+    return bridge((x0, v0), (x1, v1), n)
+
+
+def bridge(left: tuple[float, float], right: tuple[float, float], n: int) -> FloatArray:
+    """The n samples of the quintic between two values with their slopes a sample, both without curvature."""
+    (x0, v0), (x1, v1) = left, right
+    u = np.arange(1, n + 1) / (n + 1)
     v0, v1, distance = v0 * (n + 1), v1 * (n + 1), x1 - x0
     cubic = 10 * distance - 6 * v0 - 4 * v1
     quartic = -15 * distance + 8 * v0 + 7 * v1

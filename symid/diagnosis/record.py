@@ -17,6 +17,7 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data import Log
+from symid.diagnosis.joined import bridge
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
 
@@ -196,17 +197,14 @@ class Record:
 
     def fine(self, spectrum: ComplexArray) -> FloatArray:
         """Signal on the fine grid."""
-        return self._signal(spectrum, self.n_fine)
+        return self.grid(spectrum, self.n_fine)
 
     def rows(self, spectrum: ComplexArray) -> FloatArray:
         """Signal at the rows."""
-        return self._signal(spectrum, self.n_rows)
+        return self.grid(spectrum, self.n_rows)
 
-    def grid(self, spectrum: ComplexArray, n_points: int) -> FloatArray:
+    def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
         """Signal at any number of evenly spaced points of a period."""
-        return self._signal(spectrum, n_points)
-
-    def _signal(self, spectrum: ComplexArray, n: int) -> FloatArray:
         padded = np.zeros((*spectrum.shape[:-1], n // 2 + 1), dtype=complex)
         padded[..., : self.n_bins] = spectrum
         return np.asarray(scipy.fft.irfft(padded, n)) * (n / self.n_extended)
@@ -224,13 +222,7 @@ class Record:
         (v0, x0), (v1, x1) = (
             np.polyfit(k, part, 2)[1:] for k, part in ((np.arange(1 - m, 1), x[-m:]), (np.arange(m), x[:m]))
         )
-        v0, v1, way = v0 * (n + 1), v1 * (n + 1), x1 - x0
-        cubic, quartic, quintic = (
-            10 * way - 6 * v0 - 4 * v1,
-            -15 * way + 8 * v0 + 7 * v1,
-            6 * way - 3 * v0 - 3 * v1,
-        )
-        return np.concatenate([x, x0 + v0 * u + cubic * u**3 + quartic * u**4 + quintic * u**5])
+        return np.concatenate([x, bridge((x0, v0), (x1, v1), n)])
 
 
 def record_of(

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from symid.diagnosis.blocks import predicted
 from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.hidden_starts import Start
 from symid.diagnosis.search import Confirmed, Turn, confirmed_from
@@ -35,7 +34,7 @@ def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
         return tuple(turns)
     whole = accepted[-1].confirmed[0].fit
     n = len(accepted)
-    lost = [predicted(_without(whole, n - i)) for i in range(n)]
+    lost = [_without(whole, n - i).predicted for i in range(n)]
     taken = [turn.before.mean_square - turn.confirmed[0].fit.mean_square for turn in accepted]
     for order in (sorted(range(n), key=lambda i: lost[i]), sorted(range(n), key=lambda i: -taken[i])):
         if order == sorted(order):

@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.blocks import Blocks, blocks_of, certainty, deviation, log_likelihood, rows_of
+from symid.diagnosis.blocks import Blocks, certainty, deviation, log_likelihood
 from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.effects import DriveEffect, Effect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, keeps_inertia, refitted, settled
@@ -36,7 +36,7 @@ _EXPLAINED = 1.4
 _MARCHED = 2
 _TWINS = 3
 _COULOMB = "coulomb_friction"
-_LATE = ("delay", "actuator_lag")
+LATE_FORCES = ("delay", "actuator_lag")
 """Nearly the same: beside each other they tell nothing."""
 _PROMISING = 0.15
 """Share of the best candidate's gain by projection from which on another is fitted."""
@@ -155,8 +155,8 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         if not turn.accepts:
             break
         current = replace(refitted(settled(turn.confirmed[0].fit)), begun=fit.begun)
-        if current.state.placed[-1].effect.name in _LATE:
-            library = [effect for effect in library if effect.name not in _LATE]
+        if current.state.placed[-1].effect.name in LATE_FORCES:
+            library = [effect for effect in library if effect.name not in LATE_FORCES]
     return tuple(turns)
 
 
@@ -215,7 +215,7 @@ def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
         if plain is None or _COULOMB not in more.effect.imitates:
             continue
-        doubt = deviation(plain.squares, more.squares, rows_of(plain.fit))
+        doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
         clearly = more.worth - plain.worth > max(_HARDLY_MORE * plain.worth, doubt)
         if not clearly or _is_nearly_constant(more.fit.state.scene, more.fit.state.placed[-1]):
             del confirmed[name, place]
@@ -291,11 +291,11 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     """The gain of a model over that without its last effect, on blocks that are left out."""
     if not (np.isfinite(found.mean_square) and np.isfinite(found.columns).all()):
         return None
-    blocks = blocks_of(found)
+    blocks = found.blocks
     if not is_credible(fit, found, blocks):
         return None
-    n = rows_of(found)
-    own, before = blocks.squares, blocks_of(fit).squares
+    n = found.n_rows
+    own, before = blocks.squares, fit.blocks.squares
     gain = log_likelihood(own, n) - log_likelihood(before, n)
     return Confirmed(found, gain, certainty(before, own, n), own)
 

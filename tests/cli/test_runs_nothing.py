@@ -42,7 +42,7 @@ def test_a_table_names_no_file(name: str, folder: Path, capsys: pytest.CaptureFi
     assert not Path("PWNED").exists()
 
 
-@pytest.mark.parametrize("name", ["../evil", "a/b", "/tmp/evil", "..", "con.txt", "a b", ""])
+@pytest.mark.parametrize("name", ["../evil", "a/b", "/evil", "..", "con.txt", "a b", ""])
 def test_a_new_axis_is_written_into_models(name: str, folder: Path) -> None:
     assert run("new", name) == 2
     assert list(folder.parent.glob("evil.py")) == []
