@@ -7,19 +7,17 @@ import io
 import json
 import os
 import shutil
-import signal
 import tempfile
 import traceback
 import warnings
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 
 import numpy as np
 import polars as pl
 
 from benchmarks.bad.cases import Case
+from benchmarks.patience import Hangs, limited
 from symid.cli import main
 
 PATIENCE = 60
@@ -40,10 +38,6 @@ class Outcome:
     def is_failure(self) -> bool:
         """Whether this must not be."""
         return self.verdict not in ("done", "refused")
-
-
-class _Hangs(BaseException):
-    pass
 
 
 def good_folder(folder: Path) -> dict[str, str]:
@@ -92,25 +86,11 @@ def outcome_in_a_copy(case: Case, good: Path) -> Outcome:
         return Outcome("left behind", f"{strange} {outside}") if strange or outside else found
 
 
-@contextlib.contextmanager
-def _limited(seconds: int) -> Iterator[None]:
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise _Hangs
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-
-
 def outcome_of(case: Case, folder: Path) -> Outcome:
     """Run a command in a folder, in this process."""
     out, err = io.StringIO(), io.StringIO()
     code: object = None
-    with contextlib.chdir(folder), warnings.catch_warnings(record=True) as warned, _limited(PATIENCE):
+    with contextlib.chdir(folder), warnings.catch_warnings(record=True) as warned, limited(PATIENCE):
         warnings.simplefilter("always")
         os.environ["SYMID_TRACE"] = "1"
         try:
@@ -118,7 +98,7 @@ def outcome_of(case: Case, folder: Path) -> Outcome:
                 main(list(case.arguments))
         except SystemExit as stop:
             code = stop.code
-        except _Hangs:
+        except Hangs:
             return Outcome("hang", f"more than {PATIENCE} s")
         except KeyboardInterrupt:
             raise

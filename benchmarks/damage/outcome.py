@@ -5,20 +5,18 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import signal
 import tempfile
 import traceback
 import warnings
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 
 import numpy as np
 from hypothesis import strategies as st
 
 from benchmarks.damage.kinds import OF_BYTES, OF_COLUMNS, OF_FRAME, OF_TEXT
 from benchmarks.damage.log import AXIS, FORMS, TRUTH, as_bytes, good_log, write
+from benchmarks.patience import Hangs, limited
 from symid.cli import main
 
 KINDS = ("none", *OF_COLUMNS, *OF_BYTES, *OF_TEXT, *OF_FRAME, "wrong_suffix")
@@ -120,24 +118,6 @@ class Outcome:
         return self.verdict in FAILURES
 
 
-class _Hangs(BaseException):
-    pass
-
-
-@contextlib.contextmanager
-def _limited(seconds: int) -> Iterator[None]:
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise _Hangs
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-
-
 def outcome_of(damage: Damage) -> Outcome:
     """Write the log, identify it in this process, and judge what is said."""
     out, err = io.StringIO(), io.StringIO()
@@ -152,14 +132,14 @@ def outcome_of(damage: Damage) -> Outcome:
             *(["--memory", "1kB"] if damage.blocks else []),
         ]
         code: object = None
-        with warnings.catch_warnings(record=True) as warned, _limited(PATIENCE):
+        with warnings.catch_warnings(record=True) as warned, limited(PATIENCE):
             warnings.simplefilter("always")
             try:
                 with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
                     main(arguments)
             except SystemExit as stop:
                 code = stop.code
-            except _Hangs:
+            except Hangs:
                 return Outcome("hang", f"more than {PATIENCE} s")
             except KeyboardInterrupt:
                 raise
