@@ -5,18 +5,13 @@ from symid.diagnosis.declared import ExplainedAxis, explained_axis
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.experiment import Experiment, limits_seen, next_experiment_of
+from symid.diagnosis.gap import Gap, Level, Location, MapCell, Removed, Reversal
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
     EffectParameter,
     FoundEffect,
-    Gap,
-    Level,
-    Location,
-    MapCell,
     ParameterChange,
-    Removed,
-    Reversal,
     Signals,
     SimulatedEffect,
     SimulatedParameter,

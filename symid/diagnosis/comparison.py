@@ -12,8 +12,9 @@ import scipy
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fit import Fit, solved
+from symid.diagnosis.gap import Gap, Level, Removed, Reversal
 from symid.diagnosis.record import Record
-from symid.diagnosis.result import Gap, Level, Removed, Reversal, Signals, Spectrum
+from symid.diagnosis.result import Signals, Spectrum
 from symid.diagnosis.sensitivity import derivatives
 from symid.diagnosis.state import State, first_state, leveled, with_effects
 from symid.diagnosis.weighting import Weighting, with_restarts

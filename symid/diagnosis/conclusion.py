@@ -12,6 +12,7 @@ from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.evidence import INDISTINGUISHABLE, NOISE_ALONE, Errors, Outcome, is_there, odds, outcome
 from symid.diagnosis.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.fit import Fit
+from symid.diagnosis.gap import Gap, Level
 from symid.diagnosis.location import located, maps
 from symid.diagnosis.record import Record
 from symid.diagnosis.result import (
@@ -19,8 +20,6 @@ from symid.diagnosis.result import (
     Diagnosis,
     EffectParameter,
     FoundEffect,
-    Gap,
-    Level,
     ParameterChange,
     Verdict,
 )

@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 from symid.axis.axis import length_unit
 from symid.diagnosis.comparison import Comparison
-from symid.diagnosis.result import Location, MapCell
+from symid.diagnosis.gap import Location, MapCell
 from symid.units import Unit
 
 _BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
-from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Gap, Simulator, Verdict
+from symid.diagnosis.gap import Gap
+from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Simulator, Verdict
 
 _ADVICE = {
     "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",

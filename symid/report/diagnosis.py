@@ -9,17 +9,13 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from symid.diagnosis.gap import Gap, Level, MapCell, Removed, Reversal
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
     EffectParameter,
     FoundEffect,
-    Gap,
-    Level,
-    MapCell,
     ParameterChange,
-    Removed,
-    Reversal,
     Simulator,
 )
 from symid.report.console import plain, report_console

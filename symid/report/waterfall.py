@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from symid.diagnosis.result import Diagnosis, Gap, Level
+from symid.diagnosis.gap import Gap, Level
+from symid.diagnosis.result import Diagnosis
 from symid.report.numbers import words
 
 
