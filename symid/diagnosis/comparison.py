@@ -83,9 +83,7 @@ class Comparison:
         last = self.states[-1]
         if last is None:
             return np.ones(len(self.weighting.density))
-        ratio = (self.weighting.density / last.scene.noise_density) ** 2
-        taper = self.record.taper**2
-        return np.asarray(np.sqrt(ratio @ taper / np.sum(taper)))
+        return np.asarray(np.sqrt(last.scene.noise_through(self.weighting.density)))
 
     @property
     def floor(self) -> float:

@@ -95,10 +95,8 @@ class Fit:
     @cached_property
     def squares(self) -> FloatArray:
         """Mean square of the kept rows of each output, 1 if noise alone is left; shape (n_outputs,)."""
-        weighting, scene = self.weighting, self.state.scene
-        passed = (weighting.density / scene.noise_density) ** 2 @ scene.record.taper**2
-        floor = passed / np.sum(scene.record.taper**2)
-        return np.asarray(np.mean(self.left[:, weighting.kept] ** 2, axis=1) / floor)
+        floor = self.state.scene.noise_through(self.weighting.density)
+        return np.asarray(np.mean(self.left[:, self.weighting.kept] ** 2, axis=1) / floor)
 
     @property
     def mean_square(self) -> float:

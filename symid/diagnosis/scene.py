@@ -146,6 +146,11 @@ class Scene:
         """Weights of the outputs over frequency where noise alone is allowed for."""
         return noise_weights(self.record, self.response) if self.levels else self.density
 
+    def noise_through(self, density: FloatArray) -> FloatArray:
+        """Mean square that noise alone leaves in the rows of each output under given weights, shape (n_outputs,)."""
+        taper = self.record.taper**2
+        return np.asarray((density / self.noise_density) ** 2 @ taper / np.sum(taper))
+
     @cached_property
     def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
         """Direction of each joint with nonlinear laws, and the spectra of their expressions."""

@@ -10,10 +10,11 @@ from itertools import islice
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.blocks import Blocks, certainty, deviation, log_likelihood
+from symid.diagnosis.blocks import certainty, deviation, log_likelihood
+from symid.diagnosis.credibility import is_credible
 from symid.diagnosis.deviations import standard_deviations
-from symid.diagnosis.effects import DriveEffect, Effect, JointEffect, LawEffect, LinearEffect, Placed
-from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, keeps_inertia, refitted, settled
+from symid.diagnosis.effects import Effect, LawEffect, Placed
+from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -28,10 +29,6 @@ LEAST_CERTAINTY = 0.95
 _LEAST_POWER = 0.06
 _LEAST_OF_FIRST = 0.006
 """Share of the mean square of the first model that a further effect must take away."""
-_SEEN = 1e-8
-"""Share of a column, squared, that others must leave of it."""
-_DEVIATIONS = 2.0
-"""A value within so many deviations of nothing is no finding."""
 _EXPLAINED = 1.4
 _MARCHED = 2
 _TWINS = 3
@@ -44,16 +41,11 @@ _HARDLY_MORE = 0.01
 _VARIES = 0.4
 _HARDLY = 0.1
 """With more of the mean square left, no candidate has explained it."""
-_LARGEST_FORCE = 5.0
-"""Rms of a missing force, relative to the largest force of the drive: a spring that holds it may carry more."""
 _TIE = 2.0
 _TIMING_FIRST = 0.6
 """Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
 like play, friction or compliance, and what there is of these is found after it."""
 _LATE_READING = "sensor_delay"
-_OF_MASSES = ("flexible_mode", "payload_change")
-_LEAST_ACTING = 0.5
-"""Share of the logged force that must act on the axis: with less, the drive has been explained away."""
 _MOST_EFFECTS = 4
 _DIRECT = (6, 3)
 _MARCHING = (12, 8)
@@ -298,66 +290,3 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     own, before = blocks.squares, fit.blocks.squares
     gain = log_likelihood(own, n) - log_likelihood(before, n)
     return Confirmed(found, gain, certainty(before, own, n), own)
-
-
-def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether a machine can be as a model with one more effect says, and the log determines its values."""
-    item, scene = found.state.placed[-1], found.state.scene
-    if not item.effect.is_possible(scene, item.amplitudes) or not item.effect.is_plausible(scene, item):
-        return False
-    if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
-        return False
-    if force_share(found) > _LARGEST_FORCE:
-        return False
-    return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
-
-
-def force_share(fit: Fit) -> float:
-    """Force of the last effect in a joint, relative to the largest that the drive gives; 0 for other effects."""
-    scene, item = fit.state.scene, fit.state.placed[-1]
-    if not isinstance(item.effect, JointEffect) or isinstance(item.effect, LinearEffect):
-        return 0.0
-    joint = item.effect.joint(scene, item.at)
-    force = np.tensordot(item.amplitudes, item.effect.forces(scene, joint, item.shape), 1)
-    inside = scene.record.in_log
-    rms = float(np.sqrt(np.mean(scene.record.fine(force)[inside] ** 2)))
-    return rms / float(np.abs(scene.record.whole_force).max())
-
-
-def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether the drive moves the inertia of the model without the effect, or the one that the axis was given."""
-    plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
-    spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
-    masses = found.state.scene.record.dynamics.parameters_of("mass")
-    least = min(s for name, s in zip(found.parameters, spread, strict=True) if name in masses)
-    return keeps_inertia(found.state, *plain, doubt=min(_DEVIATIONS * float(least) / max(plain), 1.0))
-
-
-def is_determined(item: Placed, blocks: Blocks) -> bool:
-    """Whether the log tells the last effect from the others, and its values exceed their deviations."""
-    if not item.n_free:
-        return True
-    if blocks.least_seen(item.n_free) < _SEEN:
-        return False
-    covariance = blocks.covariance[-item.n_free :, -item.n_free :]
-    n = item.n_free - len(item.shape)
-    amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
-    matters = np.array([name not in item.effect.moments for name in item.effect.shape_names], dtype=bool)
-    if np.any((np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)) & matters):
-        return False
-    if not n:
-        return True
-    strength = amplitudes @ np.linalg.pinv(covariance[:n, :n], hermitian=True) @ amplitudes
-    return bool(strength > _DEVIATIONS**2)
-
-
-def acting_share(fit: Fit) -> float:
-    """Share of the logged force that acts on the axis if an effect of the drive keeps some of it back, in rms."""
-    scene = fit.state.scene
-    changes = [item.change(scene)[0] for item in fit.state.placed if isinstance(item.effect, DriveEffect)]
-    if not changes:
-        return 1.0
-    logged = np.stack([scene.record.measured[0], scene.record.measured[0] - np.sum(changes, axis=0)])
-    rows = fit.weighting.rows(logged[:, None])[:, 0, fit.weighting.kept]
-    whole, acting = np.linalg.norm(rows, axis=1)
-    return float(acting / whole)
