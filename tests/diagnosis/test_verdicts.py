@@ -14,6 +14,7 @@ from symid.axis import Between, Body, Spring
 from symid.diagnosis import Diagnosis, diagnose, explained_axis
 from symid.errors import SettingError
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+from symid.units import Unit
 
 SHIFT = 1e-3
 
@@ -120,3 +121,14 @@ def test_a_force_that_nothing_in_the_library_stands_for_is_unexplained() -> None
     found = diagnose(load_axis("rigid_1m"), rigid_log(walk), validation=rigid_log(walk, seed=2))
     assert found.verdict == "unexplained"
     assert found.effects == ()
+
+
+def test_friction_that_rises_throughout_the_log_is_a_drift_with_its_rate() -> None:
+    def rising(t, q, v, a, path):
+        return 2.0 * t * np.sign(v)
+
+    found = diagnose(load_axis("rigid_1m"), rigid_log(rising), validation=rigid_log(rising, seed=2))
+    assert (found.verdict, found.effects[0].effect) == ("effect", "friction_drift")
+    rate = found.effects[0].parameters["dFs/dt"]
+    assert (rate.value, Unit.of(rate.unit)) == (pytest.approx(2.0, rel=0.05), Unit.of("N/s"))
+    assert found.gap.closed_fraction > 0.9

@@ -3,7 +3,12 @@
 from symid.axis import Cogging
 from symid.diagnosis.effects.base import ACTUATOR, Effect, JointEffect, LinearEffect, Placed, Pull, Shape
 from symid.diagnosis.effects.forces import CoggingEffect, FlexibleMode, PayloadChange, PeriodicDisturbance
-from symid.diagnosis.effects.friction import FrictionDrift, LoadDependentFriction, PreslidingFriction
+from symid.diagnosis.effects.friction import (
+    FrictionDrift,
+    LoadDependentFriction,
+    PreslidingFriction,
+    SteadyFrictionDrift,
+)
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
 from symid.diagnosis.effects.signals import (
     ActuatorLag,
@@ -23,6 +28,8 @@ LIBRARY: tuple[Effect, ...] = (
     FrictionDrift(coulomb=True, viscous=False),
     FrictionDrift(coulomb=False, viscous=True),
     FrictionDrift(coulomb=True, viscous=True),
+    SteadyFrictionDrift(coulomb=True, viscous=False),
+    SteadyFrictionDrift(coulomb=False, viscous=True),
     PeriodicDisturbance(),
     PayloadChange(),
     FlexibleMode(),

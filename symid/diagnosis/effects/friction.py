@@ -20,8 +20,9 @@ from symid.units import Unit
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
+"""Time constants of a drift, relative to the log: of slower ones the log shows the rate alone."""
 _MOST_CHANGED = 3.0
-"""Times of a drift relative to the log: slower ones show no course."""
+"""Change of a declared friction by a drift within the log, relative to its level."""
 
 
 class PreslidingFriction(JointEffect):
@@ -143,9 +144,15 @@ class FrictionDrift(JointEffect):
         """It shows a course within the log, and changes declared friction by no more than a few times that."""
         if placed.shape[0] > 0.99 * _SLOWEST_WARM_UP * scene.record.duration:
             return False
+        return self.is_moderate(scene, placed, 1.0)
+
+    def is_moderate(self, scene: Scene, placed: Placed, time: float) -> bool:
+        """Whether amplitudes times `time` change no declared friction by more than a few times its level."""
         kinds = (DeclaredCoulomb,) * self.coulomb + (DeclaredViscous,) * self.viscous
         changes = zip(kinds, placed.amplitudes, strict=True)
-        return all(abs(change) < _MOST_CHANGED * _level(scene, placed.at, kind) for kind, change in changes)
+        return all(
+            abs(change * time) < _MOST_CHANGED * _level(scene, placed.at, kind) for kind, change in changes
+        )
 
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous
@@ -164,13 +171,17 @@ class FrictionDrift(JointEffect):
             float(np.clip(shape[0], 0.02 * scene.record.duration, _SLOWEST_WARM_UP * scene.record.duration)),
         )
 
+    def course(self, scene: Scene, shape: Shape) -> FloatArray:
+        """Factor of the change over time: exp(-t/T) within the log."""
+        return np.where(scene.record.in_log, np.exp(-scene.record.fine_time / shape[0]), 0.0)
+
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        fading = _fading(scene, shape[0])
+        fading = self.course(scene, shape)
         parts = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
         return sampled(scene, *(part * fading for part in parts), joint=joint)
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        fading = _fading(scene, shape[0]).tolist()
+        fading = self.course(scene, shape).tolist()
         level = amplitudes[0] if self.coulomb else 0.0
         viscous = amplitudes[-1] if self.viscous else 0.0
         return Pointwise(lambda k, q, v: fading[k] * (math.copysign(1.0, v) * level + viscous * v))
@@ -181,6 +192,33 @@ class FrictionDrift(JointEffect):
         return (*[str(force)] * self.coulomb, *[of_viscous] * self.viscous, "s")
 
 
-def _fading(scene: Scene, time: float) -> FloatArray:
-    """exp(-t/T) within the log."""
-    return np.where(scene.record.in_log, np.exp(-scene.record.fine_time / time), 0.0)
+class SteadyFrictionDrift(FrictionDrift):
+    """t (dFs/dt sign(v) + dFv/dt v): friction that changes so slowly that the log shows no end of it.
+
+    Of an exponential whose time constant exceeds the log by far, the log tells the rate and neither the time constant
+    nor the final value.
+    """
+
+    shape_names = ()
+
+    def __init__(self, *, coulomb: bool, viscous: bool) -> None:
+        super().__init__(coulomb=coulomb, viscous=viscous)
+        self.amplitudes = tuple(f"{name}/dt" for name in self.amplitudes)
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """It changes declared friction by no more than a few times that within the log."""
+        return self.is_moderate(scene, placed, scene.record.duration)
+
+    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+        return [()]
+
+    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+        return shape
+
+    def course(self, scene: Scene, shape: Shape) -> FloatArray:
+        """Factor of the change over time: the time since the log began, s."""
+        return np.where(scene.record.in_log, scene.record.fine_time, 0.0)
+
+    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+        *changes, time = super().units(scene, place)
+        return tuple(str(Unit.of(change) / Unit.of(time)) for change in changes)
