@@ -115,12 +115,15 @@ def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
     """Runs that a position enters and leaves at speed: it did not come to rest, its range ended."""
     if not runs.start.size:
         return runs
-    step = np.abs(np.diff(x))
-    fast = 0.3 * float(np.quantile(step, 0.95))
+    # Over several changes of value: an encoder's single count is no speed, and the step into a run is cut short.
+    span = 2 + 2 * int(np.ceil(np.median(_Runs.of(x).length)))
+    moved = np.abs(x[span:] - x[:-span])
+    if not moved.size:
+        return runs.only(np.zeros(runs.start.size, dtype=np.bool_))
+    fast = 0.3 * float(np.quantile(moved, 0.95))
     stop = runs.start + runs.length
-    # The step next to the run is cut short by the clipping itself: the one before it shows the speed.
-    entered = (runs.start > 1) & (step[np.maximum(runs.start - 2, 0)] > fast)
-    left = np.where(stop + 1 < x.size, step[np.minimum(stop, step.size - 1)] > fast, True)
+    entered = (runs.start > span) & (moved[np.clip(runs.start - 1 - span, 0, moved.size - 1)] > fast)
+    left = np.where(stop + span < x.size, moved[np.minimum(stop, moved.size - 1)] > fast, True)
     return runs.only(entered & left)
 
 
