@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.logs import log_options, read_log_of
+from symid.cli.logs import late_of, log_options, read_log_of
 from symid.cli.numbers import ORDER, POSITIVE
 from symid.cli.options import (
     assignments,
     dark_option,
     held_force,
     json_option,
+    late_option,
     measured_option,
     number,
     parameter_file,
@@ -37,8 +37,7 @@ from symid.tuning import (
     Tuning,
     exact_run,
     excited_band,
-    noise_levels,
-    runs_of_log,
+    identified_and_tuned,
     tune,
     tune_total,
     tuning_chirp,
@@ -93,7 +92,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 @click.option(
     "--noise-from",
     metavar="LOG",
-    help="Minimise the total error of bias and noise, with the motion and the noise of a log.",
+    help="Minimise the total error of bias and noise, with the motion, the noise and the parameters of a log.",
 )
 @click.option(
     "--noise",
@@ -114,6 +113,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     metavar="SIGNAL",
     help="With --noise-from: a force that is held from sample to sample, so that it acts half a sample late.",
 )
+@late_option
 @log_options
 @click.option(
     "--plot", metavar="FILE", type=Output("picture"), help="Draw the errors by frequency (png, svg or pdf)."
@@ -171,24 +171,28 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         signal: number(text, f"--noise {signal}")
         for signal, text in assignments(options["noise"], "--noise").items()
     }
-    settings = Preparation(order=options["order"])
-    if options["noise_from"]:
-        log = read_log_of(declared, options["noise_from"], options)
-        measured = measured_signals(declared, [log], signal_list(options["measured"]))
-        model, rate = model_of(name, measured), log.sampling_frequency
-        levels = {**noise_levels(log, model.force, model.measured), **given}
-        settings = replace(settings, held=held_force(options["held"], declared))
-        late = settings.with_hold(model, log.sampling_period)
-        runs = runs_of_log(declared, model, parameters, log, late)
-    else:
-        model, rate, levels = (
-            model_of(name, signal_list(options["measured"])),
-            options["log_rate"],
-            given,
-        )
+    if not options["noise_from"]:
+        model = model_of(name, signal_list(options["measured"]))
         controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)
         runs = (exact_run(declared, parameters, trajectory, controller),)
-    return tune_total(declared, model, parameters, runs, rate, levels, preparation=settings, track=_tracked)
+        settings = Preparation(order=options["order"])
+        return tune_total(
+            declared,
+            model,
+            parameters,
+            runs,
+            options["log_rate"],
+            given,
+            preparation=settings,
+            track=_tracked,
+        )
+    log = read_log_of(declared, options["noise_from"], options)
+    model = model_of(name, measured_signals(declared, [log], signal_list(options["measured"])))
+    held = held_force(options["held"], declared)
+    settings = Preparation(order=options["order"], held=held, late=late_of(options))
+    return identified_and_tuned(
+        declared, model, log, nominal=parameters, noise=given, preparation=settings, track=_tracked
+    )
 
 
 def _tracked(frequencies: Sequence[float]) -> Iterator[float]:

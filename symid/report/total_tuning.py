@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -51,15 +52,19 @@ def print_total_tuning(found: TotalTuning) -> None:
     console.print(
         f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}: total error {found.total_percent:.3g} %"
     )
-    console.print(
-        f"sampling frequency {found.sampling_hz:g} Hz; systematic errors are below half of the total from "
-        f"{found.recommended_sampling_hz:.4g} Hz on"
-    )
+    console.print(f"sampling frequency {found.sampling_hz:g} Hz; {_recommended(found)}")
     table = Table("error of", "systematic", "total", box=None)
     for name, total in found.total.items():
         decides = "" if name in found.decisive else "lost"
         table.add_row(name, f"{found.systematic[name]:.3g} %", f"{total:.3g} %", decides)
     console.print(table)
+
+
+def _recommended(found: TotalTuning) -> str:
+    least = found.recommended_sampling_hz
+    if math.isfinite(least):
+        return f"systematic errors are below half of the total from {least:.4g} Hz on"
+    return "systematic errors exceed half of the total at every sampling frequency up to eight times this one"
 
 
 def plot_total_tuning(found: TotalTuning, file: str | Path, palette: Palette = LIGHT) -> None:

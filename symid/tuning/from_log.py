@@ -17,6 +17,7 @@ from symid.errors import SettingError
 from symid.identification import Preparation, identify
 from symid.identification.settings import coherent_band, completed
 from symid.simulation import Cascade, Command, Controller, Trajectory, plant_of, tuned_cascade
+from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun, exact_run
 from symid.tuning.noise import noise_levels
 from symid.tuning.total import TotalTuning, tune_total
@@ -133,13 +134,17 @@ def identified_and_tuned(
     model: GeneratedModel,
     log: Log,
     *,
+    nominal: Mapping[str, float] | None = None,
+    noise: Mapping[str, float] | None = None,
     preparation: Preparation | None = None,
     rounds: int = 2,
     draws: int = 12,
+    track: Track = iter,
 ) -> TotalTuning:
     """Tune on the total error with parameters identified from the log itself.
 
-    The parameters come from the automatic settings first, then from the tuned ones.
+    The parameters come from the automatic settings first, then from the tuned ones: a setting that is best for
+    parameters 15 % off can be far from the best of the machine.
 
     Parameters
     ----------
@@ -149,23 +154,29 @@ def identified_and_tuned(
         Its model for the sensors of the log.
     log : Log
         A run of the axis.
+    nominal : mapping of str to float, optional
+        A priori values, SI: they choose among several solutions, and stand in where the log identifies none.
+    noise : mapping of str to float, optional
+        Standard deviation of the noise of signals where it is known, SI; of the others it is read from the log.
     preparation : Preparation, optional
         Settings other than cutoff and decimation.
     rounds : int
         How often parameters are identified and the settings tuned.
     draws : int
         Draws of noise in the last round.
+    track : callable, optional
+        Is given the cutoffs of each round and passes them on, to show progress.
 
     Raises
     ------
     SettingError
-        If no cutoff gives parameters that an axis can have.
+        If no cutoff gives parameters that an axis can have and no nominal values are given.
     """
     base = preparation or Preparation()
-    noise = noise_levels(log, model.force, model.measured)
+    levels = {**noise_levels(log, model.force, model.measured), **(noise or {})}
     settings, tuned = base, None
     for last in [False] * (rounds - 1) + [True]:
-        parameters = plausible_parameters(axis, model, log, settings)
+        parameters = plausible_parameters(axis, model, log, settings, nominal)
         runs = runs_of_log(axis, model, parameters, log, base.with_hold(model, log.sampling_period))
         tuned = tune_total(
             axis,
@@ -173,9 +184,10 @@ def identified_and_tuned(
             parameters,
             runs,
             log.sampling_frequency,
-            noise,
+            levels,
             preparation=base,
             draws=draws if last else _ROUGH_DRAWS,
+            track=track,
         )
         settings = tuned.preparation
     assert tuned is not None
@@ -183,11 +195,16 @@ def identified_and_tuned(
 
 
 def plausible_parameters(
-    axis: Axis, model: GeneratedModel, log: Log, settings: Preparation
+    axis: Axis,
+    model: GeneratedModel,
+    log: Log,
+    settings: Preparation,
+    nominal: Mapping[str, float] | None = None,
 ) -> dict[str, float]:
     """Physical parameters of a log, from the settings or else from nearby cutoffs, none negative that must not be.
 
-    Frictions and dampings that come out negative are taken as small; masses and springs must be positive.
+    Frictions and dampings that come out negative are taken as small; masses and springs must be positive. Where no
+    cutoff gives such values, the nominal ones are returned.
     """
     first = completed(settings, log, model).cutoff_hz
     assert first is not None
@@ -195,13 +212,15 @@ def plausible_parameters(
         cutoff = min(first * factor, 0.4 * log.sampling_frequency)
         decimation = settings.decimation if factor == 1.0 else None
         chosen = replace(settings, cutoff_hz=cutoff, decimation=decimation)
-        found = identify(model, log, preparation=chosen, examine=False)
+        found = identify(model, log, preparation=chosen, nominal=nominal, examine=False)
         parameters = found.physical_parameters
         if parameters and all(parameters[name] > 0.0 for name in _inertias_and_springs(axis)):
             return {
                 name: value if name in model.signed else max(value, _LEAST_FRICTION)
                 for name, value in parameters.items()
             }
+    if nominal:
+        return dict(nominal)
     raise SettingError(
         f"{log.source}: no cutoff gives positive masses and springs for axis {axis.name!r}: give --parameters"
     )

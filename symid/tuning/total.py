@@ -154,8 +154,7 @@ def tune_total(
     scan = _scan(errors, plain, track)
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
-    ranked = sorted(scan, key=lambda entry: _together(entry[1][counted]))
-    candidates = [settings for settings, _ in ranked[:_CANDIDATES]]
+    candidates = _ranked(scan, counted)[:_CANDIDATES]
     judged = [_together(errors.rms(settings)[counted]) for settings in candidates]
     settings = _refined(errors, candidates[int(np.argmin(judged))], min(judged), counted)
     total = errors.rms(settings)
@@ -183,12 +182,40 @@ def tune_total(
 
 def _scan(errors: TotalErrors, plain: Preparation, track: Track) -> list[tuple[Preparation, FloatArray]]:
     """Rough errors of the parameters over cutoffs and decimations."""
+    cutoffs = [float(f) for f in _cutoffs(errors.clean)]
     found = []
-    for cutoff in track([float(f) for f in _cutoffs(errors.clean)]):
+    for cutoff in track(cutoffs):
         for factor in _decimations(errors.clean, cutoff):
             settings = replace(plain, cutoff_hz=cutoff, decimation=factor)
             found.append((settings, errors.estimate_of_rms(settings)))
     return found
+
+
+def _ranked(scan: Sequence[tuple[Preparation, FloatArray]], counted: FloatArray) -> list[Preparation]:
+    """Settings by their total error, that of the cutoffs beside it included.
+
+    A narrow dip between two high neighbours is the luck of rows that fall well before a reversal of friction, not an
+    optimum: a cutoff is judged with the best of the next lower and of the next higher one, a quarter of weight each.
+    """
+    cutoffs = sorted({setting.cutoff_hz or 0.0 for setting, _ in scan})
+    squares = [_together(rms[counted]) ** 2 for _, rms in scan]
+    best = np.array(
+        [
+            min(
+                square
+                for (setting, _), square in zip(scan, squares, strict=True)
+                if setting.cutoff_hz == cutoff
+            )
+            for cutoff in cutoffs
+        ]
+    )
+    beside = np.pad(best, 1, mode="edge")
+    smooth = {cutoff: 0.5 * (beside[i] + beside[i + 2]) for i, cutoff in enumerate(cutoffs)}
+    total = [
+        0.5 * square + 0.5 * smooth[setting.cutoff_hz or 0.0]
+        for (setting, _), square in zip(scan, squares, strict=True)
+    ]
+    return [scan[i][0] for i in np.argsort(total)]
 
 
 def _checked(model: GeneratedModel, noise: Mapping[str, float]) -> dict[str, float]:

@@ -77,6 +77,14 @@ class Effect(ABC):
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         """Change of the predicted outputs for unit amplitudes, of shape (n_amplitudes, n_outputs, n_bins)."""
 
+    def passed_on(self, scene: Scene, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
+        """Its change of small changes of the predicted outputs, (..., n_outputs, n_bins); None if it leaves them."""
+        return None
+
+    def misreading(self, scene: Scene, placed: Placed) -> ComplexArray | None:
+        """Error of the reading from which all is predicted, of shape (n_bins,); None if it makes none."""
+        return None
+
     @abstractmethod
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         """Units of amplitudes and shape parameters."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterable
 
 import numpy as np
@@ -36,7 +37,30 @@ class DriveEffect(Effect):
         return columns
 
 
-class Delay(DriveEffect):
+class TransferEffect(Effect):
+    """An effect that adds to one predicted output that output under a transfer function."""
+
+    @abstractmethod
+    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
+        """The transfer function for unit amplitude, of shape (n_bins,)."""
+
+    def output(self, scene: Scene, place: str) -> int:
+        """Which output; the drive force unless said otherwise."""
+        return 0
+
+    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        return self._under(scene, place, shape, scene.predicted)[None]
+
+    def passed_on(self, scene: Scene, placed: Placed, outputs: ComplexArray) -> ComplexArray:
+        return placed.amplitudes[0] * self._under(scene, placed.at, placed.shape, outputs)
+
+    def _under(self, scene: Scene, place: str, shape: Shape, outputs: ComplexArray) -> ComplexArray:
+        changed, at = np.zeros_like(outputs), self.output(scene, place)
+        changed[..., at, :] = self.transfer(scene, shape) * outputs[..., at, :]
+        return changed
+
+
+class Delay(TransferEffect, DriveEffect):
     """The force acts later than it is logged: u(t - T)."""
 
     name = "delay"
@@ -50,22 +74,22 @@ class Delay(DriveEffect):
     def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
         return [(float(x * scene.record.log.sampling_period),) for x in _DELAYS]
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        return self._force(scene, np.expm1(1j * scene.record.omega * shape[0]) * scene.predicted[0])
+    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
+        return np.expm1(1j * scene.record.omega * shape[0])
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return "1", "s"
 
 
-class ActuatorLag(DriveEffect):
+class ActuatorLag(TransferEffect, DriveEffect):
     """The force follows the logged one like a first-order system: T u(1) + u = logged."""
 
     name = "actuator_lag"
     amplitudes = ("T",)
     positive = True
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        return self._force(scene, 1j * scene.record.omega * scene.predicted[0])
+    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
+        return 1j * scene.record.omega
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return ("s",)
@@ -161,8 +185,16 @@ class EncoderRipple(Effect):
         return repeating_pitches(scene, _reading(scene, place), pull(response), response)
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        waves = scene.record.from_grid(np.stack(ripple(scene, _reading(scene, place), shape[0])))
-        return self._response(scene, place) * waves[:, None, :]
+        return self._response(scene, place) * self._waves(scene, place, shape)[:, None, :]
+
+    def misreading(self, scene: Scene, placed: Placed) -> ComplexArray | None:
+        if placed.at != scene.record.signals[0]:
+            return None
+        return np.tensordot(placed.amplitudes, self._waves(scene, placed.at, placed.shape), 1)
+
+    def _waves(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+        """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
+        return scene.record.from_grid(np.stack(ripple(scene, _reading(scene, place), shape[0])))
 
     def _response(self, scene: Scene, place: str) -> ComplexArray:
         """Outputs as predicted, for an error of the reading."""
@@ -176,7 +208,7 @@ class EncoderRipple(Effect):
         return (str(scene.axis.signal_units[place]),) * 3
 
 
-class SensorDelay(Effect):
+class SensorDelay(TransferEffect):
     """A reading is late against the position from which all is predicted: y(t - T); early where T is negative."""
 
     name = "sensor_delay"
@@ -195,11 +227,11 @@ class SensorDelay(Effect):
         times = [float(x * period) for x in _DELAYS]
         return [(time,) for time in (*times, *_apparent_delay(scene, place)) if abs(time) < _LONGEST_DELAY]
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        at = scene.record.signals.index(place)
-        columns = np.zeros((1, *scene.record.measured.shape), dtype=complex)
-        columns[0, at] = np.expm1(-1j * scene.record.omega * shape[0]) * scene.predicted[at]
-        return columns
+    def output(self, scene: Scene, place: str) -> int:
+        return scene.record.signals.index(place)
+
+    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
+        return np.expm1(-1j * scene.record.omega * shape[0])
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return "1", "s"
