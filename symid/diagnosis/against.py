@@ -106,7 +106,7 @@ def diagnose_against(
     base = _machine(state, weighting)
     start = unfitted(with_effects(state, weighting, _same(state, base)), weighting)
     turns = search(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
-    turns = judged_together(turns)
+    turns = judged_together(turns, library)
     fits = fits_of(base, turns)
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, turns, fits, model.parameters, (log, validation))

@@ -163,7 +163,7 @@ def _diagnosed(
     if unknown and shows_hold(base):
         return _with_hold(axis, runs, nominal, recorded, library)
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    turns = judged_together(search(base, library, before))
+    turns = judged_together(search(base, library, before), library)
     if unknown and any(is_held(turn.confirmed[0].fit) for turn in turns if turn.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
     fits = fits_of(base, turns)

@@ -15,6 +15,7 @@ import numpy as np
 
 from symid.diagnosis.blocks import deviation
 from symid.diagnosis.result import Verdict
+from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, Turn
 
 _TEMPERED_SHARE = 0.004
@@ -51,7 +52,7 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     driven : str
         Body that the drive moves: where places cannot be told apart, it is a little more likely.
     """
-    worth = {c.key: c.worth for c in turn.confirmed}
+    worth = _worths(turn)
     for candidate in turn.screened:
         worth.setdefault(candidate.placed.key, min(candidate.worth, min(worth.values(), default=0.0)))
     if not worth:
@@ -66,6 +67,23 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
+
+
+def _worths(turn: Turn) -> dict[Key, float]:
+    """Worth of each candidate that was fitted.
+
+    One that is linear and holds a simpler one, as an asymmetry of friction holds a constant force, is worth at least as
+    much less what its further values cost: with these at 0 it is the simpler one.
+    """
+    worth = {c.key: c.worth for c in turn.confirmed}
+    for own in turn.confirmed:
+        item = own.fit.state.placed[-1]
+        for other in turn.confirmed:
+            name, place = other.key
+            if not item.shape and place == item.at and name in item.effect.imitates:
+                further = item.n_free - other.fit.state.placed[-1].n_free
+                worth[own.key] = max(worth[own.key], other.worth - PRICE * further)
+    return worth
 
 
 def _doubts(turn: Turn) -> dict[Key, float]:

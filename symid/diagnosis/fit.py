@@ -133,7 +133,7 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
     iterations : int
         At most.
     """
-    cost = _cost(state, weighting)
+    cost = cost_of(state, weighting)
     spectra = derivatives(state)
     columns = weighting.rows(spectra)
     for _ in range(iterations):
@@ -195,7 +195,7 @@ def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
     return low / (1 + doubt) < found.inertia < high * (1 + doubt)
 
 
-def _cost(state: State, weighting: Weighting) -> float:
+def cost_of(state: State, weighting: Weighting) -> float:
     """Sum of squares that unknown starts do not explain."""
     error = weighting.known(state.rows, state.beginning)
     return float(error @ error)
@@ -223,7 +223,7 @@ def _searched(
                 np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else solved(flat.T, error)
             )
             found = evaluated(state, weighting, *_moved(state, step))
-            after = _cost(found, weighting)
+            after = cost_of(found, weighting)
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             after = np.inf
         if after < cost:

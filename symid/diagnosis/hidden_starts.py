@@ -16,13 +16,15 @@ import numpy as np
 
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Placed
-from symid.diagnosis.fit import Fit
+from symid.diagnosis.fit import Fit, cost_of
 from symid.diagnosis.scene import Scene, place_of
 from symid.diagnosis.state import State, first_state, is_hidden, with_effects
 from symid.diagnosis.weighting import Weighting
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
 _MASSES = (0.9, 1.1)
+_SHARES = (1.0, 0.3, 0.1, 0.03)
+"""Of the amplitudes that a projection asks for, with which a fit may begin."""
 _KEPT = 2
 """Starts of the grid that are fitted, for each effect at each place."""
 
@@ -52,7 +54,27 @@ class Start:
 
     def placed_state(self) -> State:
         """The model with the effect."""
-        return with_effects(self.state, self.weighting, (*self.state.placed, self.placed))
+        return self._with(self.placed)
+
+    def best_state(self) -> State | None:
+        """The model with so much of the effect that it leaves less than the model without it; None if it is not finite.
+
+        First amplitudes come from a projection. Where the effect acts back on the motion, or the parameters are far off
+        without it, they may be many times too large, and a fit does not find back from there.
+        """
+        plain, state = cost_of(self.state, self.weighting), None
+        for share in (1.0,) if self.placed.effect.fixed else _SHARES:
+            weaker = tuple(share * amplitude for amplitude in self.placed.amplitudes)
+            tried = self._with(replace(self.placed, amplitudes=weaker))
+            if not np.isfinite(tried.rows).all():
+                continue
+            state = tried if state is None else state
+            if cost_of(tried, self.weighting) < plain:
+                return tried
+        return state
+
+    def _with(self, placed: Placed) -> State:
+        return with_effects(self.state, self.weighting, (*self.state.placed, placed))
 
 
 def twins(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
@@ -125,8 +147,7 @@ def _left(start: Start) -> float:
         return math.inf
     if not np.isfinite(state.rows).all():
         return math.inf
-    left = start.weighting.known(state.rows, state.beginning)
-    return float(left @ left)
+    return cost_of(state, start.weighting)
 
 
 def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:

@@ -1,73 +1,173 @@
 """Effects found one after the other, judged together.
 
-What was found first stood in for what was found later. With the others in the model each is left out in turn, which
-tells how well the rest predicts blocks that are left out. In this order they are fitted again, so that the steps of the
-gap add up. Where one of them is then worth nothing, the order of what each took away when it was found is tried; and
-else they stay in the order in which they were found.
+What was found first stood in for what was found later, and forward selection does not take it back. With all others in
+the model, the effect found first is therefore sought anew among all candidates, and one that then explains nothing is
+dropped (stepwise regression with replacement and backward elimination). What is left is put into the order of what the
+model loses without each, and fitted again in this order, so that the steps of the gap add up. Where one of them is
+worth nothing at its place, the order of what each took away when it was found is tried; and else they stay as they are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+from symid.diagnosis.blocks import deviation
+from symid.diagnosis.effects import Effect, Placed
 from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.hidden_starts import Start
-from symid.diagnosis.search import Confirmed, Turn, confirmed_from
+from symid.diagnosis.screening import screened
+from symid.diagnosis.search import (
+    LATE_FORCES,
+    LATE_READING,
+    LEAST_WORTH,
+    Confirmed,
+    Turn,
+    confirmed_from,
+    least_taken,
+    ranked,
+)
 from symid.diagnosis.state import with_effects
 
 _ITERATIONS = 3
+_RIVALS = 3
+"""Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
 _AS_GOOD = 1.1
 """In another order the fit may end elsewhere: it must leave as little."""
 
 
-def judged_together(turns: Sequence[Turn]) -> tuple[Turn, ...]:
-    """Turns of the search in the order of what their effects take away.
+@dataclass(frozen=True, eq=False)
+class Member:
+    """An effect of the whole model.
+
+    Parameters
+    ----------
+    placed : Placed
+        With its values in the whole model.
+    turn : Turn
+        In which it was chosen, with its rivals.
+    lost : float
+        Sum of squares of the force error on blocks left out, of the model without it.
+    """
+
+    placed: Placed
+    turn: Turn
+    lost: float
+
+    @property
+    def is_timing(self) -> bool:
+        """A reading that is late: the others are measured with readings that belong together."""
+        return self.placed.effect.name == LATE_READING
+
+    @property
+    def taken(self) -> float:
+        """Mean square that it took away when it was chosen."""
+        return self.turn.before.mean_square - self.turn.confirmed[0].fit.mean_square
+
+
+def judged_together(turns: Sequence[Turn], library: Sequence[Effect]) -> tuple[Turn, ...]:
+    """Turns of the search in the order of what their effects take away; those that take nothing are left out.
 
     Parameters
     ----------
     turns : sequence of Turn
         As the search left them.
+    library : sequence of Effect
+        What is considered.
     """
     accepted = [turn for turn in turns if turn.accepts]
     if len(accepted) < 2:
         return tuple(turns)
-    whole = accepted[-1].confirmed[0].fit
-    n = len(accepted)
-    lost = [_without(whole, n - i).predicted for i in range(n)]
-    taken = [turn.before.mean_square - turn.confirmed[0].fit.mean_square for turn in accepted]
-    for order in (sorted(range(n), key=lambda i: lost[i]), sorted(range(n), key=lambda i: -taken[i])):
-        if order == sorted(order):
-            break
-        chain = _chain(accepted, order)
-        if chain is not None:
-            return chain
-    return tuple(turns)
+    members = _reselected(accepted, library)
+    if not members:
+        return tuple(turns)
+    first, whole = accepted[0].before, members[-1].turn.confirmed[0].fit
+    orders = (
+        sorted(members, key=lambda member: (not member.is_timing, -member.lost)),
+        sorted(members, key=lambda member: -member.taken),
+        members,
+    )
+    chains = (_chain(order, first, whole) for order in orders)
+    return next((chain for chain in chains if chain is not None), tuple(turns))
 
 
-def _chain(accepted: Sequence[Turn], order: Sequence[int]) -> tuple[Turn, ...] | None:
-    """The turns in another order, fitted again; None if one of them is then worth nothing, or more is left."""
-    whole, first = accepted[-1].confirmed[0].fit, accepted[0].before
-    own = whole.state.placed[-len(accepted) :]
+def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Member]:
+    """The effects, each beside all others: the first one sought anew, those left out that explain nothing.
+
+    None where one matters whose values are then not credible, and nothing can stand in its place.
+    """
+    first, whole = accepted[0].before, accepted[-1].confirmed[0].fit
+    n, members = len(accepted), list[Member]()
+    for i, turn in enumerate(accepted):
+        at = (
+            len(whole.state.placed) - n
+        )  # what was dealt with goes to the end, so that the next one is the first
+        own, before = whole.state.placed[at], _without(whole, at)
+        found = _chosen(first, before, own, turn, library if i == 0 else ())
+        matters = before.mean_square - whole.mean_square > least_taken(first)
+        if found is None and matters and i > 0:
+            found = _chosen(first, before, own, turn, library)
+        if found is None and matters:
+            return []
+        if found is None:
+            whole, n = before, n - 1
+            continue
+        whole = found.confirmed[0].fit
+        members.append(Member(whole.state.placed[-1], found, float(before.blocks.squares[0].sum())))
+    return members
+
+
+def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[Effect]) -> Turn | None:
+    """The turn of an effect beside all others; None if nothing is worth its place."""
+    starts = [Start.of(before, own)]
+    if library:
+        late = any(item.effect.name in LATE_FORCES for item in before.state.placed)
+        wanted = [effect for effect in library if not (late and effect.name in LATE_FORCES)]
+        again = screened(before, wanted)[:_RIVALS]
+        others = [c.fit.state.placed[-1] for c in turn.confirmed[1 : 1 + _RIVALS]]
+        starts += [Start.of(before, item) for item in (*others, *(c.placed for c in again))]
+    found: dict[tuple[str, str], Confirmed] = {}
+    for start in starts:
+        one = confirmed_from(before, start)
+        if one is not None and (one.key not in found or one.gain > found[one.key].gain):
+            found[one.key] = one
+    best = ranked(found.values(), before)
+    if best and own.key in found and not _clearly(best[0], found[own.key]):
+        best = [found[own.key], *(c for c in best if c.key != own.key)]
+    chosen = Turn(before, tuple(best), turn.screened)
+    if not chosen.is_worth_another(first):
+        return None
+    return chosen if len(best) > 1 else _in_place_of(turn, before, best[0])
+
+
+def _clearly(best: Confirmed, own: Confirmed) -> bool:
+    """Whether a rival predicts blocks better than the effect that was found, by more than they scatter."""
+    doubt = deviation(own.squares, best.squares, own.fit.n_rows)
+    return best.worth - own.worth > max(LEAST_WORTH, doubt)
+
+
+def _chain(members: Sequence[Member], first: Fit, whole: Fit) -> tuple[Turn, ...] | None:
+    """Turns in an order, fitted again; None if one of them is then worth nothing, or more is left."""
     chain: list[Turn] = []
     before = first
-    for i in order:
-        found = confirmed_from(before, Start.of(before, own[i]))
+    for member in members:
+        found = confirmed_from(before, Start.of(before, member.placed))
         if found is None:
             return None
-        turn = _in_place_of(accepted[i], before, found)
-        if not turn.is_worth_another(first.mean_square):
+        turn = _in_place_of(member.turn, before, found)
+        if not turn.is_worth_another(first):
             return None
         chain.append(turn)
         before = replace(found.fit, begun=before.begun)
-    return tuple(chain) if before.mean_square < _AS_GOOD * whole.mean_square else None
+    return tuple(chain) if chain and before.mean_square < _AS_GOOD * whole.mean_square else None
 
 
-def _without(whole: Fit, from_end: int) -> Fit:
+def _without(whole: Fit, at: int) -> Fit:
     """The model without one of its effects, fitted again."""
     placed = list(whole.state.placed)
-    del placed[-from_end]
-    return fitted(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, _ITERATIONS)
+    del placed[at]
+    found = fitted(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, _ITERATIONS)
+    return replace(found, begun=whole.begun)
 
 
 def _in_place_of(turn: Turn, before: Fit, found: Confirmed) -> Turn:

@@ -45,7 +45,7 @@ _TIE = 2.0
 _TIMING_FIRST = 0.6
 """Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
 like play, friction or compliance, and what there is of these is found after it."""
-_LATE_READING = "sensor_delay"
+LATE_READING = "sensor_delay"
 _MOST_EFFECTS = 4
 _DIRECT = (6, 3)
 _MARCHING = (12, 8)
@@ -116,12 +116,16 @@ class Turn:
         closed = 1 - best.fit.mean_square / self.before.mean_square
         return best.worth > LEAST_WORTH and closed > LEAST_SHARE and best.certainty > LEAST_CERTAINTY
 
-    def is_worth_another(self, first: float) -> bool:
+    def is_worth_another(self, first: Fit) -> bool:
         """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
         if not self.accepts:
             return False
-        taken = self.before.mean_square - self.confirmed[0].fit.mean_square
-        return taken > max(_LEAST_POWER, _LEAST_OF_FIRST * first)
+        return self.before.mean_square - self.confirmed[0].fit.mean_square > least_taken(first)
+
+
+def least_taken(first: Fit) -> float:
+    """Mean square that an effect beside others must take away, where `first` was to be explained."""
+    return max(_LEAST_POWER, _LEAST_OF_FIRST * first.mean_square)
 
 
 def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> tuple[Turn, ...]:
@@ -141,7 +145,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
     nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library, None if turns else nominal)
-        if turns and not turn.is_worth_another(fit.mean_square):
+        if turns and not turn.is_worth_another(fit):
             break
         turns.append(turn)
         if not turn.accepts:
@@ -163,18 +167,26 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
             break
     _confirm(fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
     _prefer_coulomb(confirmed)
-    driven = fit.state.scene.axis.drive.at
+    return Turn(fit, tuple(ranked(confirmed.values(), fit)), tuple(found))
 
-    most = max((c.worth for c in confirmed.values()), default=0.0)
+
+def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
+    """Candidates, the best first: one whose values the log does not determine is none.
+
+    Timing goes before what it looks like, and where places cannot be told apart, the driven body goes first.
+    """
+    candidates = list(confirmed)
+    driven = getattr(before.state.scene.axis.drive.at, "name", None)
+    most = max((c.worth for c in candidates), default=0.0)
 
     def order(own: Confirmed) -> tuple[bool, float]:
-        timing = own.key[0] == _LATE_READING and own.worth > _TIMING_FIRST * most
-        return not timing, -own.worth - _TIE * (own.key[1] == getattr(driven, "name", None))
+        timing = own.key[0] == LATE_READING and own.worth > _TIMING_FIRST * most
+        return not timing, -own.worth - _TIE * (own.key[1] == driven)
 
-    ranked = sorted(confirmed.values(), key=order)
-    while ranked and not _is_certain(ranked[0].fit):
-        ranked.pop(0)
-    return Turn(fit, tuple(ranked), tuple(found))
+    found = sorted(candidates, key=order)
+    while found and not _is_certain(found[0].fit):
+        found.pop(0)
+    return found
 
 
 def _is_certain(fit: Fit) -> bool:
@@ -235,13 +247,13 @@ def _stages(
     least = max(LEAST_WORTH / 2, _PROMISING * best_worth)
     promising = [c for c in found if max(c.worth, c.white_worth) > least]
     white = sorted(promising, key=lambda c: -c.white_worth)
-    timing = [c for c in found if c.placed.effect.name == _LATE_READING]
+    timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
     if nominal is None:
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
-    yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == _LATE_READING)]
+    yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
     if _least_left(confirmed) < _HARDLY * fit.mean_square:
         return
     hidden = [replace(s, placed=replace(s.placed, marched=True)) for s in other]
@@ -269,8 +281,8 @@ def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            state = start.placed_state()
-            if not np.all(np.isfinite(state.rows)):
+            state = start.best_state()
+            if state is None:
                 return None
             first, then = _MARCHING if start.placed.marched else _DIRECT
             found = refitted(fitted(state, start.weighting, first), then)

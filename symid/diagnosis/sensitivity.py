@@ -57,7 +57,8 @@ def parameter_columns(scene: Scene, misread: ComplexArray | None = None) -> Comp
     """
     displacements, driven = scene.displacements, scene.predicted[0]
     if misread is not None:
-        displacements = displacements - scene.response.displacements(misread, np.zeros((misread.size, 0)))
+        no_forces = np.zeros((misread.size, 0), dtype=complex)
+        displacements = np.asarray(displacements - scene.response.displacements(misread, no_forces))
         driven = driven - scene.response.of_position[0] * misread
     dynamics, plant, s = scene.record.dynamics, scene.response.plant, 1j * scene.record.omega
     columns = np.zeros((len(dynamics.parameters), *scene.record.measured.shape), dtype=complex)

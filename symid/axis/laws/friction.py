@@ -111,6 +111,7 @@ class FrictionAsymmetry(Law):
         Hypothesis("asymmetric_friction", ("dFs", "dFv"), without=(OffsetForce,)),
         Hypothesis("asymmetric_friction", ("dFs",), without=(OffsetForce,)),
     )
+    imitates: ClassVar = (OffsetForce,)
     advice: ClassVar = "move over the same stroke at the same speeds in both directions"
 
 

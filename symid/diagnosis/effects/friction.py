@@ -137,7 +137,7 @@ class FrictionDrift(JointEffect):
     """
 
     name = "friction_drift"
-    shape_names = ("T",)
+    shape_names: tuple[str, ...] = ("T",)
     per_log = True
 
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:

@@ -52,7 +52,7 @@ class TransferEffect(Effect):
         return self._under(scene, place, shape, scene.predicted)[None]
 
     def passed_on(self, scene: Scene, placed: Placed, outputs: ComplexArray) -> ComplexArray:
-        return placed.amplitudes[0] * self._under(scene, placed.at, placed.shape, outputs)
+        return np.asarray(placed.amplitudes[0] * self._under(scene, placed.at, placed.shape, outputs))
 
     def _under(self, scene: Scene, place: str, shape: Shape, outputs: ComplexArray) -> ComplexArray:
         changed, at = np.zeros_like(outputs), self.output(scene, place)
@@ -75,7 +75,7 @@ class Delay(TransferEffect, DriveEffect):
         return [(float(x * scene.record.log.sampling_period),) for x in _DELAYS]
 
     def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
-        return np.expm1(1j * scene.record.omega * shape[0])
+        return np.asarray(np.expm1(1j * scene.record.omega * shape[0]), dtype=np.complex128)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return "1", "s"
@@ -89,7 +89,7 @@ class ActuatorLag(TransferEffect, DriveEffect):
     positive = True
 
     def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
-        return 1j * scene.record.omega
+        return np.asarray(1j * scene.record.omega, dtype=np.complex128)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return ("s",)
@@ -190,7 +190,7 @@ class EncoderRipple(Effect):
     def misreading(self, scene: Scene, placed: Placed) -> ComplexArray | None:
         if placed.at != scene.record.signals[0]:
             return None
-        return np.tensordot(placed.amplitudes, self._waves(scene, placed.at, placed.shape), 1)
+        return np.asarray(np.tensordot(placed.amplitudes, self._waves(scene, placed.at, placed.shape), 1))
 
     def _waves(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
@@ -231,7 +231,7 @@ class SensorDelay(TransferEffect):
         return scene.record.signals.index(place)
 
     def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
-        return np.expm1(-1j * scene.record.omega * shape[0])
+        return np.asarray(np.expm1(-1j * scene.record.omega * shape[0]), dtype=np.complex128)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return "1", "s"
