@@ -193,12 +193,13 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
         good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
     most = _COLOURED if errors.stationary else _WHITE
     fits = _logistic((math.log(most) - math.log(max(errors.reidentified, 1e-9))) / 0.08)
-    plain = (1 - there) * fits
+    # What was found and does not hold says nothing against a model that leaves hardly more than noise.
+    plain = (1 - holds) * fits
     return Outcome(
         no_gap=plain * good,
         parameters=plain * (1 - good),
         effect=causes,
-        unexplained=there - causes + (1 - there) * (1 - fits),
+        unexplained=holds - causes + (1 - holds) * (1 - fits),
         holds=holds > _HALF,
     )
 

@@ -155,7 +155,9 @@ def unfitted(state: State, weighting: Weighting) -> Fit:
 
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
-    """The same with unknown states after each standstill."""
+    """The same with unknown states after each standstill, of which an axis that is seen whole has none."""
+    if not fit.state.scene.hidden:
+        return fit
     weighting = with_restarts(fit.weighting, fit.state.scene.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 

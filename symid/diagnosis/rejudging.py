@@ -123,9 +123,9 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
     if library:
         late = any(item.effect.name in LATE_FORCES for item in before.state.placed)
         wanted = [effect for effect in library if not (late and effect.name in LATE_FORCES)]
-        again = screened(before, wanted)[:_RIVALS]
-        others = [c.fit.state.placed[-1] for c in turn.confirmed[1 : 1 + _RIVALS]]
-        starts += [Start.of(before, item) for item in (*others, *(c.placed for c in again))]
+        rivals = {c.key: c.fit.state.placed[-1] for c in turn.confirmed[1 : 1 + _RIVALS]}
+        rivals |= {c.placed.key: c.placed for c in screened(before, wanted)[:_RIVALS]}
+        starts += [Start.of(before, item) for item in rivals.values()]
     found: dict[tuple[str, str], Confirmed] = {}
     for start in starts:
         one = confirmed_from(before, start)

@@ -47,7 +47,7 @@ _TIMING_FIRST = 0.6
 like play, friction or compliance, and what there is of these is found after it."""
 LATE_READING = "sensor_delay"
 _MOST_EFFECTS = 4
-_DIRECT = (6, 3)
+_DIRECT = (8, 3)
 _MARCHING = (12, 8)
 """Iterations at most, with the first weights and with those that belong to the values found."""
 
@@ -250,7 +250,7 @@ def _stages(
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
-    if nominal is None:
+    if nominal is None or _least_left(confirmed) < _HARDLY * fit.mean_square:
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
