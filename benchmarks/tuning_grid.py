@@ -1,10 +1,11 @@
 """Total error of the setting that `tune_total` chooses from a log, beside the best fixed setting chosen with hindsight.
 
-A cell is an axis with a set of sensors, a level of noise and a sampling rate. One noisy log of the cell is all that the
-tuning sees, with nominal values that are 15 % off: noise and parameters are estimated from it. The setting is then judged on other draws of the noise, with
-the true parameters, by the root mean square over draws and parameters of the relative errors (beyond 100 % they count
-as 100 %; parameters that every setting loses do not count). So are all settings of a fine grid, of which the best is
-the hindsight; the automatic choice of `symid identify`; and a constant 50 Hz, as other tools have.
+A cell is an axis with a set of sensors, a level of noise and a sampling rate. One noisy log of the cell is all that
+the tuning sees, with nominal values that are 15 % off: noise and parameters are estimated from it. The setting is
+then judged on other draws of the noise, with the true parameters, by the root mean square over draws and parameters
+of the relative errors (beyond 100 % they count as 100 %; parameters that every setting loses do not count). So are
+all settings of a fine grid, of which the best is the hindsight; the automatic choice of `symid identify`; and a
+constant 50 Hz, as other tools have.
 
 The axis runs along trapezoids under a cascade of 30 Hz, of which the tuning knows nothing, and whose force is held
 between its samples; the noise is that of the record, the controller does not feel it.

@@ -97,7 +97,9 @@ def _errors(gap: Gap, stationary: bool) -> Errors:
     floor = gap.noise_floor.rms
     nominal = gap.nominal.rms / floor if gap.nominal else None
     reidentified, explained = gap.reidentified.rms / floor, gap.explained.rms / floor
-    return Errors(nominal, reidentified, explained, gap.unexplained_share, stationary)
+    return Errors(
+        nominal, reidentified, explained, gap.unexplained_share, stationary, gap.reidentified.relative
+    )
 
 
 def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:

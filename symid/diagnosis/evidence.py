@@ -33,6 +33,9 @@ _WHITE = 1.6
 _COLOURED = 6.0
 """Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
 high frequencies, and a wandering record has several times of it at low ones."""
+_NEGLIGIBLE = 0.0015
+"""Error, relative to the force, that a model may leave whatever the noise: the instants of reversals, on which friction
+jumps, are known to a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force)."""
 NOISE_ALONE = 1.25
 """Error, in multiples of the floor, up to which nothing but noise is left."""
 _NOMINAL_IS_GOOD = 1.1
@@ -157,6 +160,8 @@ class Errors:
         Share of the re-identified model's excess that stays; nan if it has none.
     stationary : bool
         Whether the re-identified model errs alike however the axis moves.
+    relative : float
+        Error of the re-identified model relative to the force; inf if it is not known.
     """
 
     nominal: float | None
@@ -164,6 +169,7 @@ class Errors:
     explained: float
     left: float
     stationary: bool = False
+    relative: float = math.inf
 
 
 def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
@@ -192,7 +198,8 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
         good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
     most = _COLOURED if errors.stationary else _WHITE
-    fits = _logistic((math.log(most) - math.log(max(errors.reidentified, 1e-9))) / 0.08)
+    excess = min(errors.reidentified / most, errors.relative / _NEGLIGIBLE)
+    fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
     # What was found and does not hold says nothing against a model that leaves hardly more than noise.
     plain = (1 - holds) * fits
     return Outcome(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hand_made import RIGID, motion
@@ -114,3 +116,9 @@ def test_verdict_without_any_candidate(nominal: float | None, left: float, verdi
 @pytest.mark.parametrize(("stationary", "verdict"), [(True, "no_gap"), (False, "unexplained")])
 def test_noise_of_any_colour_is_no_gap_unless_it_knows_of_the_motion(stationary: bool, verdict: str) -> None:
     assert outcome((), 0, Errors(3.0, 3.0, 3.0, float("nan"), stationary)).verdict == verdict
+
+
+def test_an_error_of_a_thousandth_of_the_force_is_no_gap_however_quiet_the_sensors() -> None:
+    loud = Errors(3.0, 3.0, 3.0, float("nan"), relative=0.02)
+    assert outcome((), 0, loud).verdict == "unexplained"
+    assert outcome((), 0, replace(loud, relative=0.001)).verdict == "no_gap"
