@@ -25,6 +25,7 @@ from symid.diagnosis.search import (
     Turn,
     confirmed_from,
     least_taken,
+    prefer_coulomb,
     ranked,
 )
 from symid.diagnosis.state import with_effects
@@ -131,6 +132,7 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
         one = confirmed_from(before, start)
         if one is not None and (one.key not in found or one.gain > found[one.key].gain):
             found[one.key] = one
+    prefer_coulomb(found)
     best = ranked(found.values(), before)
     if best and own.key in found and not _clearly(best[0], found[own.key]):
         best = [found[own.key], *(c for c in best if c.key != own.key)]
@@ -141,7 +143,12 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
 
 
 def _clearly(best: Confirmed, own: Confirmed) -> bool:
-    """Whether a rival predicts blocks better than the effect that was found, by more than they scatter."""
+    """Whether a rival predicts blocks better than the effect that was found, by more than they scatter.
+
+    A refinement of it, as presliding is one of Coulomb friction, does not take its place.
+    """
+    if own.key[0] in best.effect.imitates and own.key[1] == best.key[1]:
+        return False
     doubt = deviation(own.squares, best.squares, own.fit.n_rows)
     return best.worth - own.worth > max(LEAST_WORTH, doubt)
 

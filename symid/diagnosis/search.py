@@ -166,7 +166,7 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
         if best is not None and best.fit.mean_square < _EXPLAINED:
             break
     _confirm(fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
-    _prefer_coulomb(confirmed)
+    prefer_coulomb(confirmed)
     return Turn(fit, tuple(ranked(confirmed.values(), fit)), tuple(found))
 
 
@@ -213,7 +213,7 @@ def _simpler(key: tuple[str, str], confirmed: Mapping[tuple[str, str], Confirmed
     return imitated and key not in confirmed
 
 
-def _prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
+def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
     """Drop what explains hardly more than the Coulomb friction that it contains: the next turn finds the rest."""
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
