@@ -24,6 +24,7 @@ from symid.axis.elements import (
 from symid.axis.laws import Law
 from symid.axis.validation import declaration_faults
 from symid.errors import DeclarationError, SettingError
+from symid.shown import Shown
 from symid.units import Unit
 
 Element: TypeAlias = Body | Spring | Damper | Weight | PendulumWeight | Law
@@ -35,8 +36,8 @@ MOST_OPTIONAL_SENSORS = 3
 _IMPERFECTIONS = ("noise", "resolution", "delay")
 
 
-@dataclass(frozen=True)
-class Axis:
+@dataclass(frozen=True, repr=False)
+class Axis(Shown):
     """A declared machine axis.
 
     Parameters
@@ -73,6 +74,14 @@ class Axis:
         faults = declaration_faults(self.name, self.elements, self.drive, self.sensors)
         if faults:
             raise DeclarationError(str(self.name), faults)
+
+    @property
+    def headline(self) -> str:
+        """Bodies, drive, sensors and parameters by name."""
+        bodies = ", ".join(body.name for body in self.bodies)
+        sensors = ", ".join(sensor.signal for sensor in self.sensors)
+        parameters = ", ".join(self.physical_parameters)
+        return f"{self.name}: {bodies} moved by {self.drive.signal}, measured by {sensors}, parameters {parameters}"
 
     @property
     def bodies(self) -> tuple[Body, ...]:

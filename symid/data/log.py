@@ -15,10 +15,11 @@ import polars as pl
 from symid.arrays import FloatArray, read_only
 from symid.data.frames import Frame, uniform
 from symid.errors import LogError
+from symid.shown import Shown
 
 
-@dataclass(frozen=True, eq=False)
-class Log:
+@dataclass(frozen=True, eq=False, repr=False)
+class Log(Shown):
     """Signals of one run in SI units, uniformly sampled.
 
     Parameters
@@ -67,6 +68,12 @@ class Log:
     def __reduce__(self) -> tuple[Any, ...]:
         # A mapping proxy cannot be pickled; building anew also makes the arrays read-only again.
         return (Log, (self.source, self.start, self.sampling_period, dict(self.signals), self.notes))
+
+    @property
+    def headline(self) -> str:
+        """Its signals, their number of samples and their rate."""
+        rate = f"{self.n_samples} samples at {self.sampling_frequency:g} Hz"
+        return f"{self.source}: {', '.join(self.signals)}, {rate}"
 
     @classmethod
     def from_arrays(

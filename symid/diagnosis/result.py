@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis
 from symid.diagnosis.gap import Gap, Level, Location, MapCell, Removed
+from symid.shown import Shown
 
 if TYPE_CHECKING:
     from symid.diagnosis.record import Record
@@ -220,8 +221,8 @@ class Simulator:
     effects: tuple[SimulatedEffect, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(Shown):
     """Why simulation and machine differ.
 
     Parameters
@@ -285,6 +286,11 @@ class Diagnosis:
     spectrum: Spectrum
     simulated: Simulator | None = None
     search: tuple[Turn, ...] = field(default=(), repr=False)
+
+    @property
+    def headline(self) -> str:
+        """The verdict, and the sentence that says it."""
+        return f"{self.axis.name} from {', '.join(self.measured)}, {self.verdict}: {self.sentence}"
 
     @property
     def record(self) -> Record | None:

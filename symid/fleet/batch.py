@@ -33,6 +33,7 @@ from symid.fleet.table import (
     write_table,
 )
 from symid.fleet.work import Outcome, Task, killed, work
+from symid.shown import Shown
 from symid.text import visible
 
 Track = Callable[[Iterable[Any], int], Iterable[Any]]
@@ -55,8 +56,8 @@ class Interrupted(KeyboardInterrupt):
         super().__init__(f"interrupted: {_kept(rows, journal)}")
 
 
-@dataclass(frozen=True, eq=False)
-class Batch:
+@dataclass(frozen=True, eq=False, repr=False)
+class Batch(Shown):
     """Results of a batch.
 
     Parameters
@@ -89,6 +90,12 @@ class Batch:
     def table(self) -> pl.DataFrame:
         """The rows as a table, as the files hold it."""
         return table_of(self.rows, parameter_columns(self.units), self.diagnosed, self.joint)
+
+    @property
+    def headline(self) -> str:
+        """How many logs there are, and of which status."""
+        statuses = ", ".join(f"{name} {count}" for name, count in self.statuses.items())
+        return f"of {len(self.rows)} logs: {statuses}"
 
     def to_frame(self) -> pl.DataFrame:
         """The rows as a polars data frame; its ``to_pandas`` and ``to_arrow`` give those of other libraries."""

@@ -46,7 +46,8 @@ class FleetAxis:
     def fingerprint(self) -> str:
         """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
         texts = [module.text for _, module in self.modules]
-        whole = (symid.__version__, self.axis.signature, repr(self.axis), self.settings.canonical, *texts)
+        declared = (self.axis.name, self.axis.elements, self.axis.drive, self.axis.sensors)
+        whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:

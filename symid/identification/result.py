@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,9 @@ from symid.identification.physical import PhysicalEstimate
 from symid.identification.residuals import EquationResidual
 from symid.identification.timing import Timing
 from symid.identification.verdict import Status
+from symid.shown import Shown
+
+_MOST_WRITTEN = 6
 
 
 class EstimatedParameters:
@@ -54,8 +58,8 @@ class EstimatedParameters:
         return pl.DataFrame(rows, schema=["kind", "name", "value", "std", "unit"], orient="row")
 
 
-@dataclass(frozen=True, eq=False)
-class Identification(EstimatedParameters):
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(EstimatedParameters, Shown):
     """Identified parameters of an axis and what they were identified from.
 
     Parameters
@@ -101,6 +105,15 @@ class Identification(EstimatedParameters):
     timing: Timing | None = None
     bias: Bias | None = None
     scatter: FloatArray | None = None
+
+    @property
+    def headline(self) -> str:
+        """Status and parameters."""
+        physical = self.physical_parameters
+        values = physical or self.minimal_parameters
+        units = self.model.physical_units if physical else self.model.minimal_units
+        deviations = self.physical_deviations if physical else self.standard_deviations
+        return headline_of(self.model, self.status, values, deviations, units)
 
     @property
     def covariance(self) -> FloatArray:
@@ -177,6 +190,23 @@ class Identification(EstimatedParameters):
         return tuple(
             _residual(self, j, [k * len(equations) + j for k in range(len(self.logs))]) for j in equations
         )
+
+
+def headline_of(
+    model: GeneratedModel,
+    status: str,
+    values: Mapping[str, float],
+    deviations: FloatArray,
+    units: Mapping[str, str],
+) -> str:
+    """An identification in a line: axis, sensors, status, and its first parameters."""
+    written = [
+        f"{name} = {value:.6g} ± {std:.2g} {units[name]}"
+        for (name, value), std in zip(values.items(), deviations, strict=True)
+    ]
+    more = ["..."] * (len(written) > _MOST_WRITTEN)
+    listed = ", ".join([*written[:_MOST_WRITTEN], *more])
+    return f"{model.axis} from {', '.join(model.measured)}, {status}: {listed or 'no parameters'}"
 
 
 def trusted_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:

@@ -13,18 +13,20 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.identification.physical import jacobian
+from symid.identification.result import headline_of
 from symid.output_error.comparison import Comparison
 from symid.output_error.estimate import Fit
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.prediction_error import PredictionError
+from symid.shown import Shown
 
 Status = Literal[
     "ok", "no_start", "not_converged", "not_physical", "undetermined", "recording", "timing", "poor_fit"
 ]
 
 
-@dataclass(frozen=True, eq=False)
-class OutputErrorIdentification:
+@dataclass(frozen=True, eq=False, repr=False)
+class OutputErrorIdentification(Shown):
     """Parameters of an axis by maximum likelihood on the exactly sampled axis.
 
     Parameters
@@ -55,6 +57,13 @@ class OutputErrorIdentification:
     status: Status
     message: str
     notes: tuple[str, ...]
+
+    @property
+    def headline(self) -> str:
+        """Status and parameters."""
+        values, units = self.physical_parameters, self.model.physical_units
+        deviations = self.physical_deviations if values else np.empty(0)
+        return headline_of(self.model, self.status, values, deviations, units)
 
     @property
     def physical_parameters(self) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from rich.console import Console
 from rich.table import Table
 
 from symid.report.console import plain, report_console
@@ -13,9 +14,9 @@ from symid.report.numbers import MISSING, significant, words
 _MOST_LINES = 10
 
 
-def print_batch(record: dict[str, Any]) -> None:
+def print_batch(record: dict[str, Any], console: Console | None = None) -> None:
     """Print what `symid.fleet.summary_of` holds."""
-    console = report_console()
+    console = console or report_console()
     reused = f", {record['reused']} of them as they were" if record["reused"] else ""
     console.print(f"{record['logs']} logs{reused}", highlight=False)
     console.print(_table("Status", ("", "logs"), [(name, str(n)) for name, n in record["status"].items()]))

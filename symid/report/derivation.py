@@ -36,9 +36,9 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
     }
 
 
-def print_derivation(model: DerivedModel) -> None:
+def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
     """Print a derived model."""
-    console = report_console()
+    console = console or report_console()
     record = derivation_record(model)
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
     _section(

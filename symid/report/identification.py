@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from rich.console import Console
 from rich.table import Table
 
 from symid.arrays import FloatArray
@@ -156,9 +157,9 @@ def _distinct(names: list[str]) -> list[str]:
     return [name if names.index(name) == i else f"{name} (equation {i + 1})" for i, name in enumerate(names)]
 
 
-def print_identification(record: dict[str, Any]) -> None:
+def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
     """Print what `identification_record` holds."""
-    console = report_console()
+    console = console or report_console()
     console.print(
         f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",
         markup=True,

@@ -19,8 +19,10 @@ from symid.files import replacing
 from symid.identification import Identification, Prediction
 from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
+from symid.report.drawn import Drawn
 from symid.report.motion import Motion, Response, has_response, response_of
 from symid.report.panels import Panel, draw_panel
+from symid.text import visible
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
@@ -91,7 +93,7 @@ def identification_figure(
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
     palette: Palette = LIGHT,
-) -> Figure:
+) -> Drawn:
     """The figure that `plot_identification` writes."""
     panels = (
         _panels_of_equations(found, cast("Prediction | None", validation))
@@ -105,7 +107,7 @@ def identification_figure(
     pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
     heights = [_PANEL] * len(panels) + [_BODE] * bool(responses) + [_ELLIPSES] * bool(pairs)
     with mpl.rc_context(palette.style):
-        figure = Figure(figsize=(_WIDTH, sum(heights)), layout="constrained")
+        figure = Drawn(figsize=(_WIDTH, sum(heights)), layout="constrained")
         places: Any = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
         for place, panel in zip(places, panels, strict=False):
             draw_panel(place, panel, palette)
@@ -196,4 +198,4 @@ def _panels_of_readings(
 def _short(source: str) -> str:
     """Name of a log without its folder."""
     *words, path = source.split(" ")
-    return " ".join([*words, Path(path).name])
+    return visible(" ".join([*words, Path(path).name]))

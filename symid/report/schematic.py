@@ -6,7 +6,6 @@ it; what joins bodies that are no neighbours runs above. A sensor is an arrow to
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Patch
 
 from symid.axis import (
@@ -40,6 +38,7 @@ from symid.axis import (
 )
 from symid.report import symbols
 from symid.report.colours import LIGHT, Palette
+from symid.report.drawn import Drawn, svg_of
 from symid.report.plots import figure_path, save_figure
 from symid.report.symbols import Line, Sign
 
@@ -120,14 +119,10 @@ def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:
     >>> schematic_svg(load_axis("rigid_1m"))[:5]
     '<svg '
     """
-    text = io.StringIO()
-    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": axis.name}):
-        schematic(axis, palette).savefig(text, format="svg", metadata=nothing)
-    return text.getvalue()[text.getvalue().index("<svg ") :]
+    return svg_of(schematic(axis, palette), axis.name)
 
 
-def schematic(axis: Axis, palette: Palette = LIGHT) -> Figure:
+def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
     """The schematic of an axis as a figure; each sign has the name of its element as group id.
 
     Examples
@@ -207,7 +202,7 @@ class _Drawing:
         if any(isinstance(element, PendulumWeight) for element in axis.elements):
             right += 1.0
         bottom, top = self._heights()
-        figure = Figure(figsize=(_INCH * (right + 0.2), _INCH * (top - bottom)))
+        figure = Drawn(figsize=(_INCH * (right + 0.2), _INCH * (top - bottom)))
         self.axes: Axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         self.axes.set(xlim=(-0.2, right), ylim=(bottom, top), aspect="equal")
         self.axes.axis("off")

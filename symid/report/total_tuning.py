@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.figure import Figure
+from rich.console import Console
 from rich.table import Table
 
 from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
+from symid.report.drawn import Drawn
 from symid.report.plots import figure_path, save_figure
 from symid.tuning import TotalTuning
 
@@ -41,9 +42,9 @@ def total_record(found: TotalTuning) -> dict[str, Any]:
     }
 
 
-def print_total_tuning(found: TotalTuning) -> None:
+def print_total_tuning(found: TotalTuning, console: Console | None = None) -> None:
     """Print the setting and the errors that it leaves."""
-    console, settings = report_console(), found.preparation
+    console, settings = console or report_console(), found.preparation
     console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
     if found.message:
         console.print(found.message)
@@ -85,8 +86,13 @@ def plot_total_tuning(found: TotalTuning, file: str | Path, palette: Palette = L
         If the suffix is not known.
     """
     path = figure_path(file)
+    save_figure(total_tuning_figure(found, palette), path)
+
+
+def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT) -> Drawn:
+    """The figure that `plot_total_tuning` writes."""
     with mpl.rc_context(palette.style):
-        figure = Figure(figsize=(6, 4), layout="constrained")
+        figure = Drawn(figsize=(6, 4), layout="constrained")
         axes = figure.subplots()
         label = "scan, best decimation"
         axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
@@ -102,4 +108,4 @@ def plot_total_tuning(found: TotalTuning, file: str | Path, palette: Palette = L
         axes.set_xlabel("cutoff frequency [Hz]")
         axes.set_ylabel("total error, rms over parameters [%]")
         axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)
-        save_figure(figure, path)
+    return figure

@@ -7,11 +7,12 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from rich.console import Console
 from rich.table import Table
 
 from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
+from symid.report.drawn import Drawn
 from symid.report.plots import figure_path, save_figure
 from symid.tuning import BoundSearch, Tuning
 
@@ -48,9 +49,9 @@ def _search(search: BoundSearch) -> dict[str, Any]:
     }
 
 
-def print_tuning(found: Tuning) -> None:
+def print_tuning(found: Tuning, console: Console | None = None) -> None:
     """Print frequencies and errors as tables."""
-    console = report_console()
+    console = console or report_console()
     console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
     if found.message:
         console.print(found.message)
@@ -108,8 +109,13 @@ def plot_tuning(found: Tuning, file: str | Path, palette: Palette = LIGHT) -> No
         If the suffix is not known.
     """
     path = figure_path(file)
+    save_figure(tuning_figure(found, palette), path)
+
+
+def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
+    """The figure that `plot_tuning` writes."""
     with mpl.rc_context(palette.style):
-        figure = Figure(figsize=(10, 4), layout="constrained")
+        figure = Drawn(figsize=(10, 4), layout="constrained")
         left, right = figure.subplots(1, 2)
         _draw(left, found.cutoff, "cutoff frequency [Hz]", "low-pass filter, exact derivatives [35]", palette)
         title = f"central differences of {', '.join(found.measured)} [37]"
@@ -124,7 +130,7 @@ def plot_tuning(found: Tuning, file: str | Path, palette: Palette = LIGHT) -> No
         left.set_ylabel("largest error of a parameter [%]")
         for axes in (left, right):
             axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
-        save_figure(figure, path)
+    return figure
 
 
 def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Palette) -> None:

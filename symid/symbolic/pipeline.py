@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from symid.axis import Axis
+from symid.shown import Shown
 from symid.symbolic.elimination import eliminate
 from symid.symbolic.lagrange import inverse_dynamics
 from symid.symbolic.minimal import MinimalModel, minimise
 from symid.symbolic.parameter_map import ParameterMap, parameter_map
 
 
-@dataclass(frozen=True)
-class DerivedModel:
+@dataclass(frozen=True, repr=False)
+class DerivedModel(Shown):
     """Everything that follows from an axis and a set of sensors.
 
     Parameters
@@ -30,6 +31,11 @@ class DerivedModel:
     axis: Axis
     measured: tuple[str, ...]
     minimal: MinimalModel
+
+    @property
+    def headline(self) -> str:
+        """Axis, sensors and size."""
+        return f"{self.axis.name} from {', '.join(self.measured)}: {len(self.minimal.parameters)} minimal parameters"
 
     def __str__(self) -> str:
         """The minimal model, one equation a line."""

@@ -21,6 +21,7 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Preparation
+from symid.shown import Shown
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun
 from symid.tuning.total_errors import TotalErrors
@@ -35,8 +36,8 @@ _HOPELESS = 0.8
 """A parameter whose error exceeds this at every cutoff does not decide."""
 
 
-@dataclass(frozen=True, eq=False)
-class TotalTuning:
+@dataclass(frozen=True, eq=False, repr=False)
+class TotalTuning(Shown):
     """Settings with the smallest total error.
 
     Parameters
@@ -80,6 +81,12 @@ class TotalTuning:
     recommended_sampling_hz: float
     status: TotalStatus
     message: str
+
+    @property
+    def headline(self) -> str:
+        """Status, cutoff and total error."""
+        settings = f"cutoff {self.preparation.cutoff_hz:.4g} Hz, total error {self.total_percent:.3g} %"
+        return f"{self.axis} from {', '.join(self.measured)}, {self.status}: {settings}"
 
     @property
     def total_percent(self) -> float:

@@ -16,6 +16,7 @@ from symid.codegen.generate import compiled
 from symid.data import faithful_share
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
+from symid.shown import Shown
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascade
 from symid.symbolic import derive
 from symid.symbolic.expressions import is_smooth, law_expression
@@ -36,8 +37,8 @@ _DB_ONCE, _DB_EACH = 0.01, 0.0175
 _CUTOFFS, _RATES = 17, 15
 
 
-@dataclass(frozen=True, eq=False)
-class Tuning:
+@dataclass(frozen=True, eq=False, repr=False)
+class Tuning(Shown):
     """Settings that keep the systematic errors of an identification below their bounds.
 
     Parameters
@@ -77,6 +78,12 @@ class Tuning:
     left_out: tuple[str, ...]
     status: Status
     message: str
+
+    @property
+    def headline(self) -> str:
+        """Status, cutoff and sampling frequency."""
+        settings = f"cutoff {self.cutoff.frequency_hz:.4g} Hz, sampling {self.sampling.frequency_hz:.4g} Hz"
+        return f"{self.axis} from {', '.join(self.measured)}, {self.status}: {settings}"
 
     @property
     def sampling_period(self) -> float:

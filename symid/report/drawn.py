@@ -1,0 +1,41 @@
+"""Figures that notebooks show by themselves."""
+
+from __future__ import annotations
+
+import io
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+
+class Drawn(Figure):
+    """A figure that no window holds: a notebook shows it with pyplot or without.
+
+    Examples
+    --------
+    >>> Drawn(figsize=(1, 1))._repr_png_()[1:4]
+    b'PNG'
+    """
+
+    def _repr_png_(self) -> bytes:
+        """What notebooks show."""
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=110)
+        return picture.getvalue()
+
+
+def svg_of(figure: Figure, name: str) -> str:
+    """A figure as an element of a page; the same each time.
+
+    Parameters
+    ----------
+    figure : Figure
+        Its text stays text.
+    name : str
+        From which identifiers are made: different ones for the figures of one page.
+    """
+    text = io.StringIO()
+    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
+        figure.savefig(text, format="svg", metadata=nothing)
+    return text.getvalue()[text.getvalue().index("<svg ") :]

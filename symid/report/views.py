@@ -1,0 +1,159 @@
+"""How each kind of result looks: in a line, as text, in a notebook, as a figure, as a page."""
+
+from __future__ import annotations
+
+import io
+from functools import singledispatch
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from symid import __version__
+from symid.axis import Axis
+from symid.data import Log
+from symid.diagnosis import Diagnosis
+from symid.errors import SettingError
+from symid.files import write_whole
+from symid.fleet import Batch, review_fleet, summary_of
+from symid.identification import Identification
+from symid.output_error import OutputErrorIdentification
+from symid.report.batch import print_batch
+from symid.report.console import ReportConsole
+from symid.report.derivation import print_derivation
+from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.drawn import Drawn, svg_of
+from symid.report.fleet_page import write_fleet_html
+from symid.report.html import html_path, page_templates, write_html
+from symid.report.identification import identification_record, print_identification
+from symid.report.output_error import output_error_record
+from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
+from symid.report.plots import identification_figure
+from symid.report.schematic import schematic
+from symid.report.total_tuning import print_total_tuning, total_tuning_figure
+from symid.report.tuning import print_tuning, tuning_figure
+from symid.shown import Shown
+from symid.symbolic import DerivedModel
+from symid.tuning import TotalTuning, Tuning
+
+_WIDTH = 120
+_PRE = '<pre style="line-height:1.3;overflow-x:auto">{code}</pre>'
+
+
+@singledispatch
+def show(found: object, console: Console) -> None:
+    """Print a result on a console."""
+    raise SettingError(f"nothing is known of how a {type(found).__name__} is printed")
+
+
+@show.register
+def _(axis: Axis, console: Console) -> None:
+    console.print(f"[bold]{axis.name}[/bold]")
+    for element in axis.elements:
+        console.print(f"    {element!r}", markup=False)
+    console.print(f"    {axis.drive!r}", markup=False)
+    for sensor in axis.sensors:
+        console.print(f"    {sensor!r}", markup=False)
+    units = (f"{name} [{unit}]" for name, unit in axis.physical_parameters.items())
+    console.print(f"parameters: {', '.join(units)}", markup=False)
+
+
+@show.register
+def _(log: Log, console: Console) -> None:
+    console.print(log.headline, markup=False)
+    for name, values in log.signals.items():
+        console.print(f"    {name}: {values.min():.6g} to {values.max():.6g}", markup=False)
+    for note in log.notes:
+        console.print(f"note: {note}", markup=False)
+
+
+@show.register
+def _(model: DerivedModel, console: Console) -> None:
+    print_derivation(model, console)
+
+
+@show.register
+def _(found: Identification, console: Console) -> None:
+    print_identification(identification_record(found), console)
+
+
+@show.register
+def _(found: OutputErrorIdentification, console: Console) -> None:
+    print_identification(output_error_record(found), console)
+
+
+@show.register
+def _(found: Tuning, console: Console) -> None:
+    print_tuning(found, console)
+
+
+@show.register
+def _(found: TotalTuning, console: Console) -> None:
+    print_total_tuning(found, console)
+
+
+@show.register
+def _(batch: Batch, console: Console) -> None:
+    print_batch(summary_of(batch), console)
+
+
+@show.register
+def _(found: Diagnosis, console: Console) -> None:
+    print_diagnosis(diagnosis_record(found), console)
+
+
+def as_text(found: object) -> str:
+    """A result as the command line prints it, without the colours of a terminal."""
+    console = _console()
+    show(found, console)
+    return console.export_text().rstrip("\n")
+
+
+def as_html(found: object) -> str:
+    """A result as an element of a page; all text is escaped."""
+    console = _console()
+    show(found, console)
+    return console.export_html(code_format=_PRE, inline_styles=True)
+
+
+def _console() -> Console:
+    return ReportConsole(file=io.StringIO(), record=True, width=_WIDTH, highlight=False, soft_wrap=True)
+
+
+@singledispatch
+def figure(found: object, **settings: Any) -> Drawn:
+    """A figure of a result."""
+    raise SettingError(f"nothing is known of how a {type(found).__name__} is drawn")
+
+
+figure.register(Axis, schematic)
+figure.register(Log, log_figure)
+figure.register(DerivedModel, lambda model, **settings: schematic(model.axis, **settings))
+figure.register(Identification, identification_figure)
+figure.register(OutputErrorIdentification, identification_figure)
+figure.register(Tuning, tuning_figure)
+figure.register(TotalTuning, total_tuning_figure)
+figure.register(Batch, batch_figure)
+figure.register(Diagnosis, diagnosis_figure)
+
+
+@singledispatch
+def write_page(found: Shown, path: str | Path) -> Path:
+    """Write a page with text and figure of a result, and return its path."""
+    page, name = html_path(path), f"{type(found).__name__} {found.headline}"
+    template = page_templates().get_template("result.html")
+    drawn = svg_of(figure(found), name)
+    write_whole(page, template.render(name=name, text=as_html(found), drawn=drawn, version=__version__))
+    return page
+
+
+@write_page.register
+def _(found: Diagnosis, path: str | Path) -> Path:
+    write_html(found, path)
+    return html_path(path)
+
+
+@write_page.register
+def _(batch: Batch, path: str | Path) -> Path:
+    write_fleet_html(review_fleet(batch.table, units=batch.units), path)
+    return html_path(path)

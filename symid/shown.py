@@ -1,0 +1,86 @@
+"""Results that show themselves: as a line, as text, in a notebook, as a figure, as a page."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from symid.text import visible
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Shown:
+    """What a user gets back and looks at.
+
+    How each kind looks is written in `symid.report.views`, above all results: it is opened when one is shown, so that
+    computing needs no drawing.
+
+    Examples
+    --------
+    >>> from symid import load_axis
+    >>> load_axis("rigid_1m")
+    <Axis rigid_1m: motor moved by F, measured by q, parameters M, Fv, Fs>
+    """
+
+    @property
+    def headline(self) -> str:
+        """The result in a line."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {visible(self.headline)}>"
+
+    def _repr_html_(self) -> str:
+        """What notebooks show."""
+        return str(_views().as_html(self))
+
+    def summary(self) -> str:
+        """The text that the command line prints.
+
+        Examples
+        --------
+        >>> from symid import derive
+        >>> print(derive("rigid_1m").summary().splitlines()[3])
+            F = Fs*sign(q_motor_d1) + Fv*q_motor_d1 + M*q_motor_d2
+        """
+        return str(_views().as_text(self))
+
+    def plot(self, **settings: Any) -> Figure:
+        """A figure of it, which a notebook shows and ``savefig`` writes.
+
+        Parameters
+        ----------
+        **settings
+            ``palette``: `symid.report.colours.LIGHT` or ``DARK``. Of an identification also ``axis`` and ``runs``, its
+            declaration and its logs, for the residual over the motion and the frequency response.
+
+        Raises
+        ------
+        SettingError
+            If there is nothing to draw, or nothing is known of a setting.
+        """
+        figure: Figure = _views().figure(self, **settings)
+        return figure
+
+    def report(self, path: str | Path) -> Path:
+        """Write a page that needs nothing beside it, and return its path.
+
+        Parameters
+        ----------
+        path : path-like
+            Ends with .html.
+
+        Raises
+        ------
+        SettingError
+            If the suffix is another one, or the folder does not exist.
+        """
+        written: Path = _views().write_page(self, path)
+        return written
+
+
+def _views() -> Any:
+    return import_module("symid.report.views")
