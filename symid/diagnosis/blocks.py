@@ -3,7 +3,10 @@
 For a model that is linear in its free values, the error of a block that takes no part in the fit follows from the fit
 to all rows (Allen's PRESS for blocks): with columns J and error r of the block, and the normal matrix A of all rows,
 
-    r' = r + J (A - J^T J)^-1 J^T r
+    r' = r + J (A - w J^T J)^-1 w J^T r
+
+With w = 1 a value that hardly any other block shows, such as the limit of a drive that saturates once, would go
+anywhere; w leaves the block a small weight, so that what nothing else determines stays where it was.
 
 The same sums give standard deviations that hold for errors of any correlation within a block (the sandwich of Huber
 and White, with blocks as clusters).
@@ -24,6 +27,8 @@ from symid.diagnosis.weighting import Weighting
 N_BLOCKS = 16
 """Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
 _RANK = 1e-9
+_LEFT_OUT = 0.95
+"""Share of its weight that a block loses where it is left out."""
 _DRAWS = 200
 _UNFELT = 1e-12
 
@@ -68,8 +73,9 @@ class Blocks:
         whole, free = self._normal.sum(axis=0), np.flatnonzero(self.free)
         found = np.zeros((len(self.errors), len(self.members)))
         for b, rows in enumerate(self.members):
-            left = (whole - self._normal[b])[np.ix_(free, free)]
+            left = (whole - _LEFT_OUT * self._normal[b])[np.ix_(free, free)]
             moved = np.linalg.pinv(left, rcond=_RANK, hermitian=True) @ self._gradients[b][free]
+            moved *= _LEFT_OUT
             errors = self.errors[:, rows] + np.tensordot(moved, self.columns[free][:, :, rows], 1)
             found[:, b] = np.sum(errors**2, axis=1)
         return found

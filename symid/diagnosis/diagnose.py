@@ -158,7 +158,7 @@ def _diagnosed(
     data = data_of(axis, runs, recorded)
     start = dict(nominal) if nominal else starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
-    base = fitted_axis(state, weighting)
+    base = replace(fitted_axis(state, weighting), nominal=dict(nominal or {}))
     unknown = recorded.may_be_held(axis)
     if unknown and shows_hold(base):
         return _with_hold(axis, runs, nominal, recorded, library)

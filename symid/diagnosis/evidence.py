@@ -14,16 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.diagnosis.blocks import deviation
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.priors import prior, temperature
 from symid.diagnosis.result import Verdict
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, Turn
 
-_TEMPERED_SHARE = 0.004
 _DOUBT = 0.5
 """Share of the deviation of a difference in gain by which differences are tempered."""
 _DRIVEN_BONUS = 0.3
-_PRIOR = {"asymmetric_friction": -1.0}
-"""An asymmetry of the Coulomb level alone is a constant force while the axis moves; the simpler name goes first."""
 _LEAST_REMOVED = 0.2
 _REMOVED_WIDTH = 0.05
 _COVERED = 0.5
@@ -56,20 +55,31 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
         Body that the drive moves: where places cannot be told apart, it is a little more likely.
     """
     worth = _worths(turn)
+    least = min(worth.values(), default=0.0)
     for candidate in turn.screened:
-        worth.setdefault(candidate.placed.key, min(candidate.worth, min(worth.values(), default=0.0)))
+        if not _holds_the_best(candidate.placed, turn):
+            worth.setdefault(candidate.placed.key, min(candidate.worth, least))
     if not worth:
         return {}
     best = max(worth.values())
     doubt = _doubts(turn)
+    likelier = {c.key: prior(c.fit.state, turn.before.nominal) for c in turn.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
         + _DRIVEN_BONUS * (key[1] == driven)
-        + _PRIOR.get(key[0], 0.0)
+        + likelier.get(key, 0.0)
         for key, value in worth.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
+
+
+def _holds_the_best(item: Placed, turn: Turn) -> bool:
+    """Whether an effect contains the best one and was put aside for it: where it is there, the best one is too."""
+    if not turn.confirmed:
+        return False
+    name, place = turn.confirmed[0].key
+    return item.at == place and name in item.effect.imitates
 
 
 def _worths(turn: Turn) -> dict[Key, float]:
@@ -96,11 +106,6 @@ def _doubts(turn: Turn) -> dict[Key, float]:
     best = max(turn.confirmed, key=lambda c: c.worth)
     n = turn.before.n_rows
     return {c.key: _DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
-
-
-def temperature(best: float) -> float:
-    """By what gains are divided where the best candidate gains so much."""
-    return 1 + _TEMPERED_SHARE * max(best, 0.0)
 
 
 def is_there(turn: Turn) -> float:

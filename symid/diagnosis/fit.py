@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,6 +48,8 @@ class Fit:
         The same, weighted.
     begun : float
         Inertia that the drive moved with the values that the axis was first given; nan if these are not known.
+    nominal : mapping of str to float
+        Values that the user gave; empty if there are none.
     """
 
     state: State
@@ -55,6 +57,11 @@ class Fit:
     spectra: ComplexArray
     columns: FloatArray
     begun: float = math.nan
+    nominal: Mapping[str, float] = field(default_factory=dict)
+
+    def after(self, other: Fit) -> Fit:
+        """The same fit, with what was given to the one that it goes on from."""
+        return replace(self, begun=other.begun, nominal=other.nominal)
 
     @property
     def parameters(self) -> Mapping[str, float]:

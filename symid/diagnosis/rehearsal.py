@@ -20,9 +20,10 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.data import Log
 from symid.diagnosis.comparison import applied
 from symid.diagnosis.effects import JointEffect
-from symid.diagnosis.evidence import INDISTINGUISHABLE, Key, temperature
+from symid.diagnosis.evidence import INDISTINGUISHABLE, Key
 from symid.diagnosis.fit import fitted, unfitted
 from symid.diagnosis.manoeuvres import Room, manoeuvres
+from symid.diagnosis.priors import temperature
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import Confirmed, Turn

@@ -16,6 +16,7 @@ from symid.diagnosis.blocks import deviation
 from symid.diagnosis.effects import Effect, Placed
 from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.hidden_starts import Start
+from symid.diagnosis.priors import prior
 from symid.diagnosis.screening import screened
 from symid.diagnosis.search import (
     LATE_FORCES,
@@ -33,6 +34,8 @@ from symid.diagnosis.state import with_effects
 _ITERATIONS = 3
 _RIVALS = 3
 """Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
+_LIKELIER = 1.0
+"""Logarithm of prior odds from which on a refinement takes the place of what it contains."""
 _AS_GOOD = 1.1
 """In another order the fit may end elsewhere: it must leave as little."""
 
@@ -97,7 +100,8 @@ def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Mem
 
     None where one matters whose values are then not credible, and nothing can stand in its place.
     """
-    first, whole = accepted[0].before, accepted[-1].confirmed[0].fit
+    first = accepted[0].before
+    whole = accepted[-1].confirmed[0].fit.after(first)
     n, members = len(accepted), list[Member]()
     for i, turn in enumerate(accepted):
         at = (
@@ -113,7 +117,7 @@ def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Mem
         if found is None:
             whole, n = before, n - 1
             continue
-        whole = found.confirmed[0].fit
+        whole = found.confirmed[0].fit.after(first)
         members.append(Member(whole.state.placed[-1], found, float(before.blocks.squares[0].sum())))
     return members
 
@@ -134,7 +138,7 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
             found[one.key] = one
     prefer_coulomb(found)
     best = ranked(found.values(), before)
-    if best and own.key in found and not _clearly(best[0], found[own.key]):
+    if best and own.key in found and not _clearly(best[0], found[own.key], first):
         best = [found[own.key], *(c for c in best if c.key != own.key)]
     chosen = Turn(before, tuple(best), turn.screened)
     if not chosen.is_worth_another(first):
@@ -142,13 +146,15 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
     return chosen if len(best) > 1 else _in_place_of(turn, before, best[0])
 
 
-def _clearly(best: Confirmed, own: Confirmed) -> bool:
+def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     """Whether a rival predicts blocks better than the effect that was found, by more than they scatter.
 
-    A refinement of it, as presliding is one of Coulomb friction, does not take its place.
+    A refinement of it, as presliding is one of Coulomb friction, takes its place only where more than errors speaks
+    for it.
     """
     if own.key[0] in best.effect.imitates and own.key[1] == best.key[1]:
-        return False
+        likelier = prior(best.fit.state, first.nominal) - prior(own.fit.state, first.nominal)
+        return likelier > _LIKELIER
     doubt = deviation(own.squares, best.squares, own.fit.n_rows)
     return best.worth - own.worth > max(LEAST_WORTH, doubt)
 
@@ -165,7 +171,7 @@ def _chain(members: Sequence[Member], first: Fit, whole: Fit) -> tuple[Turn, ...
         if not turn.is_worth_another(first):
             return None
         chain.append(turn)
-        before = replace(found.fit, begun=before.begun)
+        before = found.fit.after(before)
     return tuple(chain) if chain and before.mean_square < _AS_GOOD * whole.mean_square else None
 
 
@@ -174,7 +180,7 @@ def _without(whole: Fit, at: int) -> Fit:
     placed = list(whole.state.placed)
     del placed[at]
     found = fitted(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, _ITERATIONS)
-    return replace(found, begun=whole.begun)
+    return found.after(whole)
 
 
 def _in_place_of(turn: Turn, before: Fit, found: Confirmed) -> Turn:

@@ -26,6 +26,10 @@ _ADVICE |= {
 }
 
 
+MORE_THAN_NOISE = 1.6
+"""Error, in multiples of the floor, from which on white noise alone does not explain it."""
+
+
 def spoken(effect: str, at: str = "") -> str:
     """An effect, at its place if one is given, as one says it.
 
@@ -50,6 +54,9 @@ def sentence(
         return f"There is no gap: the model leaves {before}."
     if verdict == "parameters":
         nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
+        if gap.reidentified.rms > MORE_THAN_NOISE * gap.noise_floor.rms:
+            rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
+            return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
     if verdict == "recording":
