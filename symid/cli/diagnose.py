@@ -8,10 +8,12 @@ from typing import Any
 
 import click
 
-from symid.axis import load_axis, write_axis
+from symid.axis import Axis, load_axis, write_axis
 from symid.cli.logs import known_late, log_options, read_log_of
 from symid.cli.options import (
     assignments,
+    cascade_gains,
+    gain_option,
     held_force,
     held_option,
     json_option,
@@ -28,6 +30,7 @@ from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.simulation import Cascade, ClosedLoop
 from symid.verbs.diagnose import derive_if_missing
 
 _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
@@ -56,6 +59,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
 @log_options
 @held_option
 @late_option
+@gain_option
 @click.option(
     "--next-experiment",
     "experiment",
@@ -89,6 +93,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     recorded: dict[str, Any] = {
         "late": known_late(declared, options),
         "held": held_force(options["held"], declared),
+        "controller": _controller(declared, options["gains"]),
     }
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None
     if simulated and len(runs) > 1:
@@ -120,6 +125,13 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         print_diagnosis(record)
     if options["write_axis"]:
         _write_axis(found, Path(options["write_axis"]))
+
+
+def _controller(axis: Axis, gains: tuple[str, ...]) -> Cascade | None:
+    """Controller of ``--controller-gain``; None without."""
+    given = cascade_gains(gains)
+    controller = ClosedLoop.with_gains(axis, given).controller if given else None
+    return controller if isinstance(controller, Cascade) else None
 
 
 def _write_axis(found: Diagnosis, file: Path) -> None:

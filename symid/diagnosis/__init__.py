@@ -5,7 +5,7 @@ from symid.diagnosis.declared import ExplainedAxis, explained_axis
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.experiment import Experiment, limits_seen, next_experiment_of
-from symid.diagnosis.gap import Gap, Level, Location, MapCell, Removed, Reversal
+from symid.diagnosis.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
 from symid.diagnosis.result import (
     Alternative,
     Diagnosis,
@@ -32,6 +32,8 @@ __all__ = [
     "Level",
     "Location",
     "MapCell",
+    "Motion",
+    "MotionError",
     "ParameterChange",
     "Removed",
     "Reversal",

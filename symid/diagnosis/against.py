@@ -24,6 +24,7 @@ from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
 from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted, unfitted
 from symid.diagnosis.joined import joined
+from symid.diagnosis.motion import with_motion
 from symid.diagnosis.record import Record, record_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import (
@@ -40,6 +41,7 @@ from symid.diagnosis.start import fitted_axis, starting_parameters
 from symid.diagnosis.state import State, first_state, with_effects
 from symid.diagnosis.weighting import Weighting
 from symid.diagnosis.wording import sentence_against
+from symid.simulation import Cascade
 
 _DIFFERS_DEVIATIONS = 4.0
 _DIFFERS_SHARE = 0.01
@@ -54,6 +56,7 @@ def diagnose_against(
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
+    controller: Cascade | None = None,
 ) -> Diagnosis:
     """Why a machine and a simulator of it differ.
 
@@ -65,7 +68,7 @@ def diagnose_against(
         A log of the machine.
     simulated : Log
         A log of the simulator, best under the same reference, with the same signals.
-    validation, late, held, library
+    validation, late, held, library, controller
         As for `diagnose`; signals of both logs count as recorded alike.
 
     Returns
@@ -98,7 +101,8 @@ def diagnose_against(
     ('parameters', ['Fs'])
     """
     recorded = Recorded(dict(late or {}), held)
-    data = data_of(axis, (joined([log]), joined([validation]) if validation else None), recorded)
+    runs = joined([log]), joined([validation]) if validation else None
+    data = data_of(axis, runs, recorded)
     at = recorded.times(axis, simulated.sampling_period)
     own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
     model = _simulator(own, library)
@@ -111,9 +115,10 @@ def diagnose_against(
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, turns, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)
+    found = replace(found, sentence=sentence_against(found, simulator))
+    found = with_motion(found, comparison, runs, data.held_out, controller=controller, simulated=simulated)
     return replace(
         found,
-        sentence=sentence_against(found, simulator),
         assumptions=(*found.assumptions, _assumption(simulator)),
         simulated=simulator,
     )

@@ -12,6 +12,7 @@ from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects import LawEffect, Placed
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.scene import Scene, place_of
+from symid.diagnosis.state import State
 from symid.errors import SettingError
 
 Values: TypeAlias = dict[str, float]
@@ -54,7 +55,20 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     accepted = [turn for turn in found.search if turn.accepts] if found.effects else []
     if not accepted:
         raise SettingError("no effect was found: the axis stays as it is declared")
-    state = accepted[len(found.effects) - 1].confirmed[0].fit.state
+    explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
+    if explained.axis.elements == found.axis.elements:
+        raise SettingError("; ".join(explained.left_out))
+    return explained
+
+
+def axis_of(state: State) -> ExplainedAxis:
+    """The axis of a model with the effects that it holds as elements, and the values of its parameters.
+
+    Parameters
+    ----------
+    state : State
+        The model, under any record.
+    """
     axis, values = state.scene.axis, dict(state.scene.parameters)
     left_out = []
     for item in state.placed:
@@ -67,8 +81,6 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
             values |= added
         else:
             left_out.append(_left_out(state.scene, item))
-    if len(left_out) == len(state.placed):
-        raise SettingError("; ".join(left_out))
     return ExplainedAxis(axis, {name: values[name] for name in axis.physical_parameters}, tuple(left_out))
 
 

@@ -18,6 +18,7 @@ from symid.diagnosis.faults import damage
 from symid.diagnosis.fit import Fit, unfitted
 from symid.diagnosis.held import HELD, is_held, shows_hold
 from symid.diagnosis.joined import Joined, joined, with_common_zeros
+from symid.diagnosis.motion import with_motion
 from symid.diagnosis.record import Record, record_of, signals_of
 from symid.diagnosis.rejudging import judged_together
 from symid.diagnosis.result import Diagnosis
@@ -25,6 +26,7 @@ from symid.diagnosis.search import Turn, search
 from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
 from symid.diagnosis.state import first_state
 from symid.identification.settings import with_hold
+from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
 
 _HELD_OUT = 3
@@ -45,10 +47,13 @@ class Recorded:
         Time by which signals were recorded late, s.
     held : bool, optional
         Whether the force is held from sample to sample; None if it is not known.
+    controller : Cascade, optional
+        That of the machine; None if it is not known.
     """
 
     late: Mapping[str, float]
     held: bool | None
+    controller: Cascade | None = None
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s, a hold of the force included."""
@@ -69,6 +74,7 @@ def diagnose(
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
+    controller: Cascade | None = None,
 ) -> Diagnosis:
     """Why simulation and machine differ.
 
@@ -90,6 +96,8 @@ def diagnose(
         is not given and the axis does not declare it, the log tells.
     library : sequence of Effect
         Effects that are considered.
+    controller : Cascade, optional
+        That of the machine, under which the axis is simulated for `Gap.motion`; read from the log if it is not given.
 
     Raises
     ------
@@ -117,7 +125,8 @@ def diagnose(
         others = [logs.pop()]
     runs = _one_run(axis, logs), _one_run(axis, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
-        return _either_way(axis, runs, nominal, Recorded(dict(late or {}), held), library)
+        recorded = Recorded(dict(late or {}), held, controller)
+        return _either_way(axis, runs, nominal, recorded, library)
 
 
 def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
@@ -170,7 +179,8 @@ def _diagnosed(
     comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    return concluded(comparison, turns, fits, nominal, logs, damage(parts, state, weighting))
+    found = concluded(comparison, turns, fits, nominal, logs, damage(parts, state, weighting))
+    return with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
 
 
 def _with_hold(

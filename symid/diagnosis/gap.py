@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,71 @@ class Reversal:
 
 
 @dataclass(frozen=True)
+class MotionError:
+    """How a simulated axis moves beside the measured one.
+
+    Parameters
+    ----------
+    status : str
+        "ok", or "failed": then the numbers are nan.
+    position_fit, velocity_fit, tracking_fit : float
+        100 (1 - abs(y - simulated)/abs(y - mean of y)) per cent of position, velocity and tracking error (reference
+        less position, nan without a reference); 100 is perfect, below 0 worse than a constant.
+    position_rms, velocity_rms : float
+        Root mean square of the differences, SI.
+    reversal_rms : float
+        That of the positions within 50 ms of reversals, SI; nan if there are none.
+    message : str
+        What failed, or what of the model the simulation has not.
+    """
+
+    status: Literal["ok", "failed"]
+    position_fit: float = math.nan
+    velocity_fit: float = math.nan
+    tracking_fit: float = math.nan
+    position_rms: float = math.nan
+    velocity_rms: float = math.nan
+    reversal_rms: float = math.nan
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The gap as it is seen in the motion: the axis simulated, on data that took no part in any choice.
+
+    Parameters
+    ----------
+    signal, unit : str
+        The position, and its unit.
+    driver : str
+        "given" controller, "identified" controller, or the measured force under an "observer".
+    gains : mapping of str to float
+        Kpp in 1/s, Kpv in SI and Kiv in 1/s of the controller or observer.
+    share : float
+        Of the variance of the measured force, what a controller explains; nan for an observer.
+    tracking_rms : float
+        Root mean square of the measured tracking error, SI; nan without a reference.
+    nominal : MotionError or None
+        With the nominal values; None if there are none.
+    reidentified, explained : MotionError
+        As for the force error.
+    steps : tuple of MotionError
+        With the first effect, the first two, and so on; the last is `explained`.
+    """
+
+    signal: str
+    unit: str
+    driver: Literal["given", "identified", "observer"]
+    gains: Mapping[str, float]
+    share: float
+    tracking_rms: float
+    nominal: MotionError | None
+    reidentified: MotionError
+    explained: MotionError
+    steps: tuple[MotionError, ...]
+
+
+@dataclass(frozen=True)
 class Gap:
     """Force error of the inverse model on data that took no part in any choice.
 
@@ -80,6 +148,8 @@ class Gap:
         Share of the mean square of the re-identified model's error above the floor that stays; nan if it has none.
     reversal : Reversal or None
         The same error near reversals and standstills; None if the log has none.
+    motion : Motion or None
+        What the error makes of the simulated motion; None where it was not simulated.
     """
 
     signal: str
@@ -94,6 +164,7 @@ class Gap:
     closed_interval: tuple[float, float]
     unexplained_share: float
     reversal: Reversal | None
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True)

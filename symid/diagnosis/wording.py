@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
-from symid.diagnosis.gap import Gap
+from symid.diagnosis.gap import Gap, Motion
 from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Simulator, Verdict
 
 _ADVICE = {
@@ -74,6 +74,15 @@ def sentence(
     if verdict == "partly":
         return f"{found}; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained."
     return f"{found}."
+
+
+def sentence_of_motion(motion: Motion) -> str:
+    """How far a simulated axis is from the measured position, before and after; empty without effects."""
+    before, after = motion.reidentified, motion.explained
+    if not motion.steps or before.status != "ok" or after.status != "ok":
+        return ""
+    first, last = (f"{1e6 * error.position_rms:.3g} u{motion.unit}" for error in (before, after))
+    return f" Simulated, the axis is then {last} off the measured position instead of {first} (rms)."
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:

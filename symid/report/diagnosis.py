@@ -19,6 +19,7 @@ from symid.diagnosis.result import (
     Simulator,
 )
 from symid.report.console import plain, report_console
+from symid.report.motion_gap import motion_line, motion_record, motion_rows
 from symid.report.numbers import (
     MISSING,
     band,
@@ -87,7 +88,7 @@ def _gap(gap: Gap) -> dict[str, Any]:
         "closed_interval": list(gap.closed_interval),
         "unexplained_share": gap.unexplained_share,
         "reversal": None if gap.reversal is None else _reversal(gap.reversal),
-        "motion": None,
+        "motion": None if gap.motion is None else motion_record(gap.motion),
     }
 
 
@@ -203,11 +204,20 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     console.print(
         "", _gap_table(record), closed_line(record["gap"]), *_reversal_line(record["gap"]), sep="\n"
     )
-    for make in (_location_table, _effects_table, _alternatives_table, _parameters_table, _simulated_table):
+    for make in (
+        _motion_table,
+        _location_table,
+        _effects_table,
+        _alternatives_table,
+        _parameters_table,
+        _simulated_table,
+    ):
         table = make(record)
         if table.row_count:
             console.print("", table, sep="\n")
     console.print("")
+    if record["gap"]["motion"] is not None:
+        console.print(motion_line(record["gap"]["motion"]), markup=False)
     for assumption in record["assumptions"]:
         console.print(f"assumed: {assumption}", markup=False)
     console.print(f"next: {record['next_experiment']}", markup=False)
@@ -264,6 +274,17 @@ def _gap_table(record: dict[str, Any]) -> Table:
             continue
         size = (significant(stage["rms"]), percent(stage["relative"]), multiple(stage["multiple_of_floor"]))
         _add(table, stage["model"], *size, significant(stage["removed"], 3))
+    return table
+
+
+def _motion_table(record: dict[str, Any]) -> Table:
+    """The simulated axis beside the measured motion; empty where it was not simulated."""
+    found = record["gap"]["motion"]
+    unit = "" if found is None else f"u{found['unit']}"
+    headings = ("position", "velocity", "tracking error", f"rms [{unit}]", f"at reversals [{unit}]")
+    table = _table("Fit of the simulated motion, on the same data", ("model",), headings)
+    for model, *cells in [] if found is None else motion_rows(record):
+        _add(table, model, *cells)
     return table
 
 

@@ -14,6 +14,7 @@ from symid.files import write_whole
 from symid.report import colours, numbers
 from symid.report.bars import Scale, scale_of
 from symid.report.diagnosis import diagnosis_record, removes
+from symid.report.motion_gap import motion_line, motion_rows
 
 VERDICTS = {
     "no_gap": "No gap",
@@ -106,6 +107,8 @@ def page_templates() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     for write in (
+        motion_line,
+        motion_rows,
         removes,
         numbers.significant,
         numbers.with_deviation,

@@ -10,6 +10,7 @@ from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import Multisine, frequency_lines, multisine
 from symid.simulation.plant import Plant
 from symid.simulation.reference_loop import ClosedLoop
+from symid.simulation.replay import Replay
 from symid.simulation.trajectory import Trajectory
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Multisine",
     "OpenLoop",
     "Plant",
+    "Replay",
     "Simulation",
     "Trajectory",
     "chirp",

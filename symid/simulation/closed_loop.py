@@ -58,6 +58,7 @@ def simulate(
     frequency_hz: float | None = None,
     seed: int = 0,
     steps: int = 1,
+    start: FloatArray | None = None,
     progress: Callable[[Sequence[int]], Iterable[int]] = iter,
 ) -> Simulation:
     """Simulate an axis along a trajectory; the controller runs at the trajectory's rate.
@@ -78,6 +79,8 @@ def simulate(
         Of the noise that the signals of the axis declare.
     steps : int
         Steps of the engine in one controller sample; only laws that vary with speed or displacement need more than one.
+    start : array of shape (2 n,), optional
+        Displacements and velocities of the free bodies at the first sample; at rest at zero by default.
     progress : callable, optional
         Passes on the numbers of the samples at which parts of the simulation begin, and may show how far it is.
 
@@ -89,7 +92,7 @@ def simulate(
     Raises
     ------
     SettingError
-        If a parameter is missing, the rates do not divide, or the axis runs away.
+        If a parameter is missing, the rates do not divide, the start is of another shape, or the axis runs away.
 
     Examples
     --------
@@ -110,6 +113,8 @@ def simulate(
     readers = [Reader(sensor, plant, n_samples, period, random) for sensor in axis.sensors]
     loop = Loop(plant, trajectory, controller, readers, steps)
     record = Record.empty(n_samples, len(plant.bodies), [reader.signal for reader in loop.between])
+    if start is not None:
+        record.states[0] = _state(start, len(plant.bodies))
     run = Run(loop, record)
     for begin in progress(range(0, n_samples, _PART)):
         run.advance(min(begin + _PART, n_samples))
@@ -121,6 +126,16 @@ def simulate(
         signals, sampling_period=every * trajectory.sampling_period, source=f"simulated {axis.name}"
     )
     return Simulation(log, trajectory.time, record.states[:-1], record.accelerations[:-1], record.forces)
+
+
+def _state(start: FloatArray, n_bodies: int) -> FloatArray:
+    """A state to begin with, checked."""
+    state = np.asarray(start, dtype=np.float64)
+    if state.shape != (2 * n_bodies,) or not np.isfinite(state).all():
+        raise SettingError(
+            f"the simulation starts at {state.tolist()}: give {n_bodies} displacements, then {n_bodies} velocities"
+        )
+    return state
 
 
 def _ratio(period: float, frequency_hz: float | None) -> int:

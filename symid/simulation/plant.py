@@ -99,3 +99,34 @@ class Plant:
     def highest_mode(self) -> float:
         """Highest natural frequency, Hz; 0 without springs."""
         return max(self.natural_frequencies, default=0.0)
+
+    def follows(self, signal: str, position: float, velocity: float = 0.0) -> FloatArray:
+        """State in which a position sensor reads a value and a speed, and springs are as far at rest as they allow.
+
+        Parameters
+        ----------
+        signal : str
+            A position sensor.
+        position, velocity : float
+            Its reading and the derivative of that, SI.
+
+        Returns
+        -------
+        array of shape (2 n,)
+            Displacements, which minimise the energy of springs and constant forces, then velocities, at which springs
+            keep their lengths where they can.
+
+        Examples
+        --------
+        >>> from symid.axis import load_axis
+        >>> from symid.simulation import plant_of
+        >>> plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 3.0, "Fs": 4.0}).follows("q", 0.1, 0.5).tolist()
+        [0.1, 0.5]
+        """
+        row, _ = self.sensors[signal]
+        n = row.size
+        scale = max(float(np.abs(self.stiffness).max()), 1.0)
+        matrix = np.block([[self.stiffness / scale, row[:, None]], [row[None, :], np.zeros((1, 1))]])
+        wanted = np.zeros((n + 1, 2))
+        wanted[:n, 0], wanted[n] = self.constant / scale, (position, velocity)
+        return np.asarray(np.linalg.lstsq(matrix, wanted, rcond=1e-12)[0][:n].T.ravel())

@@ -36,12 +36,12 @@ class Run:
     loop : Loop
         Axis and controller.
     record : Record
-        Where the motion is written.
+        Where the motion is written; its first state is that at the beginning.
     """
 
     def __init__(self, loop: Loop, record: Record) -> None:
         self.loop, self.record = loop, record
-        self._engine = Engine(loop.plant)
+        self._engine = Engine(loop.plant, record.states[0].copy())
         self._memory = loop.controller.start
         self._made = 0
         self._block, self._singly = _SHORTEST, 0

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
-from symid.arrays import FloatArray
 from symid.axis import Axis, Spring
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
 from symid.identification.settings import coherent_band, completed
-from symid.simulation import Cascade, Command, Controller, Trajectory, plant_of, tuned_cascade
+from symid.simulation import Replay, Trajectory, plant_of, tuned_cascade
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun, exact_run
 from symid.tuning.noise import noise_levels
@@ -29,39 +28,6 @@ _HIGHEST_SHARE = 0.4
 _LEAST_FRICTION = 1e-9
 _BANDWIDTHS = (10.0, 20.0, 40.0)
 _ROUGH_DRAWS = 3
-
-
-@dataclass(frozen=True)
-class Replay(Controller):
-    """A recorded force, and a cascade that keeps the axis to the recorded position against small differences.
-
-    Parameters
-    ----------
-    forces : array of shape (n_samples,)
-        Recorded force at each sample of the controller.
-    cascade : Cascade
-        Adds its own.
-    """
-
-    forces: FloatArray
-    cascade: Cascade
-
-    @property
-    def signals(self) -> tuple[str, ...]:
-        """The controlled position."""
-        return self.cascade.signals
-
-    @property
-    def start(self) -> FloatArray:
-        """State of the cascade."""
-        return self.cascade.start
-
-    def force(
-        self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
-    ) -> tuple[float, FloatArray]:
-        """Recorded force and that of the cascade."""
-        added, state = self.cascade.force(command, measured, state, period)
-        return float(self.forces[command.index]) + added, state
 
 
 def run_of_log(

@@ -12,6 +12,7 @@ from symid.data import Log
 from symid.diagnosis import LIBRARY, Diagnosis, Effect
 from symid.diagnosis import diagnose as diagnose_axis
 from symid.errors import SymidError
+from symid.simulation import Cascade
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, log_of
 
@@ -26,6 +27,7 @@ def diagnose(
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
+    controller: Cascade | None = None,
     **columns: Any,
 ) -> Diagnosis:
     """Why simulation and machine differ.
@@ -42,7 +44,7 @@ def diagnose(
         Parameter values of the simulation, SI.
     measured : sequence of str, optional
         Sensors to read from files and frames; all that they hold by default.
-    late, held, library
+    late, held, library, controller
         As in `symid.diagnosis.diagnose`.
     **columns
         ``columns``, ``units``, ``gains``, ``layout`` and ``sampling_period`` of files and frames, as in
@@ -62,7 +64,14 @@ def diagnose(
     assert first is not None
     derive_if_missing(declared, first)
     return diagnose_axis(
-        declared, first, validation=other, nominal=nominal, late=late, held=held, library=library
+        declared,
+        first,
+        validation=other,
+        nominal=nominal,
+        late=late,
+        held=held,
+        library=library,
+        controller=controller,
     )
 
 

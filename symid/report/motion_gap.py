@@ -1,0 +1,106 @@
+"""The gap in the simulated motion as a record, as rows of a table and in a line."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from symid.diagnosis.gap import Motion, MotionError
+from symid.report.numbers import MISSING, share, significant
+
+_DRIVERS = {
+    "given": "simulated under the controller that was given",
+    "identified": "simulated under a cascade read from the log",
+    "observer": "driven by the measured force, with a slow observer that keeps the axis to the measured position",
+}
+_MICRO = 1e6
+
+
+def motion_record(motion: Motion) -> dict[str, Any]:
+    """What a diagnosis says of the simulated motion; numbers that are not known are nan."""
+    return {
+        "signal": motion.signal,
+        "unit": motion.unit,
+        "driver": motion.driver,
+        "gains": dict(motion.gains),
+        "share": motion.share,
+        "tracking_rms": motion.tracking_rms,
+        "nominal": None if motion.nominal is None else _error(motion.nominal),
+        "reidentified": _error(motion.reidentified),
+        "explained": _error(motion.explained),
+        "steps": [_error(step) for step in motion.steps],
+    }
+
+
+def _error(error: MotionError) -> dict[str, Any]:
+    return {
+        "status": error.status,
+        "position_fit": error.position_fit,
+        "velocity_fit": error.velocity_fit,
+        "tracking_fit": error.tracking_fit,
+        "position_rms": error.position_rms,
+        "velocity_rms": error.velocity_rms,
+        "reversal_rms": error.reversal_rms,
+        "message": error.message,
+    }
+
+
+def motion_rows(record: dict[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of the table of the simulated motion: the model, its fits, and its errors in millionths of the unit.
+
+    Parameters
+    ----------
+    record : dict
+        Of a whole diagnosis, whose waterfall names the models.
+    """
+    motion = record["gap"]["motion"]
+    errors = [motion["nominal"], motion["reidentified"], *motion["steps"]]
+    names = [stage["model"] for stage in record["waterfall"]]
+    return [(name, *_cells(error)) for name, error in zip(names, errors, strict=False) if error is not None]
+
+
+def _cells(error: dict[str, Any]) -> tuple[str, ...]:
+    if error["status"] != "ok":
+        return ("failed", *[MISSING] * 4)
+    fits = (_fit(error[f"{name}_fit"]) for name in ("position", "velocity", "tracking"))
+    sizes = (significant(_MICRO * error[f"{name}_rms"], 3) for name in ("position", "reversal"))
+    return (*fits, *sizes)
+
+
+def _fit(per_cent: float) -> str:
+    """A fit, near 100 with the digits that tell it from that.
+
+    Examples
+    --------
+    >>> _fit(99.99312), _fit(96.64), _fit(-31.2), _fit(100.0), _fit(float("nan"))
+    ('99.993 %', '96.6 %', '-31.2 %', '100 %', '–')
+    """
+    if not math.isfinite(per_cent):
+        return MISSING
+    left = abs(100.0 - per_cent)
+    places = 1 if left >= 1 else min(1 - math.floor(math.log10(left)), 6) if left else 0
+    return f"{per_cent:.{max(places, 1) if left else 0}f} %"
+
+
+def motion_line(motion: dict[str, Any]) -> str:
+    """How the axis was simulated, and what a simulation lacks or why it failed.
+
+    Parameters
+    ----------
+    motion : dict
+        As `motion_record` makes it.
+    """
+    gains = ", ".join(f"{name} {value:.4g}" for name, value in motion["gains"].items())
+    explains = (
+        f", which explains {share(motion['share'])} of the force"
+        if motion["share"] == motion["share"]
+        else ""
+    )
+    line = f"motion: {_DRIVERS[motion['driver']]} ({gains}){explains}"
+    if motion["tracking_rms"] == motion["tracking_rms"]:
+        size = significant(_MICRO * motion["tracking_rms"], 3)
+        line += f"; measured tracking error {size} u{motion['unit']} rms"
+    messages = [
+        error["message"] for error in (motion["reidentified"], motion["explained"]) if error["message"]
+    ]
+    return "; ".join([line, *dict.fromkeys(messages)])

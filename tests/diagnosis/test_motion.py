@@ -1,0 +1,138 @@
+"""The gap in the motion: the replayed loop beside the closed loop itself, an observer, another simulator, failures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hand_made import RIGID, rigid_log
+
+from symid import CoulombFriction, Log, load_axis
+from symid.codegen import model_of
+from symid.diagnosis import diagnose, diagnose_against
+from symid.diagnosis.effects import effects_of
+from symid.report.diagnosis import diagnosis_record
+from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids
+
+LOOP = Cascade("q", position_gain=40.0, velocity_gain=6000.0, integral_gain=8.0)
+DECLARED = load_axis("rigid_1m")
+FRICTIONLESS = replace(DECLARED.without(DECLARED.laws[1]), name="frictionless")
+NOMINAL = {"M": 100.0, "Fv": 150.0}
+COULOMB = effects_of(CoulombFriction)
+
+
+def moves(levels: list[float], seed: int, missing: dict[str, float] | None = None, kind: str = "") -> Log:
+    """The rigid axis with friction under `LOOP`, to and fro."""
+    axis = load_axis("rigid_1m").with_signal("q", noise=2e-8).with_signal("F", noise=0.2)
+    path = trapezoids(levels, 0.3, acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    return replace(simulate(axis, RIGID | (missing or {}), path, LOOP, seed=seed).log, source=f"moves {kind}")
+
+
+@pytest.fixture(scope="module")
+def logs() -> tuple[Log, Log]:
+    """A log, and another along other strokes."""
+    return moves([0.1, 0.02, 0.15, 0.05] * 2, 1), moves([0.12, 0.04, 0.09] * 2, 2)
+
+
+@pytest.fixture(scope="module")
+def found(logs: tuple[Log, Log]):
+    """Coulomb friction missed, controller read from the log, gap on the other log."""
+    return diagnose(
+        FRICTIONLESS,
+        logs[0],
+        validation=logs[1],
+        nominal=NOMINAL,
+        held=True,
+        library=COULOMB,
+    )
+
+
+def test_the_controller_is_read_from_the_log(found) -> None:
+    motion = found.gap.motion
+    assert motion.driver == "identified"
+    assert motion.share > 0.99
+    assert motion.gains["Kpp"] == pytest.approx(40.0, rel=0.05)
+    assert motion.gains["Kpv"] == pytest.approx(6000.0, rel=0.05)
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_errors_are_those_of_the_closed_loop_along_the_reference(found, logs, given: bool) -> None:
+    """The independent way: the axis without friction under the true controller along the reference, no log replayed."""
+    motion, log = found.gap.motion, logs[1]
+    if given:
+        own = {"validation": log, "nominal": NOMINAL, "held": True, "library": (), "controller": LOOP}
+        motion = diagnose(FRICTIONLESS, logs[0], **own).gap.motion
+        assert motion.driver == "given"
+    loop = ClosedLoop(FRICTIONLESS, LOOP).run({"M": 100.0, "Fv": 150.0}, log)
+    error = log["q"] - loop["q"]
+    assert motion.nominal.position_rms == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.03)
+    tracking = log["reference"] - log["q"]
+    fit = 100 * (1 - np.linalg.norm(error) / np.linalg.norm(tracking - tracking.mean()))
+    assert motion.nominal.tracking_fit == pytest.approx(fit, abs=0.5)
+    assert motion.tracking_rms == pytest.approx(np.sqrt(np.mean(tracking**2)), rel=1e-6)
+
+
+def test_with_the_missing_effect_the_simulated_axis_moves_as_the_machine_did(found, logs) -> None:
+    motion = found.gap.motion
+    assert [(e.effect, e.at) for e in found.effects] == [("coulomb_friction", "motor")]
+    assert motion.explained == motion.steps[-1]
+    assert motion.explained.position_rms < 0.05 * motion.reidentified.position_rms
+    assert motion.explained.tracking_fit > 99 > motion.reidentified.tracking_fit
+    assert motion.explained.reversal_rms < 0.1 * motion.reidentified.reversal_rms
+    assert f"{1e6 * motion.explained.position_rms:.3g} um off the measured position" in found.sentence
+    record = diagnosis_record(found)["gap"]["motion"]
+    assert record["explained"]["tracking_fit"] == motion.explained.tracking_fit
+    assert record["driver"] == "identified"
+
+
+def test_without_a_reference_an_observer_drives() -> None:
+    """A viscous coefficient known too low by 30 N s/m: a steady force error dF leaves dF/(Kpv Kpp) of position."""
+    log = rigid_log(seconds=5.0)
+    nominal = RIGID | {"Fv": 120.0}
+    motion = diagnose(load_axis("rigid_1m"), log, nominal=nominal, library=()).gap.motion
+    assert (motion.driver, np.isnan(motion.tracking_rms)) == ("observer", True)
+    assert motion.gains["Kpv"] == pytest.approx(RIGID["M"] * 2 * np.pi * 2.0, rel=0.02)
+    t, q = log.time, log["q"]
+    v = np.gradient(q, t)
+    kv, kp = motion.gains["Kpv"], motion.gains["Kpv"] * motion.gains["Kpp"]
+    # e = measured - simulated: M e'' + (Fv + Kv) e' + Kp e = -(difference of forces), by explicit Euler
+    e = de = 0.0
+    course = np.zeros(t.size)
+    for k in range(t.size - 1):
+        force = -30.0 * v[k] - (120.0 + kv) * de - kp * e
+        de += force / RIGID["M"] / 2000.0
+        e += de / 2000.0
+        course[k + 1] = e
+    used = np.floor(t / 5.0 * 12) % 3 == 1
+    assert motion.nominal.position_rms == pytest.approx(np.sqrt(np.mean(course[used] ** 2)), rel=0.1)
+    assert motion.reidentified.position_rms < 0.2 * motion.nominal.position_rms
+
+
+def test_a_simulation_that_fails_is_a_status(logs) -> None:
+    wild = Cascade("q", position_gain=4e5, velocity_gain=9e9, integral_gain=0.0)
+    motion = diagnose(
+        FRICTIONLESS, logs[0], nominal=NOMINAL, held=True, library=(), controller=wild
+    ).gap.motion
+    assert motion.reidentified.status == "failed"
+    assert "runs away" in motion.reidentified.message
+    assert np.isnan(motion.reidentified.position_fit)
+
+
+def test_the_users_own_simulator_is_the_nominal_motion(logs) -> None:
+    log = logs[0]
+    model_of(FRICTIONLESS, ("q",))  # derived, since it is not among those generated
+    own = ClosedLoop(FRICTIONLESS, LOOP).run({"M": 97.0, "Fv": 150.0}, log)
+    found = diagnose_against(FRICTIONLESS, log, own, held=True, library=COULOMB)
+    used = np.floor(np.arange(log.n_samples) / log.n_samples * 12) % 3 == 1
+    error = (log["q"] - own["q"])[used]
+    assert found.gap.motion.nominal.position_rms == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.01)
+    assert found.gap.motion.explained.position_rms < 0.1 * found.gap.motion.nominal.position_rms
+
+
+def test_a_flexible_axis_begins_at_rest_where_the_sensor_reads() -> None:
+    values = {"Ms": 3899.0, "Fvs": 4000.0, "Ks": 1e9, "Mm": 362.58, "Fvm": 90.0, "Fsm": 146.0}
+    plant = plant_of(load_axis("direct_2m1s"), values)
+    state = plant.follows("q2", 0.2, 0.1)
+    row, _ = plant.sensors["q2"]
+    assert row @ state[:2] == pytest.approx(0.2)
+    assert row @ state[2:] == pytest.approx(0.1)
+    assert plant.stiffness @ state[:2] == pytest.approx(np.zeros(2), abs=1e-3)
