@@ -23,8 +23,8 @@ from symid.diagnosis.search import LEAST_WORTH, Turn
 _DOUBT = 0.5
 """Share of the deviation of a difference in gain by which differences are tempered."""
 _DRIVEN_BONUS = 0.3
-_LEAST_REMOVED = 0.2
-_REMOVED_WIDTH = 0.05
+_LEAST_REMOVED = 0.1
+_REMOVED_WIDTH = 0.02
 _COVERED = 0.5
 _COVERED_WIDTH = 0.12
 _HALF = 0.5
