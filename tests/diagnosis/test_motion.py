@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hand_made import RIGID, rigid_log
 
+from benchmarks.diagnosis.motion import cases, emps_log, row_of
 from symid import CoulombFriction, Log, load_axis
 from symid.codegen import model_of
 from symid.diagnosis import diagnose, diagnose_against
@@ -136,3 +137,18 @@ def test_a_flexible_axis_begins_at_rest_where_the_sensor_reads() -> None:
     assert row @ state[:2] == pytest.approx(0.2)
     assert row @ state[2:] == pytest.approx(0.1)
     assert plant.stiffness @ state[:2] == pytest.approx(np.zeros(2), abs=1e-3)
+
+
+def test_the_real_pendulum_moves_more_like_its_simulation_with_what_was_found() -> None:
+    (case,) = cases(["pendulum-frictionless-ddp"])
+    found = diagnose(case.axis, case.training, validation=case.held_out, nominal=case.nominal)
+    row = row_of(case, found)
+    assert row["effects"] == ["coulomb_friction at pendulum"]
+    assert row["+ coulomb_friction"]["position_rms"] < 0.5 * row["re-identified"]["position_rms"]
+    assert row["+ coulomb_friction"]["tracking_fit"] > row["nominal"]["tracking_fit"]
+
+
+def test_the_reference_of_emps_goes_with_its_log() -> None:
+    log = emps_log(load_axis("emps"), "DATA_EMPS")
+    error = log["reference"] - log["q"]
+    assert np.sqrt(np.mean(error**2)) < 0.01 * np.ptp(log["q"])
