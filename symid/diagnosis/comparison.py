@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.density import power_density
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fit import Fit, solved
 from symid.diagnosis.gap import Gap, Level, Removed, Reversal
@@ -257,8 +258,7 @@ class Comparison:
         """Frequencies, Hz, and power density of the weighted force error of a model, 0 where no row is kept."""
         errors = self.errors[model]
         rows = np.zeros(self.record.n_rows) if errors is None else np.nan_to_num(errors[0])
-        frequency, power = scipy.signal.welch(rows, self.row_rate, nperseg=min(segment, rows.size // 4))
-        return np.asarray(frequency), np.asarray(power)
+        return power_density(rows, self.row_rate, min(segment, rows.size // 4))
 
 
 def compared(

@@ -17,6 +17,7 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data import Log
+from symid.diagnosis.density import power_density
 from symid.diagnosis.joined import bridge
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
@@ -351,5 +352,4 @@ def _least_noise(x: FloatArray, sampling_frequency: float, above_hz: float) -> f
 
 
 def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:
-    frequency, density = scipy.signal.welch(x, sampling_frequency, nperseg=min(_SEGMENT, x.size // 4))
-    return np.asarray(frequency), np.asarray(density)
+    return power_density(x, sampling_frequency, min(_SEGMENT, x.size // 4))

@@ -44,11 +44,15 @@ showed 2 % more for presliding friction, whose reach the log told badly."""
 _VARIES = 0.4
 _HARDLY = 0.1
 """With more of the mean square left, no candidate has explained it."""
+_HOPELESS = 4.0
+"""Multiple of the mean square that the best candidate leaves from which on another is not fitted to the end."""
 _TIE = 2.0
 _TIMING_FIRST = 0.6
 """Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
 like play, friction or compliance, and what there is of these is found after it."""
 LATE_READING = "sensor_delay"
+_NOISE = 0.8
+"""Mean square below which no effect takes a model: that of noise, whose level is known to some percent."""
 _MOST_EFFECTS = 4
 _DIRECT = (8, 3)
 _MARCHING = (12, 8)
@@ -154,6 +158,8 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         if not turn.accepts:
             break
         current = refitted(settled(turn.confirmed[0].fit)).after(fit)
+        if current.mean_square - least_taken(fit) < _NOISE:
+            break
         if current.state.placed[-1].effect.name in LATE_FORCES:
             library = [effect for effect in library if effect.name not in LATE_FORCES]
     return tuple(turns)
@@ -206,7 +212,7 @@ def _is_certain(fit: Fit) -> bool:
 def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]) -> None:
     """Fit candidates; each keeps the best of its fits."""
     for start in starts:
-        own = confirmed_from(fit, start)
+        own = confirmed_from(fit, start, _HOPELESS * _least_left(confirmed))
         if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
             confirmed[own.key] = own
 
@@ -283,15 +289,26 @@ def _distinct(candidates: list[Candidate], others: list[Candidate]) -> list[Cand
     return kept
 
 
-def confirmed_from(fit: Fit, start: Start) -> Confirmed | None:
-    """A candidate fitted from a start, and its gain over the model without it."""
+def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed | None:
+    """A candidate fitted from a start, and its gain over the model without it.
+
+    Parameters
+    ----------
+    fit : Fit
+        The model without it.
+    start : Start
+        Its values to begin with.
+    most : float
+        Mean square from which on it is not fitted any better, as others leave much less.
+    """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             state = start.best_state()
             if state is None:
                 return None
             first, then = _MARCHING if start.placed.marched else _DIRECT
-            found = refitted(fitted(state, start.weighting, first), then)
+            found = fitted(state, start.weighting, first)
+            found = refitted(found, then) if found.mean_square < most else found
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
     return _judged(fit, found)

@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.axis import Axis, Spring
 from symid.codegen import load_generated
-from symid.diagnosis.fit import Fit, converged
+from symid.diagnosis.fit import Fit, converged, fitted
 from symid.diagnosis.record import Record
 from symid.diagnosis.state import State, first_state
 from symid.diagnosis.weighting import Weighting
@@ -41,6 +41,8 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
 NOISE_ALONE = 1.5
 """Mean square of weighted rows up to which noise is what is left."""
 _STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
+_FEW = 3
+"""Iterations after which a fit from another stiffness that leaves more than the first is given up."""
 _RUN_AWAY = 5.0
 """Factor by which a mass, an inertia or a stiffness that is fitted has left where it began."""
 
@@ -63,13 +65,15 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     springs, values = _stiffnesses(state.scene.axis), state.scene.parameters
     if not springs or first.mean_square < NOISE_ALONE:
         return first
-    others = []
+    astray, others = _ran_away(first, values), []
     for factor in _STIFFNESSES:
         moved = dict(values) | {name: factor * values[name] for name in springs}
-        others.append(converged(*first_state(state.scene.record, moved, weighting.allowed)))
+        begun = first_state(state.scene.record, moved, weighting.allowed)
+        if astray or fitted(*begun, _FEW).mean_square < first.mean_square:
+            others.append(converged(*begun))
     tame = [fit for fit in others if not _ran_away(fit, values)]
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
-    return best if best.mean_square < NOISE_ALONE or _ran_away(first, values) else first
+    return best if best.mean_square < NOISE_ALONE or astray else first
 
 
 def _stiffnesses(axis: Axis) -> list[str]:
