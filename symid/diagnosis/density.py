@@ -39,4 +39,4 @@ def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tup
     spectra = scipy.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * window)
     density = np.mean(np.abs(spectra) ** 2, axis=0) / (sampling_frequency * np.sum(window**2))
     density[1 : None if segment % 2 else -1] *= 2
-    return np.fft.rfftfreq(segment, 1 / sampling_frequency), density
+    return np.asarray(np.fft.rfftfreq(segment, 1 / sampling_frequency)), np.asarray(density)
