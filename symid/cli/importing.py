@@ -15,7 +15,7 @@ from symid.cli.numbers import POSITIVE, Number
 from symid.cli.options import dark_option, json_option, write_json
 from symid.cli.outputs import Command, Output
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
-from symid.data.tables import SUFFIXES
+from symid.data.formats import SUFFIXES, suffix_of
 from symid.errors import SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.report.colours import palette_of
@@ -78,7 +78,7 @@ def command(log: str, **options: Any) -> None:
 
 def _look(path: Path, rate: float | None) -> Look:
     """Layout, columns and the sampling period that is given or stated."""
-    text = path.is_file() and (path.suffix.lower() == ".csv" or path.suffix.lower() not in SUFFIXES)
+    text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
     layout = guessed_layout(path) if text else None
     if rate is not None and rate <= 0:
         raise SettingError(f"--rate is {rate:g}: it must be positive")
@@ -108,13 +108,18 @@ def _record(log: str, look: Look, mapping: LogMapping | None) -> dict[str, Any]:
     }
 
 
+def _header_said(layout: Layout) -> str:
+    if not layout.named:
+        return f"{layout.above} lines above the values, no names"
+    return f"{layout.above} lines above the header, {layout.below} between it and the values"
+
+
 def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, Any]) -> None:
     console = report_console()
     if look.layout:
         of = look.layout
         console.print(
-            f"{log}: {of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}, {of.above} lines above the "
-            f"header, {of.below} between it and the values",
+            f"{log}: {of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}, {_header_said(of)}",
             markup=False,
         )
     shown = Shown(box=None, pad_edge=False)

@@ -118,7 +118,12 @@ def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
 
 def mapping_of(options: dict[str, Any]) -> LogMapping:
     """The mapping of ``--mapping``, an empty one without it."""
-    return read_mapping(options["mapping"]) if options.get("mapping") else LogMapping()
+    if not options.get("mapping"):
+        return LogMapping()
+    given = [
+        entry.partition("=")[0].strip() for entry in (*options.get("column", ()), *options.get("gain", ()))
+    ]
+    return read_mapping(options["mapping"], given)
 
 
 def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:

@@ -103,7 +103,7 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
         hint = "map it with" if signal == TIME else "correct"
         raise LogError(
             f"there is no column {column!r} for the {what}{_similar(column, given.headers)}: "
-            f"{_there(given.headers)}, {hint} --column {signal}=NAME"
+            f"{_there(given.headers)}, {hint} --column {signal}=NAME, or let symid import look at the file"
         )
     if signal not in given.alternatives:
         return None

@@ -13,8 +13,9 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.layout import Layout, first_lines
+from symid.data.layout import Layout, first_lines, layout_of_text, lines_of
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, source_of, values_of
+from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304
@@ -29,7 +30,9 @@ def open_csv(path: Path) -> Table:
     if not any(headers):
         raise LogError(f"{path}: the first line is empty: it must hold the names of the columns")
     if all(_is_number(text) for text in headers):
-        raise LogError(f"{path}: the first line holds numbers: it must hold the names of the columns")
+        raise LogError(
+            f"{path}: the first line holds numbers: it must hold the names of the columns, or let symid import look"
+        )
     width = max(len(headers), len(_fields(second, separator)))
     return Table(
         headers,
@@ -40,7 +43,23 @@ def open_csv(path: Path) -> Table:
 
 def open_laid_out(path: Path, layout: Layout) -> Table:
     """Table in a CSV file whose layout is known: any encoding, lines above the header, lines of units."""
-    lines, skipped = first_lines(path, layout.encoding), layout.above + 1 + layout.below
+    return _laid_out(path, layout, first_lines(path, layout.encoding), path.read_bytes)
+
+
+def open_text(path: Path, text: bytes, layout: Layout | None = None) -> Table:
+    """Table in the text of a file that was something else; its layout is guessed if none is given.
+
+    Raises
+    ------
+    LogError
+        If the text holds no columns of numbers.
+    """
+    given = layout or layout_of_text(path, text)
+    return _laid_out(path, given, lines_of(path, text, given.encoding), lambda: text)
+
+
+def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callable[[], bytes]) -> Table:
+    skipped = layout.skipped
     if len(lines) <= skipped:
         raise LogError(
             f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
@@ -50,7 +69,7 @@ def open_laid_out(path: Path, layout: Layout) -> Table:
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         try:
-            text = path.read_text(encoding=layout.encoding)
+            text = _one_kind_of_line_ends(content().decode(layout.encoding))
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
         values = text.split("\n", skipped)[-1].encode("utf-8", errors="replace")
@@ -61,6 +80,10 @@ def open_laid_out(path: Path, layout: Layout) -> Table:
         return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
 
     return Table(headers, read)
+
+
+def _one_kind_of_line_ends(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _first_lines(path: Path) -> tuple[str, str]:
@@ -160,6 +183,8 @@ def _values_of_text(texts: pl.Series, separator: str, before: int = 0) -> FloatA
     wrong = np.flatnonzero((numbers.is_null() & cleaned.is_not_null() & (cleaned != "")).to_numpy())
     if not wrong.size:
         return values_of(numbers)
+    if not before and (seconds := seconds_of_stamps(cleaned)) is not None:
+        return seconds
     first = int(wrong[0])
     more = f" and in {wrong.size - 1} more" if wrong.size > 1 else ""
     return (

@@ -114,8 +114,16 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
                 header, "percent", "%", setpoint, f"{word!r} in percent: of a rated value", True
             )
         return _without_unit(header, by_name, word, setpoint, values, written)
+    if written is None and not setpoint and _rises_evenly(values):
+        return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
     why = f"its unit {written!r} is not known" if written else "neither name nor unit tells"
     return ForeignColumn(header, None, None, setpoint, why, False)
+
+
+def _rises_evenly(values: FloatArray) -> bool:
+    """Whether these are the times of samples, or their numbers."""
+    steps = np.diff(values)
+    return steps.size > 1 and bool(np.ptp(steps) <= 1e-3 * np.median(steps))
 
 
 def split_header(header: str) -> tuple[str, str | None]:
@@ -155,7 +163,7 @@ def _without_unit(
     header: str, quantity: Quantity, word: str, setpoint: bool, values: FloatArray, written: str | None
 ) -> ForeignColumn:
     """A column that its name tells; its unit is guessed from its values where they tell."""
-    said = f"{word!r} in its name"
+    said = f"{word!r} in its name" if word in header else f"it {word}"
     if quantity == "time":
         step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
         low, high = _PLAUSIBLE_PERIODS

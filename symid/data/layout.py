@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from symid.data.time_stamps import is_stamp
 from symid.errors import LogError
 
 _BEGINNING = 200_000
@@ -40,6 +41,8 @@ class Layout:
         Lines above the header.
     below : int
         Lines between header and values: one with units is joined to the names, others are left out.
+    named : bool
+        Whether there is a line of names; without one the columns are called ``column 1`` and so on.
     """
 
     encoding: str = "utf-8-sig"
@@ -47,6 +50,7 @@ class Layout:
     decimal: str = "."
     above: int = 0
     below: int = 0
+    named: bool = True
 
     def __post_init__(self) -> None:
         if self.decimal not in (".", ",") or len(self.separator) != 1 or min(self.above, self.below) < 0:
@@ -68,8 +72,16 @@ class Layout:
                 f"{max(self.above, self.below)} lines around the header: at most {_LINES} are read"
             )
 
+    @property
+    def skipped(self) -> int:
+        """Lines above the values."""
+        return self.above + self.below + self.named
+
     def headers(self, lines: Sequence[str]) -> tuple[str, ...]:
         """Headers in the first lines of a file; a line of units below them is joined to them as ``name [unit]``."""
+        if not self.named:
+            count = len(fields(lines[self.skipped].rstrip(self.separator), self.separator))
+            return tuple(f"column {i + 1}" for i in range(count))
         names = [text.strip() for text in fields(lines[self.above], self.separator)]
         if self.below != 1:
             return tuple(names)
@@ -94,9 +106,14 @@ def first_lines(path: Path, encoding: str) -> list[str]:
     LogError
         If the text has another encoding.
     """
+    with path.open("rb") as file:
+        return lines_of(path, file.read(4 * _BEGINNING), encoding)
+
+
+def lines_of(path: Path, content: bytes, encoding: str) -> list[str]:
+    """The first lines of the bytes of a text file; errors as those of `first_lines`."""
     try:
-        with path.open(encoding=encoding, newline="") as file:
-            text = file.read(_BEGINNING)
+        text = codecs.getincrementaldecoder(encoding)().decode(content[: 4 * _BEGINNING])[:_BEGINNING]
     except UnicodeError as error:
         raise LogError(f"{path}: is not text in {encoding}: give its encoding") from error
     return [line.rstrip("\r\n") for line in io.StringIO(text, newline="")][:_LINES]
@@ -113,8 +130,14 @@ def guessed_layout(path: Path) -> Layout:
     LogError
         If no separator gives columns of numbers.
     """
-    encoding = _encoding(path)
-    lines = first_lines(path, encoding)
+    with path.open("rb") as file:
+        return layout_of_text(path, file.read(4 * _BEGINNING))
+
+
+def layout_of_text(path: Path, content: bytes) -> Layout:
+    """The layout that the bytes of a text file seem to have; errors as those of `guessed_layout`."""
+    encoding = _encoding(content[:_BEGINNING])
+    lines = lines_of(path, content, encoding)
     best: tuple[int, Layout] | None = None
     for separator in _SEPARATORS:
         found = _table(lines, separator)
@@ -122,10 +145,13 @@ def guessed_layout(path: Path) -> Layout:
             continue
         width, begin = found
         header = _header(lines[:begin], separator, width)
-        if header is None:
-            continue
         decimal = "," if separator != "," and _has_decimal_comma(lines[begin:], separator) else "."
-        layout = Layout(encoding, separator, decimal, header, begin - header - 1)
+        if header is not None:
+            layout = Layout(encoding, separator, decimal, header, begin - header - 1)
+        elif begin == 0 or not _seems_named(lines[:begin], separator):
+            layout = Layout(encoding, separator, decimal, begin, named=False)
+        else:
+            continue
         if best is None or width > best[0]:
             best = width, layout
     if best is None:
@@ -135,9 +161,12 @@ def guessed_layout(path: Path) -> Layout:
     return best[1]
 
 
-def _encoding(path: Path) -> str:
-    with path.open("rb") as file:
-        begin = file.read(_BEGINNING)
+def _seems_named(above: Sequence[str], separator: str) -> bool:
+    """Whether the line above the values has several fields: names, of which some are missing."""
+    return len([text for text in fields(above[-1], separator) if text.strip()]) > 1
+
+
+def _encoding(begin: bytes) -> str:
     for mark, name in _MARKS:
         if begin.startswith(mark):
             return name
@@ -173,7 +202,7 @@ def _is_number(text: str, *, comma: bool) -> bool:
     try:
         float(text.replace(",", ".") if comma else text)
     except ValueError:
-        return text == ""
+        return text == "" or is_stamp(text)
     return True
 
 

@@ -41,7 +41,7 @@ def read_log(
     layout: Layout | None = None,
     sampling_period: float | None = None,
 ) -> Log:
-    """Read and check the signals of an axis from a CSV, Parquet or MATLAB (v5 to v7) file.
+    """Read and check the signals of an axis from a file of any kind that is read.
 
     A column is named after its signal, with or without a unit (SI): ``q2`` or ``q2 [mm]``.
 

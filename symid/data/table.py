@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -50,12 +50,15 @@ class Table:
         Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole.
     n_rows : int, optional
         Rows that the file says it has, whatever its size; None where it does not say.
+    clocks : mapping of int to int
+        Position of the column of the times of a column, where columns have clocks of their own.
     """
 
     headers: tuple[str, ...]
     read: Callable[[Sequence[int]], list[FloatArray | str]]
     slices: Callable[[Sequence[int]], Slices] | None = None
     n_rows: int | None = None
+    clocks: Mapping[int, int] = field(default_factory=dict)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ import symid
 from symid.axis import Axis, load_axis
 from symid.codegen import GeneratedModel
 from symid.codegen.store import StoredModule, model_of, stored_module
-from symid.data.tables import SUFFIXES
+from symid.data.formats import FOLDER_SUFFIXES, suffix_of
 from symid.errors import GeneratedModuleError, SettingError, SymidError
 from symid.fleet.kept_factors import FACTORS
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
@@ -171,7 +171,7 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
         found = [path for path in _expanded(item) if os.path.abspath(path) not in skipped]
         if not found:
             raise SettingError(
-                f"{item}: there is no log: give {', '.join(SUFFIXES)} files, or a folder of them"
+                f"{item}: there is no log: give {', '.join(FOLDER_SUFFIXES)} files, or a folder of them"
             )
         for path in found:
             files.setdefault(os.path.abspath(path), path)
@@ -195,7 +195,7 @@ def _logs_in(folder: str) -> Iterator[str]:
     closed: list[OSError] = []
     for place, _, names in os.walk(folder, onerror=closed.append):
         for name in names:
-            if os.path.splitext(name)[1].lower() in SUFFIXES:
+            if suffix_of(Path(name)) in FOLDER_SUFFIXES:
                 yield str(Path(place, name))
     yield from (str(Path(error.filename)) for error in closed)
 

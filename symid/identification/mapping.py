@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,8 +57,15 @@ class LogMapping:
         return asdict(self)
 
 
-def read_mapping(file: str | Path) -> LogMapping:
+def read_mapping(file: str | Path, given: Collection[str] = ()) -> LogMapping:
     """A mapping from its JSON file.
+
+    Parameters
+    ----------
+    file : path-like
+        Written by ``symid import``.
+    given : collection of str
+        Signals of which column or factor are given beside it: what it lacks of them is no fault.
 
     Raises
     ------
@@ -72,11 +79,18 @@ def read_mapping(file: str | Path) -> LogMapping:
         raise SettingError(
             f"{file} holds no mapping of columns: write one with symid import ({error})"
         ) from error
-    if mapping.missing:
+    missing = [line for line in mapping.missing if not any(_is_about(line, name) for name in given)]
+    if missing:
         raise SettingError(
-            f"mapping {file} is not complete: {'; '.join(mapping.missing)}; fill it in and delete its line in missing"
+            f"mapping {file} is not complete: {'; '.join(missing)}; fill it in and delete its line in missing, "
+            "or give it as an option"
         )
-    return mapping
+    return replace(mapping, missing=())
+
+
+def _is_about(line: str, signal: str) -> bool:
+    """Whether a line of what is missing names a signal."""
+    return re.search(rf"(?<![\w]){re.escape(signal)}(?![\w])", line) is not None
 
 
 def _mapping_of(record: object) -> LogMapping:
@@ -121,8 +135,8 @@ def _layout_of(value: object) -> Layout:
     if not isinstance(value, dict) or not value.keys() <= known.keys():
         raise ValueError(f"layout is {shortened(value)}, it has {', '.join(known)}")
     for name, entry in value.items():
-        kind = int if known[name] == "int" else str
-        if not isinstance(entry, kind) or isinstance(entry, bool):
+        kind = {"int": int, "bool": bool}.get(str(known[name]), str)
+        if not isinstance(entry, kind) or (isinstance(entry, bool) and kind is not bool):
             raise TypeError(f"{name} of the layout is {shortened(entry)}, {kind.__name__} is required")
     return Layout(**value)
 
@@ -229,7 +243,7 @@ class _Guess:
             self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
         else:
             self.missing.append(
-                "there is no column of the time whose unit is known: give sampling_period in s (--rate)"
+                "no column of the time has a known unit: give sampling_period in s (--rate), or the column of t"
             )
 
     def sensor(self, signal: str, quantity: str, *, needed: bool) -> None:

@@ -203,3 +203,59 @@ def test_a_torque_is_no_force_without_a_factor(
     (folder / "a.csv").write_text(text)
     assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0
     assert "F has no factor: give gains F in N per N*m" in capsys.readouterr().out
+
+
+def test_options_complete_a_mapping_that_lacks_something(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    columns = {"Zeit [ms]": 1e3 * recorded.time, "enc": 5e6 * recorded["q"], "Strom [A]": recorded["F"] / KT}
+    (folder / "a.csv").write_text(table(columns, ";"), encoding="utf-8")
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "m.json") == 0
+    identify = ("identify", "rigid_1m", "a.csv", "--mapping", "m.json")
+    assert run(*identify) == 2
+    assert "q" in capsys.readouterr().err
+    assert run(*identify, "--column", "q=enc", "--unit", "q=0.2 um") == 2
+    assert "F has no factor" in capsys.readouterr().err
+    complete = (
+        "--column",
+        "q=enc",
+        "--unit",
+        "q=0.2 um",
+        "--gain",
+        f"F={KT}",
+        "--held",
+        "F",
+        "--json",
+        "f.json",
+    )
+    assert run(*identify, *complete) == 0
+    found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
+    assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=0.02)
+
+
+def test_a_file_without_names_is_imported_by_its_clock(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = table({"t": recorded.time, "q": recorded["q"], "F": recorded["F"]}, ",")
+    (folder / "bare.txt").write_text(text.partition("\n")[2], encoding="utf-8")
+    assert run("import", "bare.txt", "--axis", "rigid_1m", "-o", "m.json") == 0
+    mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    assert mapping["columns"] == {"t": "column 1"}
+    named = ("--column", "q=column 2", "--column", "F=column 3")
+    assert run("identify", "rigid_1m", "bare.txt", "--mapping", "m.json", *named, "--json", "f.json") == 0
+    found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
+    assert found["Fv"]["value"] == pytest.approx(TRUE["Fv"], rel=0.05)
+
+
+def test_a_struct_and_a_json_log_are_no_empty_tables(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    columns = {"time": recorded.time, "position": recorded["q"], "force": recorded["F"]}
+    scipy.io.savemat(folder / "s.mat", {"run": columns})
+    (folder / "s.json").write_text(json.dumps({"run": {k: v.tolist() for k, v in columns.items()}}))
+    for name in ("s.mat", "s.json"):
+        assert run("import", name, "--axis", "rigid_1m", "-o", "m.json") == 0
+        mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
+        assert mapping["columns"] == {"t": "time", "q": "position", "F": "force"}
+        assert mapping["missing"] == []
+        assert run("identify", "rigid_1m", name, "--mapping", "m.json") == 0

@@ -1,0 +1,136 @@
+"""Columns of formats that hold arrays by name, or channels that each have a clock."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from symid.arrays import FloatArray
+from symid.data.columns import TIME
+from symid.data.table import Table
+
+_NUMBERS, _MOST_COLUMNS = "biufc", 32
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """A signal of a file that keeps the times of each signal.
+
+    Parameters
+    ----------
+    name, unit : str
+        As written in the file; the unit may be empty.
+    time : array of shape (n,)
+        Times of its samples, s; empty where the file does not say.
+    values : array of shape (n,)
+        Its samples.
+    """
+
+    name: str
+    unit: str
+    time: FloatArray
+    values: npt.NDArray[Any]
+
+    @property
+    def header(self) -> str:
+        """Name and unit as a column is named."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def vector(array: npt.NDArray[Any]) -> FloatArray | str:
+    """An array as a column of numbers, moments as seconds from the first, or a sentence that says what it is.
+
+    Examples
+    --------
+    >>> vector(np.array([[1, 2, 3]])).tolist(), vector(np.eye(2))[:24]
+    ([1.0, 2.0, 3.0], 'is an array of 2 x 2 whe')
+    """
+    if array.size == 0:
+        return "is empty: save it with samples"
+    if np.iscomplexobj(array):
+        return "is complex where real numbers are required: save its real part"
+    if array.size != max(array.shape):
+        shape = " x ".join(str(size) for size in array.shape)
+        return f"is an array of {shape} where a vector is required: save each signal on its own"
+    flat = array.ravel()
+    if flat.dtype.kind in "mM":
+        return np.asarray((flat - flat[0]) / np.timedelta64(1, "s"), dtype=np.float64)
+    return flat.astype(np.float64)
+
+
+def table_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Table:
+    """Arrays of numbers by name as a table; single values and texts are left out, a matrix is its columns.
+
+    Examples
+    --------
+    >>> table_of_arrays({"t": np.arange(9), "data": np.zeros((9, 2)), "gain": np.array(2.0)}).headers
+    ('t', 'data(:,1)', 'data(:,2)')
+    """
+    columns: dict[str, npt.NDArray[Any]] = {}
+    for name, array in arrays.items():
+        if array.dtype.kind in _NUMBERS + "mM" and array.size != 1:
+            columns.update(_split(name, array))
+    headers = tuple(columns)
+    return Table(headers, lambda positions: [vector(columns[headers[position]]) for position in positions])
+
+
+def table_of_channels(channels: Sequence[Channel]) -> Table:
+    """Channels as a table; those that share their times share a column of them.
+
+    The first column of times is called ``t``, others are named after the first channel that they belong to.
+    """
+    times: list[tuple[str, FloatArray]] = []
+    headers: list[str] = []
+    columns: list[npt.NDArray[Any]] = []
+    clock_of: dict[int, str] = {}
+    for channel in channels:
+        clock_of[len(columns)] = _clock_of(channel, times)
+        headers.append(channel.header)
+        columns.append(channel.values)
+    places = {name: len(columns) + i for i, (name, _) in enumerate(times)}
+    clocks = {position: places[name] for position, name in clock_of.items() if name}
+    columns += [time for _, time in times]
+    return Table(
+        (*headers, *places),
+        lambda positions: [vector(columns[position]) for position in positions],
+        n_rows=max((column.size for column in columns), default=0),
+        clocks=clocks,
+    )
+
+
+def short_names(paths: Sequence[tuple[str, ...]]) -> list[str]:
+    """The last parts of paths where they differ, and whole paths with points where they do not.
+
+    Examples
+    --------
+    >>> short_names([("run", "t"), ("a", "q"), ("b", "q")])
+    ['t', 'a.q', 'b.q']
+    """
+    count = Counter(path[-1] for path in paths)
+    return [path[-1] if count[path[-1]] == 1 else ".".join(path) for path in paths]
+
+
+def _split(name: str, array: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
+    """Columns of a matrix that is long and narrow; anything else as it is."""
+    if array.ndim != 2 or min(array.shape) == 1:
+        return {name: array}
+    rows = array if array.shape[0] > array.shape[1] else array.T
+    if rows.shape[1] > _MOST_COLUMNS or rows.shape[0] < 2 * rows.shape[1]:
+        return {name: array}
+    return {f"{name}(:,{j + 1})": rows[:, j] for j in range(rows.shape[1])}
+
+
+def _clock_of(channel: Channel, times: list[tuple[str, FloatArray]]) -> str:
+    """Name of the column of a channel's times, which is added if there is none like it."""
+    if not channel.time.size:
+        return ""
+    for name, time in times:
+        if time is channel.time or np.array_equal(time, channel.time):
+            return name
+    times.append((f"t of {channel.name}" if times else TIME, channel.time))
+    return times[-1][0]

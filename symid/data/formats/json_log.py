@@ -1,0 +1,121 @@
+"""JSON logs: columns by name, records, or one record a line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from symid.data.formats.columns import short_names, table_of_arrays
+from symid.data.memory import require_room
+from symid.data.table import Table, damaged
+from symid.data.time_stamps import seconds_of_stamps
+from symid.errors import LogError
+
+_BYTES_OF_A_VALUE, _DEEPEST = 2, 12
+
+
+def open_json(path: Path, memory: int | None = None) -> Table:
+    """Table in a JSON file: lists of numbers by name, at any depth, or a list of records with the same names.
+
+    Raises
+    ------
+    LogError
+        If it is no JSON, or holds no lists of numbers.
+    """
+    return _table(path, _parsed(path, memory, lines=False))
+
+
+def open_json_lines(path: Path, memory: int | None = None) -> Table:
+    """Table in a file of one JSON record a line; errors as those of `open_json`."""
+    return _table(path, _parsed(path, memory, lines=True))
+
+
+def _parsed(path: Path, memory: int | None, *, lines: bool) -> object:
+    require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        if lines:
+            return [json.loads(line) for line in text.splitlines() if line.strip()]
+        return json.loads(text)
+    except RecursionError as error:
+        raise LogError(f"{path}: is nested too deep: give columns or records of numbers") from error
+    except ValueError as error:
+        raise damaged(path, "JSON", error) from error
+
+
+def _table(path: Path, whole: object) -> Table:
+    found = list(_columns(whole, ()))
+    names = short_names([names or ("values",) for names, _ in found])
+    table = table_of_arrays(dict(zip(names, (array for _, array in found), strict=True)))
+    if not table.headers:
+        raise LogError(
+            f"{path}: holds no columns of numbers: give lists of numbers by name, or a list of records"
+        )
+    return table
+
+
+def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], npt.NDArray[Any]]]:
+    """Lists of numbers in nested objects, with the names that lead to them."""
+    if len(names) > _DEEPEST:
+        return
+    if isinstance(value, Mapping):
+        headers, rows = value.get("columns"), value.get("data")
+        if isinstance(headers, list) and _are_rows(rows, len(headers)):
+            named = [str(header) for header in headers]
+            yield from _records([dict(zip(named, row, strict=True)) for row in rows or ()], names)
+            return
+        for name, inner in value.items():
+            yield from _columns(inner, (*names, str(name)))
+    elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+        yield from _records([one for one in value if isinstance(one, Mapping)], names)
+    elif isinstance(value, list) and value:
+        numbers = _numbers(value)
+        if numbers is not None:
+            yield names, numbers
+
+
+def _are_rows(rows: Any, width: int) -> bool:
+    """Whether these are rows of a table, as pandas writes them beside the names of its columns."""
+    return (
+        isinstance(rows, list) and bool(rows) and all(isinstance(r, list) and len(r) == width for r in rows)
+    )
+
+
+def _records(
+    records: list[Mapping[str, Any]], names: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Columns of records; what is nested in them is named with the names that lead to it."""
+    flat = [dict(_flat(record, ())) for record in records]
+    for header in dict.fromkeys(name for record in flat for name in record):
+        numbers = _numbers([record.get(header) for record in flat])
+        if numbers is not None:
+            yield (*names, *header), numbers
+
+
+def _flat(record: Mapping[str, Any], names: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
+    for name, value in record.items():
+        if isinstance(value, Mapping) and len(names) < _DEEPEST:
+            yield from _flat(value, (*names, str(name)))
+        else:
+            yield (*names, str(name)), value
+
+
+def _numbers(values: list[Any]) -> npt.NDArray[Any] | None:
+    """Numbers, nan where there is none; moments as seconds; None for anything else."""
+    if all(isinstance(value, (int, float)) or value is None for value in values):
+        try:
+            return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+        except OverflowError:  # an integer that no float holds
+            return None
+    if all(isinstance(value, str) for value in values):
+        return seconds_of_stamps(values)
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (ValueError, TypeError, OverflowError):
+        return None
+    return array if array.ndim == 2 else None

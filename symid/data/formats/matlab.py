@@ -1,0 +1,91 @@
+"""MATLAB files: vectors, matrices, structs of Simulink and dSPACE; version 7.3 as the HDF5 file that it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from symid.data.formats.columns import short_names, table_of_arrays
+from symid.data.formats.hdf5 import MAGIC, open_hdf5
+from symid.data.memory import require_room
+from symid.data.table import Table, damaged
+from symid.errors import LogError
+
+_VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
+"""What Simulink and dSPACE call the samples of a signal, and its name."""
+_DEEPEST = 12
+
+
+def open_matlab(path: Path, memory: int | None = None) -> Table:
+    """Table in a MATLAB file.
+
+    Fields of structs are columns, named after the signal where the struct names one.
+
+    Raises
+    ------
+    LogError
+        If it is damaged, or holds no numbers that can be read.
+    """
+    with path.open("rb") as file:
+        begin = file.read(520)
+    if b"MATLAB 7.3" in begin[:128] or MAGIC in begin:
+        return open_hdf5(path, memory)
+    try:
+        # Listing the variables without loading them (whosmat) fails on objects such as tf models.
+        _require_room_for(path, memory)
+        variables = scipy.io.loadmat(path, simplify_cells=True)
+    except LogError:
+        raise
+    except Exception as error:  # scipy lets through whatever its parser meets in a damaged file
+        raise damaged(path, "MATLAB", error) from error
+    public = {name: value for name, value in variables.items() if not name.startswith("__")}
+    found = [(names, array) for names, array in _arrays(public) if array.size != 1]
+    table = table_of_arrays(dict(zip(short_names([names for names, _ in found]), _only(found), strict=True)))
+    if (
+        public
+        and not table.headers
+        and any(type(value).__name__ == "MatlabOpaque" for value in public.values())
+    ):
+        raise LogError(
+            f"{path}: holds objects such as timeseries only, which MATLAB alone reads: "
+            "save their Time and Data as vectors"
+        )
+    return table
+
+
+def _arrays(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], npt.NDArray[Any]]]:
+    """Arrays of numbers in nested structs, with the names that lead to them."""
+    if len(names) > _DEEPEST:
+        return
+    if isinstance(value, Mapping):
+        own = next(
+            (str(value[key]) for key in _NAMES if isinstance(value.get(key), str) and value[key]), None
+        )
+        for key, inner in value.items():
+            labelled = own is not None and key in _VALUES
+            yield from _arrays(inner, (*names, str(own)) if labelled else (*names, str(key)))
+    elif isinstance(value, np.ndarray) and value.dtype.kind in "biufc" and value.dtype.names is None:
+        yield names, value
+    elif isinstance(value, (list, np.ndarray)) and (isinstance(value, list) or value.dtype == object):
+        items: Sequence[object] = list(np.ravel(np.array(value, dtype=object))) if len(value) else []
+        for i, inner in enumerate(items):
+            yield from _arrays(inner, (*names[:-1], f"{names[-1]}({i + 1})") if names else (str(i + 1),))
+
+
+def _only(found: Sequence[tuple[tuple[str, ...], npt.NDArray[Any]]]) -> list[npt.NDArray[Any]]:
+    return [array for _, array in found]
+
+
+def _require_room_for(path: Path, memory: int | None) -> None:
+    """Raise LogError if the arrays of a MATLAB file, which may be compressed, would not fit."""
+    try:
+        listed = scipy.io.whosmat(path)
+    except Exception:  # noqa: BLE001  what cannot be listed may still be loaded
+        return
+    require_room(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)

@@ -1,0 +1,85 @@
+"""Which module reads which kind of file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, TypeAlias
+
+from symid.data.csv_table import open_csv
+from symid.data.formats.excel import open_excel
+from symid.data.formats.feather import open_feather
+from symid.data.formats.gzipped import open_gzipped
+from symid.data.formats.hdf5 import open_hdf5
+from symid.data.formats.json_log import open_json, open_json_lines
+from symid.data.formats.matlab import open_matlab
+from symid.data.formats.mdf import open_mdf
+from symid.data.formats.numpy_archive import open_npz
+from symid.data.formats.parquet import open_parquet
+from symid.data.formats.tdms import open_tdms
+from symid.data.table import Table
+
+Reader: TypeAlias = "Callable[[Path, int | None], Table]"
+"""Takes the file, and the bytes that what it reads at once may take (those that are free if None)."""
+
+READERS: Final[Mapping[str, Reader]] = MappingProxyType(
+    {
+        ".csv": lambda path, _: open_csv(path),
+        ".parquet": lambda path, _: open_parquet(path),
+        ".mat": open_matlab,
+        ".csv.gz": open_gzipped,
+        ".feather": open_feather,
+        ".arrow": open_feather,
+        ".h5": open_hdf5,
+        ".hdf5": open_hdf5,
+        ".tdms": open_tdms,
+        ".mf4": open_mdf,
+        ".mdf": open_mdf,
+        ".xlsx": open_excel,
+        ".xls": open_excel,
+        ".ods": open_excel,
+        ".npz": open_npz,
+        ".json": open_json,
+        ".jsonl": open_json_lines,
+        ".ndjson": open_json_lines,
+    }
+)
+"""Readers by suffix; a new format is a module and a line here."""
+
+SUFFIXES: Final = tuple(READERS)
+"""Kinds of files that can be read."""
+FOLDER_SUFFIXES: Final = tuple(
+    suffix for suffix in SUFFIXES if suffix not in (".json", ".npz", ".xls", ".ods")
+)
+"""Kinds that are taken for logs where a folder of them is given: others often hold results and settings."""
+
+
+def suffix_of(path: Path) -> str:
+    """Suffix of a file by which its reader is found, in small letters.
+
+    Examples
+    --------
+    >>> suffix_of(Path("a.b/Run.CSV.GZ")), suffix_of(Path("run.2.mat"))
+    ('.csv.gz', '.mat')
+    """
+    name = path.name.lower()
+    return ".csv.gz" if name.endswith(".csv.gz") else Path(name).suffix
+
+
+def open_format(path: Path, memory: int | None = None) -> Table:
+    """Table in a file, by its suffix, which must be one of `SUFFIXES`.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    memory : int, optional
+        Bytes that may be taken by what is read at once; those that are free by default.
+
+    Raises
+    ------
+    LogError
+        If the file is damaged, holds no columns, or needs a library that is not installed.
+    """
+    return READERS[suffix_of(path)](path, memory)

@@ -1,0 +1,69 @@
+"""TDMS files of LabVIEW and DIAdem."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data.formats.columns import Channel, short_names, table_of_channels
+from symid.data.formats.extra import required
+from symid.data.memory import require_room
+from symid.data.table import Table, damaged
+from symid.errors import LogError
+
+_UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
+
+
+def open_tdms(path: Path, memory: int | None = None) -> Table:
+    """Table in a TDMS file: its channels, and the times of those that have a waveform's increment.
+
+    Raises
+    ------
+    LogError
+        If it is damaged, or npTDMS is not installed.
+    """
+    nptdms = required("nptdms", path)
+    try:
+        with _silent(), path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
+            channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
+            require_room(sum(len(channel) for channel in channels), memory)
+            names = short_names([(channel.group_name, channel.name) for channel in channels])
+            read = [
+                Channel(name, _unit(one), _times(one), np.asarray(one[:]))
+                for name, one in zip(names, channels, strict=True)
+                if one.dtype.kind in "biufM"
+            ]
+    except LogError:
+        raise
+    except Exception as error:  # a damaged file is met in many ways
+        raise damaged(path, "TDMS", error) from error
+    return table_of_channels(read)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """No warnings of the library, which writes them to standard error by itself."""
+    before = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        yield
+    finally:
+        logging.disable(before)
+
+
+def _unit(channel: Any) -> str:
+    return next((str(channel.properties[name]) for name in _UNITS if channel.properties.get(name)), "")
+
+
+def _times(channel: Any) -> FloatArray:
+    step = channel.properties.get("wf_increment")
+    if not isinstance(step, (int, float)) or not step > 0:
+        return np.empty(0)
+    start = channel.properties.get("wf_start_offset", 0.0)
+    return np.asarray(float(start) + float(step) * np.arange(len(channel)))

@@ -1,0 +1,68 @@
+"""Moments written as text, such as 2026-11-21T10:00:00.001, as seconds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+import polars as pl
+
+from symid.arrays import FloatArray
+from symid.data.table import values_of
+
+STAMP: Final = re.compile(
+    r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d([.,]\d{1,9})?)?\s?(Z|[+-]\d\d:?\d\d)?|\d\d:\d\d:\d\d([.,]\d{1,9})?"
+)
+"""ISO 8601 with a point or comma, or a time of day."""
+_FORMATS: Final = ("%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%dT%H:%M")
+_ZONE: Final = r"\s?(Z|[+-]\d\d:?\d\d)$"
+
+
+def is_stamp(text: str) -> bool:
+    """Whether a text is a moment.
+
+    Examples
+    --------
+    >>> [is_stamp(text) for text in ("2026-11-21T10:00:00.001Z", "10:00:00,5", "2026", "q")]
+    [True, True, False, False]
+    """
+    return STAMP.fullmatch(text.strip()) is not None
+
+
+def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
+    """Seconds from the first of these moments; None if one is none, or their zones differ.
+
+    Times of day that pass midnight go on into the next day.
+
+    Examples
+    --------
+    >>> seconds_of_stamps(["2026-11-21 10:00:00.250", "2026-11-21 10:00:01"]).tolist()
+    [0.0, 0.75]
+    >>> seconds_of_stamps(["23:59:59", "00:00:01"]).tolist()
+    [0.0, 2.0]
+    """
+    written = pl.Series(texts, dtype=pl.String).str.strip_chars()
+    if not len(written) or not written.head(1).map_elements(is_stamp, return_dtype=pl.Boolean).all():
+        return None
+    zones = written.str.extract(_ZONE, 1)
+    if zones.n_unique() > 1:
+        return None
+    plain = (
+        written.str.replace(_ZONE, "").str.replace(",", ".", literal=True).str.replace(" ", "T", literal=True)
+    )
+    of_day = "T" not in str(plain[0])
+    if of_day:
+        plain = "1970-01-01T" + plain
+    for form in _FORMATS:
+        moments = plain.str.to_datetime(form, time_unit="ns", strict=False)
+        if not moments.has_nulls():
+            seconds = values_of((moments - moments[0]).dt.total_nanoseconds().cast(pl.Float64) * 1e-9)
+            return _over_midnight(seconds) if of_day else seconds
+    return None
+
+
+def _over_midnight(seconds: FloatArray) -> FloatArray:
+    day = 86_400.0
+    passed = (pl.Series(seconds).diff().fill_null(0.0) < -day / 2).cum_sum().to_numpy()
+    return seconds + day * passed
