@@ -15,13 +15,11 @@ import numpy as np
 
 from symid.diagnosis.blocks import deviation
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.priors import prior, temperature
+from symid.diagnosis.priors import DOUBT, prior, temperature
 from symid.diagnosis.result import Verdict
 from symid.diagnosis.screening import PRICE
 from symid.diagnosis.search import LEAST_WORTH, Turn
 
-_DOUBT = 0.5
-"""Share of the deviation of a difference in gain by which differences are tempered."""
 _DRIVEN_BONUS = 0.3
 _LEAST_REMOVED = 0.1
 _REMOVED_WIDTH = 0.02
@@ -105,7 +103,7 @@ def _doubts(turn: Turn) -> dict[Key, float]:
         return {}
     best = max(turn.confirmed, key=lambda c: c.worth)
     n = turn.before.n_rows
-    return {c.key: _DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
+    return {c.key: DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
 
 
 def is_there(turn: Turn) -> float:

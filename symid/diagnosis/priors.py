@@ -16,6 +16,8 @@ from symid.diagnosis.state import State
 
 TEMPERED_SHARE = 0.004
 """By this share of the largest gain all gains are tempered: laws differ a little from those of a real axis."""
+DOUBT = 0.5
+"""Share of the deviation of a difference in gain by which differences are tempered."""
 _LEVEL_SPREAD = 0.08
 """Deviation of a friction level from its nominal value, relative to it."""
 _ELSEWHERE = 0.05

@@ -16,7 +16,7 @@ from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.effects import Effect, LawEffect, Placed
 from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, refitted, settled
 from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
-from symid.diagnosis.priors import prior, temperature
+from symid.diagnosis.priors import DOUBT, prior, temperature
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
 from symid.errors import SettingError
@@ -187,17 +187,24 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     candidates = list(confirmed)
     driven = getattr(before.state.scene.axis.drive.at, "name", None)
     most = max((c.worth for c in candidates), default=0.0)
-    scale = temperature(most)
 
     def order(own: Confirmed) -> tuple[bool, float]:
         timing = own.key[0] == LATE_READING and own.worth > _TIMING_FIRST * most
-        likelier = scale * prior(own.fit.state, before.nominal)
-        return not timing, -own.worth - likelier - _TIE * (own.key[1] == driven)
+        return not timing, -own.worth - _TIE * (own.key[1] == driven)
 
     found = sorted(candidates, key=order)
     while found and not _is_certain(found[0].fit):
         found.pop(0)
-    return found
+    return sorted(found, key=lambda own: not _likelier(own, found[0], before))
+
+
+def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
+    """Whether what contains the best candidate and explains as much is likelier than it by what else is known."""
+    if best.key[0] not in own.effect.imitates or best.key[1] != own.key[1]:
+        return False
+    doubt = temperature(best.worth) + DOUBT * deviation(best.squares, own.squares, before.n_rows)
+    odds = prior(own.fit.state, before.nominal) - prior(best.fit.state, before.nominal)
+    return odds + (own.worth - best.worth) / doubt > 0
 
 
 def _is_certain(fit: Fit) -> bool:
