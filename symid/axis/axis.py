@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from itertools import combinations
 from typing import TypeAlias
 
@@ -22,7 +22,7 @@ from symid.axis.elements import (
     derivative_order,
 )
 from symid.axis.laws import Law
-from symid.axis.validation import declaration_faults
+from symid.axis.validation import declaration_faults, known_faults
 from symid.errors import DeclarationError, SettingError
 from symid.shown import Shown
 from symid.units import Unit
@@ -50,6 +50,9 @@ class Axis(Shown):
         The force or torque that moves the axis.
     sensors : tuple of Sensor
         What can be measured. All are optional but the first.
+    known : mapping of str to float
+        Values in SI units of parameters that are known though they have a name; others are given as numbers where they
+        stand.
 
     Raises
     ------
@@ -63,17 +66,27 @@ class Axis(Shown):
     >>> axis = Axis("rigid", (table, ViscousFriction(table, "Fv")), Drive("F", table), (Position("q", table),))
     >>> axis.physical_parameters
     {'M': Unit('kg'), 'Fv': Unit('N*s/m')}
+
+    A parameter that is known is a number; one that several elements share has the same name in each.
+
+    >>> table = Body("table", mass=12.5)
+    >>> axis = Axis("weighed", (table, ViscousFriction(table, "Fv")), Drive("F", table), (Position("q", table),))
+    >>> axis.physical_parameters, axis.known_parameters
+    ({'Fv': Unit('N*s/m')}, {'table_mass': 12.5})
     """
 
     name: str
     elements: tuple[Element, ...]
     drive: Drive
     sensors: tuple[Sensor, ...]
+    known: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         faults = declaration_faults(self.name, self.elements, self.drive, self.sensors)
+        faults = faults or (*self._unit_faults(), *known_faults(self.elements, self.known))
         if faults:
             raise DeclarationError(str(self.name), faults)
+        object.__setattr__(self, "known", dict(self.known))
 
     @property
     def headline(self) -> str:
@@ -100,7 +113,20 @@ class Axis(Shown):
 
     @property
     def physical_parameters(self) -> dict[str, Unit]:
-        """Physical parameters and their units, in the order of the declaration."""
+        """Unknown physical parameters and their units, in the order of the declaration."""
+        known = self.known_parameters
+        return {name: unit for name, unit in self.parameter_units.items() if name not in known}
+
+    @property
+    def known_parameters(self) -> dict[str, float]:
+        """Values of the physical parameters that are known, SI, in the order of the declaration."""
+        numbers = {name: value for element in self.elements for name, value in _numbers_of(element)}
+        numbers |= {name: float(value) for name, value in self.known.items()}
+        return {name: numbers[name] for name in self.parameter_units if name in numbers}
+
+    @property
+    def parameter_units(self) -> dict[str, Unit]:
+        """Physical parameters, unknown and known, with their units, in the order of the declaration."""
         return {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
 
     @property
@@ -165,6 +191,35 @@ class Axis(Shown):
         """The axis without some of its elements."""
         return replace(self, elements=tuple(element for element in self.elements if element not in elements))
 
+    def with_known(self, values: Mapping[str, float]) -> Axis:
+        """The axis with parameters of which the values are known.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            By name, SI.
+
+        Raises
+        ------
+        SettingError
+            If there is no such parameter, a value is not possible, or nothing is left to identify.
+
+        Examples
+        --------
+        >>> from symid.axis import load_axis
+        >>> list(load_axis("rigid_1m").with_known({"M": 95.0}).physical_parameters)
+        ['Fv', 'Fs']
+        """
+        if unknown := [name for name in values if name not in self.parameter_units]:
+            raise SettingError(
+                f"axis {self.name!r} has no parameter {unknown[0]!r} whose value could be known: "
+                f"choose from {', '.join(self.parameter_units)}"
+            )
+        try:
+            return replace(self, known={**self.known, **values})
+        except DeclarationError as error:
+            raise SettingError("; ".join(error.faults)) from error
+
     def with_signal(self, signal: str, noise: float, resolution: float = 0.0, delay: float = 0.0) -> Axis:
         """The axis with other imperfections of a sensor, or of the drive's recorded force (which has no delay).
 
@@ -206,23 +261,39 @@ class Axis(Shown):
             return unit
         return unit * Unit.of("m") if turns else unit / Unit.of("m")
 
+    def _unit_faults(self) -> Iterator[str]:
+        """Parameters that stand for two quantities."""
+        units: dict[str, Unit] = {}
+        for element in self.elements:
+            for name, unit in self._parameters_of(element):
+                if units.setdefault(name, unit) != unit:
+                    yield (
+                        f"parameter {name!r} is in {units[name]} and in {unit}: elements share a parameter only "
+                        "if it is the same quantity, give each its own name"
+                    )
+
     def _parameters_of(self, element: Element) -> Iterator[tuple[str, Unit]]:
         second = Unit.of("s")
         match element:
             case Body():
                 inertia = self.force_unit(element) * second**2 / length_unit(element)
-                yield (element.mass or element.inertia or "", inertia)
+                yield element.inertial, inertia
             case Spring() | Damper():
                 force, length = self.force_unit(element.at), length_unit(element.at)
                 if isinstance(element, Spring):
-                    yield element.stiffness, force / length
+                    yield element.named("stiffness"), force / length
                 if element.damping is not None:
-                    yield element.damping, force * second / length
+                    yield element.named("damping"), force * second / length
             case PendulumWeight():
-                yield element.moment, self.force_unit(element.body) / Unit.of("m/s^2")
+                yield element.named("moment"), self.force_unit(element.body) / Unit.of("m/s^2")
             case Law():
                 for term in element.terms():
                     yield term.parameter, term.unit(self.force_unit(element.at), length_unit(element.at))
+
+
+def _numbers_of(element: Element) -> Iterator[tuple[str, float]]:
+    if not isinstance(element, Weight):
+        yield from element.numbers().items()
 
 
 def length_unit(joint: Joint) -> Unit:
@@ -244,9 +315,12 @@ def _canonical(value: object) -> object:
         return (type(value).__name__, _canonical(value.at), _canonical(value.terms()))
     if is_dataclass(value) and not isinstance(value, type):
         named = (f.name for f in fields(value) if f.name not in _IMPERFECTIONS)
+        named = (name for name in named if name != "known" or value.known)  # type: ignore[attr-defined]
         return (type(value).__name__, *((name, _canonical(getattr(value, name))) for name in named))
     if isinstance(value, tuple):
         return tuple(_canonical(item) for item in value)
+    if isinstance(value, Mapping):
+        return tuple((name, _canonical(item)) for name, item in sorted(value.items()))
     if isinstance(value, float):
         return float(value)  # NumPy's numbers print otherwise
     return value

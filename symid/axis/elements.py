@@ -10,7 +10,7 @@ on**. A joint is what lies between a body and the body it is on.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, TypeGuard
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2, ISO 80000-3."""
@@ -43,16 +43,58 @@ class Geared:
     ratio: float
 
 
+Parameter: TypeAlias = str | float
+"""Name of a physical parameter that is unknown, or the value of one that is known, in SI units."""
+
+
+class Parametrised:
+    """An element with parameters, each a name or a known value."""
+
+    def named(self, field: str) -> str:
+        """Name of the parameter in a field; a known value is named after the element and the field.
+
+        Examples
+        --------
+        >>> Body("load", mass=12.5).named("mass"), Body("load", mass="Ml").named("mass")
+        ('load_mass', 'Ml')
+        """
+        value = getattr(self, field)
+        return value if isinstance(value, str) else f"{self._label}_{field}"
+
+    def numbers(self) -> dict[str, float]:
+        """Known values by the names of their parameters."""
+        given = {field: getattr(self, field, None) for field in PARAMETER_FIELDS}
+        return {self.named(field): float(value) for field, value in given.items() if is_number(value)}
+
+    @property
+    def _label(self) -> str:
+        return str(getattr(self, "name", "")) or getattr(self, "body").name  # noqa: B009
+
+
+PARAMETER_FIELDS = ("mass", "inertia", "stiffness", "damping", "moment")
+"""Fields of elements that hold a parameter."""
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value is a number, finite or not; a truth value is none."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def joint_label(joint: Joint) -> str:
+    """What to call a joint in the name of a parameter."""
+    return f"{joint.first.name}_{joint.second.name}" if isinstance(joint, Between) else joint.name
+
+
 @dataclass(frozen=True)
-class Body:
+class Body(Parametrised):
     """A rigid body that slides (it has a mass) or turns (it has an inertia).
 
     Parameters
     ----------
     name : str
         Name of the body, unique in its axis.
-    mass, inertia : str
-        Name of the physical parameter: exactly one of the two.
+    mass, inertia : str or float
+        Name of the physical parameter, or its value where it is known: exactly one of the two.
     on : Body
         The body that carries it; its coordinate is relative to that body. The ground by default.
     geared : Geared, optional
@@ -65,8 +107,8 @@ class Body:
     """
 
     name: str
-    mass: str | None = None
-    inertia: str | None = None
+    mass: Parameter | None = None
+    inertia: Parameter | None = None
     on: Body | Ground = GROUND
     geared: Geared | None = None
 
@@ -74,6 +116,11 @@ class Body:
     def turns(self) -> bool:
         """Whether the body turns (True) or slides (False)."""
         return self.inertia is not None
+
+    @property
+    def inertial(self) -> str:
+        """Name of its mass or inertia."""
+        return self.named("inertia" if self.turns else "mass")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +146,7 @@ Joint: TypeAlias = Body | Between
 
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(Parametrised):
     """A linear spring, with damping in parallel if wanted: force = stiffness * d + damping * d(1).
 
     Parameters
@@ -108,10 +155,10 @@ class Spring:
         Name of the spring, unique in its axis (``"transmission"`` between motor and load).
     at : Body or Between
         The joint of a body, or two bodies.
-    stiffness : str
-        Name of the physical parameter.
-    damping : str, optional
-        Name of the physical parameter of a damper in parallel.
+    stiffness : str or float
+        Name of the physical parameter, or its value where it is known.
+    damping : str or float, optional
+        The same of a damper in parallel.
 
     Examples
     --------
@@ -121,17 +168,17 @@ class Spring:
 
     name: str
     at: Joint
-    stiffness: str
-    damping: str | None = None
+    stiffness: Parameter
+    damping: Parameter | None = None
 
 
 @dataclass(frozen=True)
-class Damper:
+class Damper(Parametrised):
     """A linear damper: force = damping * d(1)."""
 
     name: str
     at: Joint
-    damping: str
+    damping: Parameter
 
 
 @dataclass(frozen=True)
@@ -152,21 +199,21 @@ class Weight:
 
 
 @dataclass(frozen=True)
-class PendulumWeight:
+class PendulumWeight(Parametrised):
     """The weight of a turning body: a torque -(m l) g sin(q), q being its absolute angle, 0 when it hangs.
 
     Parameters
     ----------
     body : Body
         A body that turns.
-    moment : str
-        Name of the physical parameter m l, in kg m.
+    moment : str or float
+        Name of the physical parameter m l, or its value where it is known, in kg m.
     acceleration : float
         Gravity in m/s^2.
     """
 
     body: Body
-    moment: str
+    moment: Parameter
     acceleration: float = STANDARD_GRAVITY
 
 

@@ -176,6 +176,8 @@ def _text(value: object, variables: Mapping[object, str]) -> _Call | str:
         return repr(float(value))
     if value is None or isinstance(value, int):
         return repr(value)
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{json.dumps(name)}: {_text(item, {})}' for name, item in value.items())}}}"
     return _call(value, variables)
 
 
@@ -196,6 +198,8 @@ def _call(value: object, variables: Mapping[object, str]) -> _Call:
 
 def _is_default(field: Field[object], content: object) -> bool:
     """Whether a field can be left out; 1 and 1.0 are not the same to the signature of an axis."""
+    if isinstance(content, Mapping):
+        return not content
     return type(content) is type(field.default) and content == field.default
 
 

@@ -6,22 +6,25 @@ import keyword
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
 from symid.axis.elements import (
+    PARAMETER_FIELDS,
     Between,
     Body,
     Damper,
     Drive,
     Geared,
     Ground,
+    Parametrised,
     PendulumWeight,
     Sensor,
     Spring,
     Weight,
 )
 from symid.axis.laws import Law
+from symid.axis.laws.base import is_finite
 from symid.signals import is_signal_name
 from symid.units import Unit
 
@@ -94,14 +97,18 @@ def _field_faults(element: object) -> Iterator[str]:
             for end in (value.first, value.second):
                 if not isinstance(end, (Body, Ground)):
                     yield f"{label}: {end!r} must be the Body object itself"
-    for field in ("name", "mass", "inertia", "stiffness", "damping", "moment", "signal", "command"):
+    for field in ("name", "signal", "command"):
         value = getattr(element, field, None)
         if value is not None and not isinstance(value, str):
-            yield f"{label}: {field}={value!r} must be a name; values are given to identify or simulate"
+            yield f"{label}: {field}={value!r} must be a name"
+    for field in () if isinstance(element, Law) else PARAMETER_FIELDS:
+        value = getattr(element, field, None)
+        if value is not None and not isinstance(value, str) and not is_finite(value):
+            yield f"{label}: {field}={value!r} must be the name of a parameter, or its value: a finite number"
     if isinstance(element, Law):
         for term in element.terms():
             if not isinstance(term.parameter, str):
-                yield f"{label}: parameter {term.parameter!r} must be a name"
+                yield f"{label}: parameter {term.parameter!r} must be a name, with its value in known= of the axis"
     geared = getattr(element, "geared", None)
     if geared is not None and not (isinstance(geared, Geared) and isinstance(geared.to, Body)):
         yield f"{label}: geared={geared!r} must be Geared(to=BODY, ratio=NUMBER)"
@@ -114,7 +121,7 @@ def _name_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sen
     for name in dict.fromkeys([*signals, *parameters, *names, *([drive.command] if drive.command else [])]):
         if not is_signal_name(name):
             yield f"name {name!r} is not usable: letters, digits and underscores, and no ending like _d1"
-    for what, given in (("signal", signals), ("parameter", parameters), ("element name", names)):
+    for what, given in (("signal", signals), ("element name", names)):
         for name in _repeated(given):
             yield f"{what} {name!r} is used more than once: give each its own"
     for name in sorted({*signals} & {*parameters}):
@@ -128,8 +135,32 @@ def parameter_names(element: object) -> tuple[str, ...]:
     """Names of the physical parameters of one element."""
     if isinstance(element, Law):
         return tuple(term.parameter for term in element.terms())
-    fields = ("mass", "inertia", "stiffness", "damping", "moment")
-    return tuple(name for field in fields if isinstance(name := getattr(element, field, None), str))
+    if not isinstance(element, Parametrised):
+        return ()
+    return tuple(
+        element.named(field) for field in PARAMETER_FIELDS if getattr(element, field, None) is not None
+    )
+
+
+def known_faults(elements: Sequence[object], known: object) -> Iterator[str]:
+    """What is wrong with the values of known parameters, in a declaration that is sound otherwise."""
+    if not isinstance(known, Mapping):
+        yield f"known={known!r} must be a mapping of names of parameters to values"
+        return
+    holders = [element for element in elements if isinstance(element, (Parametrised, Law))]
+    names = {name for element in holders for name in parameter_names(element)}
+    signed = {term.parameter for e in holders if isinstance(e, Law) for term in e.terms() if term.signed}
+    written = [pair for element in holders for pair in element.numbers().items()]
+    for name in _repeated(name for name, _ in dict.fromkeys(written)):
+        yield f"{name!r} has several values: give these parameters names of their own, and their values in known="
+    for name, value in (*written, *known.items()):
+        if name not in names:
+            yield f"known: there is no parameter {name!r}: choose from {', '.join(sorted(names))}"
+        elif not is_finite(value) or (value < 0 and name not in signed):
+            range_ = "a finite number" if name in signed else "a finite number of at least 0"
+            yield f"the known value of {name!r} is {value!r}: it must be {range_}"
+    if names and names <= {*known, *(name for name, _ in written)}:
+        yield "every parameter is known: give the one that is to be identified a name"
 
 
 def _body_faults(bodies: Sequence[Body]) -> Iterator[str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symid.axis import Axis, load_axis
+from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options
 from symid.cli.logs import (
     known_late,
     log_options,
@@ -38,7 +39,9 @@ from symid.cli.outputs import Command, Output
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, model_of
 from symid.data import AnyLog, Log
+from symid.errors import SettingError
 from symid.identification import (
+    Constraints,
     Identification,
     Prediction,
     Preparation,
@@ -46,6 +49,7 @@ from symid.identification import (
     measured_signals,
     open_axis_log,
     predict,
+    with_fixed,
 )
 from symid.report.colours import palette_of
 from symid.report.identification import identification_record, print_identification
@@ -75,6 +79,7 @@ loop_options = shared(
 @measured_option
 @log_options
 @preparation_options
+@knowledge_options
 @loop_options
 @click.option(
     "--ddof",
@@ -106,10 +111,25 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
     runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
-    model = model_of(axis, measured_signals(declared, runs, signal_list(options["measured"])))
+    signals = measured_signals(declared, runs, signal_list(options["measured"]))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
-    by_method = _by_output_error if options["method"] == "oe" else _by_regression
-    found, validation, record = by_method(declared, model, runs, validating, options)
+    fixed = fixed_values(options["fixed"], declared)
+    known = declared.with_known(fixed) if fixed else declared
+    model = model_of(known if fixed else axis, signals)
+    constraints = constraints_of(options, known, model)
+    found: Identification | OutputErrorIdentification
+    validation: Prediction | OutputErrorPrediction | None
+    if options["method"] == "oe":
+        if constraints:
+            raise SettingError(
+                "--bounds and --prior are not possible with --method oe: take wls, ols or iv, or --fix"
+            )
+        found, validation, record = _by_output_error(known, model, runs, validating, options)
+    else:
+        alone = _identified(declared, model_of(axis, signals), runs, options) if fixed else None
+        found, validation, record = _by_regression(
+            known, model, runs, validating, constraints, alone, options
+        )
     if options["plot"]:
         from symid.report.plots import plot_identification  # matplotlib takes a second to load
 
@@ -117,7 +137,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             found,
             options["plot"],
             validation,
-            axis=declared,
+            axis=known,
             runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
             palette=palette_of(options["dark"]),
         )
@@ -132,10 +152,17 @@ def _by_regression(
     model: GeneratedModel,
     runs: Sequence[AnyLog],
     validating: Log | None,
+    constraints: Constraints,
+    alone: Identification | None,
     options: dict[str, Any],
 ) -> tuple[Identification, Prediction | None, dict[str, Any]]:
-    """Least squares or instrumental variables: the result, its validation, and both as a record."""
-    found = _identified(declared, model, runs, options)
+    """Least squares or instrumental variables: the result, its validation, and both as a record.
+
+    `alone` is what the logs say without the values that are given.
+    """
+    found = _identified(declared, model, runs, options, constraints)
+    if alone is not None:
+        found = with_fixed(found, alone)
     validation = predict(found, validating) if validating else None
     return found, validation, identification_record(found, validation)
 
@@ -172,7 +199,11 @@ def _by_output_error(
 
 
 def _identified(
-    declared: Axis, model: GeneratedModel, runs: Sequence[AnyLog], options: dict[str, Any]
+    declared: Axis,
+    model: GeneratedModel,
+    runs: Sequence[AnyLog],
+    options: dict[str, Any],
+    constraints: Constraints | None = None,
 ) -> Identification:
     """Identify by the method that was asked for."""
     preparation = replace(
@@ -189,10 +220,17 @@ def _identified(
             loop,
             preparation=preparation,
             nominal=nominal,
+            constraints=constraints,
             track=partial(tracked, what="simulating"),
         )
     return identify(
-        model, runs, method=options["method"], preparation=preparation, ddof=options["ddof"], nominal=nominal
+        model,
+        runs,
+        method=options["method"],
+        preparation=preparation,
+        ddof=options["ddof"],
+        nominal=nominal,
+        constraints=constraints,
     )
 
 

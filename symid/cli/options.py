@@ -185,7 +185,8 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     """
     values = read_json(file)
     if isinstance(values, dict) and isinstance(values.get("physical"), dict):
-        values = {name: _value_of(found) for name, found in values["physical"].items()}
+        known = values["known"] if isinstance(values.get("known"), dict) else {}
+        values = {name: _value_of(found) for name, found in {**values["physical"], **known}.items()}
     if not isinstance(values, dict):
         raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
     parameters: dict[str, float] = {}

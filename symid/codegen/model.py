@@ -37,6 +37,8 @@ class GeneratedModel:
         Physical parameters that may be negative.
     per_log : tuple of str
         Minimal parameters that differ from log to log.
+    known : mapping of str to (float, str)
+        Physical parameters that are known: value and unit.
     held : bool
         Whether the axis declares its force as held from sample to sample.
     assumptions : tuple of str
@@ -50,6 +52,8 @@ class GeneratedModel:
         `sliding_velocities`, and its minimal parameter.
     redundant : tuple
         Sensors that repeat others: signal, and (signal, derivatives, factor) of what it should be the sum.
+    known_laws : tuple of int
+        Equations whose output holds values of nonlinear laws, of which the parameters are known.
     branches : int
         Number of solutions of the inverse map in closed form; 0 without one.
     regressor, output, sliding_velocities, minimal_parameters : callable
@@ -68,12 +72,14 @@ class GeneratedModel:
     physical_units: Mapping[str, str]
     signed: tuple[str, ...]
     per_log: tuple[str, ...]
+    known: Mapping[str, tuple[float, str]]
     held: bool
     assumptions: tuple[str, ...]
     sliding: tuple[tuple[int, ...], ...]
     law_columns: tuple[tuple[int, int], ...]
     coulomb_at_drive: tuple[tuple[int, int], ...]
     redundant: tuple[tuple[str, tuple[tuple[str, int, float], ...]], ...]
+    known_laws: tuple[int, ...]
     branches: int
     regressor: ArrayFunction
     output: ArrayFunction
@@ -95,12 +101,14 @@ class GeneratedModel:
             physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
             signed=namespace["SIGNED"],
             per_log=namespace["PER_LOG"],
+            known=MappingProxyType(namespace.get("KNOWN", {})),
             held=namespace["HELD"],
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
             law_columns=namespace["LAW_COLUMNS"],
             coulomb_at_drive=namespace.get("COULOMB_AT_DRIVE", ()),
             redundant=namespace.get("REDUNDANT", ()),
+            known_laws=namespace.get("KNOWN_LAWS", ()),
             branches=namespace["BRANCHES"],
             regressor=namespace["regressor"],
             output=namespace["output"],

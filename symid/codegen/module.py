@@ -118,8 +118,8 @@ def module_text(model: DerivedModel) -> str:
         signature=model.axis.signature,
         format=FORMAT,
         signals=_tuple(signals),
-        output_names=_tuple([str(y) for y in minimal.output]),
-        output_units=_tuple([_output_unit(model, y) for y in minimal.output]),
+        output_names=_tuple(list(minimal.output_names)),
+        output_units=_tuple([_output_unit(model, name) for name in minimal.output_names]),
         minimal=_tuple([p.name for p in minimal.parameters]),
         minimal_units=_dictionary({p.name: str(p.unit) for p in minimal.parameters}),
         physical=_tuple(list(physical)),
@@ -166,17 +166,17 @@ def model_signals(model: DerivedModel) -> tuple[str, ...]:
     """Signals used, the force first, then the sensors in the order of the declaration, by order of derivative."""
     minimal = model.minimal
     written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
-    names = [name for name in written if name not in minimal.source.source.constants]
+    names = [name for name in written if name not in minimal.source.source.numbers]
     ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
     return tuple(
         sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1]))
     )
 
 
-def _output_unit(model: DerivedModel, output: sp.Expr) -> str:
+def _output_unit(model: DerivedModel, name: str) -> str:
     """Unit of an output: that of its signal by time to the order of derivative."""
-    ((name,), units) = signal_names([output]), model.axis.signal_units
-    signal, order = split_derivative(name)
+    signal, order = split_derivative(name.removeprefix("-"))
+    units = model.axis.signal_units
     return str(units[signal] / Unit.of("s") ** order)
 
 
@@ -193,9 +193,10 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
     """
     velocities: dict[sp.Expr, int] = {}
     by_equation = []
-    constants = {sp.Symbol(name) for name in model.minimal.source.source.constants}
-    for row, equation in zip(model.minimal.regressor, model.minimal.source.equations, strict=True):
-        shown = {f for entry in row for f in entry.atoms(sp.Function) if not is_smooth(f)}
+    constants = {sp.Symbol(name) for name in model.minimal.source.source.numbers}
+    minimal = model.minimal
+    for row, y, equation in zip(minimal.regressor, minimal.output, minimal.source.equations, strict=True):
+        shown = {f for entry in (*row, y) for f in entry.atoms(sp.Function) if not is_smooth(f)}
         jumps = sorted(
             shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key
         )
@@ -261,9 +262,18 @@ def _place_of_coulomb(
 
 def _law_columns(model: DerivedModel) -> tuple[tuple[int, int], ...]:
     """Columns that are not linear in the signals: filtering the signals does not filter them."""
-    rows = enumerate(model.minimal.regressor)
-    constants = [sp.Symbol(name) for name in model.minimal.source.source.constants]
+    rows, constants = enumerate(model.minimal.regressor), _constant_symbols(model)
     return tuple((i, j) for i, row in rows for j, entry in enumerate(row) if not _is_linear(entry, constants))
+
+
+def _known_laws(model: DerivedModel) -> tuple[int, ...]:
+    """Equations whose output holds values of laws with known parameters."""
+    constants = _constant_symbols(model)
+    return tuple(i for i, y in enumerate(model.minimal.output) if not _is_linear(y, constants))
+
+
+def _constant_symbols(model: DerivedModel) -> list[sp.Symbol]:
+    return [sp.Symbol(name) for name in model.minimal.source.source.numbers]
 
 
 def _is_linear(entry: sp.Expr, constants: Sequence[sp.Symbol]) -> bool:
@@ -305,12 +315,21 @@ def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
 
 
 def _constants(model: DerivedModel) -> str:
-    constants = model.minimal.source.source.constants
-    return "".join(f"{name} = {value!r}\n" for name, value in constants.items())
+    source = model.minimal.source.source
+    lines = [f"{name} = {value!r}\n" for name, value in source.numbers.items()]
+    known = model.axis.known_parameters
+    if known:
+        units = {name: (value, str(model.axis.parameter_units[name])) for name, value in known.items()}
+        lines.append(f"KNOWN = {units!r}  # physical parameters that are known, and their units\n")
+    if laws := _known_laws(model):
+        lines.append(
+            f"KNOWN_LAWS = {laws!r}  # equations whose output holds values of laws with known parameters\n"
+        )
+    return "".join(lines)
 
 
 def _forward(model: DerivedModel) -> str:
-    names = [None, *model.axis.physical_parameters]
+    names = [None, *map(str, model.minimal.source.operators.ring.symbols[1:])]
     lowering = PolynomialLowering(names)
     results = []
     for parameter in model.minimal.parameters:

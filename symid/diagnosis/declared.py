@@ -111,7 +111,11 @@ def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
         f"{added.name}_spring", Between(first=body, second=added), stiffness=names[1], damping=names[2]
     )
     values |= dict(zip(names, (mass, mass * own**2, 2 * ratio * own * mass), strict=True))
-    values[str(body.mass or body.inertia)] -= mass
+    known = axis.known_parameters
+    if body.inertial in known:
+        axis = axis.with_known({body.inertial: known[body.inertial] - mass})
+    else:
+        values[body.inertial] -= mass
     return axis.with_effect(added, spring)
 
 

@@ -132,10 +132,15 @@ def can_march(scene: Scene, item: Placed) -> bool:
 
 
 def _placed(effect: Effect, scene: Scene, spring: Spring) -> Iterable[Placed]:
-    place, stiffness = place_of(spring), scene.parameters[spring.stiffness]
+    place, stiffness = place_of(spring), _value(scene, spring.named("stiffness"))
     if isinstance(effect, JointEffect) and place in effect.places(scene):
         for shape, amplitudes in effect.strong(scene, place, stiffness):
             yield Placed(effect, place, shape, amplitudes, marched=True)
+
+
+def _value(scene: Scene, name: str) -> float:
+    """Value of a parameter, found or known."""
+    return {**scene.parameters, **scene.axis.known_parameters}[name]
 
 
 def _left(start: Start) -> float:
@@ -153,15 +158,14 @@ def _left(start: Start) -> float:
 def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
     """Models near the nominal one, with the re-identified values of what is not hidden."""
     scene, weighting = nominal.state.scene, nominal.weighting
-    axis, mass = scene.axis, str(body.mass or body.inertia)
-    hidden = {mass, spring.stiffness, spring.damping}
+    axis, mass = scene.axis, body.inertial
+    stiffness = spring.named("stiffness")
+    hidden = {mass, stiffness, *([spring.named("damping")] if spring.damping is not None else [])}
     hidden |= {term.parameter for law in axis.laws if law.at == body for term in law.terms()}
     values = {n: (scene if n in hidden else fit.state.scene).parameters[n] for n in scene.parameters}
     for stiffer, heavier in product(_STIFFNESSES, _MASSES):
-        near = values | {
-            spring.stiffness: values[spring.stiffness] * stiffer,
-            mass: values[mass] * heavier,
-        }
+        factors = {stiffness: stiffer, mass: heavier}
+        near = values | {name: values[name] * factor for name, factor in factors.items() if name in values}
         state, _ = first_state(scene.record, near, weighting.allowed)
         yield state.weighted(weighting)
 

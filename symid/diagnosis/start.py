@@ -77,13 +77,14 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
 
 
 def _stiffnesses(axis: Axis) -> list[str]:
-    """Parameters of the springs."""
-    return [element.stiffness for element in axis.elements if isinstance(element, Spring)]
+    """Unknown stiffnesses of the springs."""
+    names = (element.named("stiffness") for element in axis.elements if isinstance(element, Spring))
+    return [name for name in names if name in axis.physical_parameters]
 
 
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
     axis = fit.state.scene.axis
-    inertias = [name for body in axis.free_bodies if (name := body.mass or body.inertia) is not None]
+    inertias = [body.inertial for body in axis.free_bodies if body.inertial in axis.physical_parameters]
     for name in (*_stiffnesses(axis), *inertias):
         low, high = sorted((start[name] / _RUN_AWAY, start[name] * _RUN_AWAY))
         if not low < fit.parameters[name] < high:

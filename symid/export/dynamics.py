@@ -113,7 +113,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
             sensor.signal: (_row(operators, kinematics.reading(sensor)), derivative_order(sensor))
             for sensor in axis.sensors
         },
-        constants={**operators.source.constants, **kinematics.constants},
+        constants={**operators.source.numbers, **kinematics.constants},
     )
 
 

@@ -146,7 +146,7 @@ class _Collector:
     """Goes through the elements of an axis once."""
 
     def __init__(self, axis: Axis, values: Mapping[str, float]) -> None:
-        self.axis, self.values = axis, values
+        self.axis, self.values = axis, {**values, **axis.known_parameters}
         self.kinematics = Kinematics(axis)
         self.paths: dict[Path, Properties] = {}
         self.plays: list[Play] = []
@@ -158,7 +158,7 @@ class _Collector:
         inertia = {}
         for body in self.axis.bodies:
             value, path = (
-                self.values[body.mass or body.inertia or ""],
+                self.values[body.inertial],
                 self.path(self.kinematics.absolute(body)),
             )
             if self._is_in_tree(body):
@@ -219,13 +219,13 @@ class _Collector:
         match element:
             case Spring():
                 path = self.path(displacement(element.at))
-                self.add(path, "stiffness", value[element.stiffness])
+                self.add(path, "stiffness", value[element.named("stiffness")])
                 if element.damping:
-                    self.add(path, "damping", value[element.damping])
+                    self.add(path, "damping", value[element.named("damping")])
             case Damper():
-                self.add(self.path(displacement(element.at)), "damping", value[element.damping])
+                self.add(self.path(displacement(element.at)), "damping", value[element.named("damping")])
             case Weight():
-                force = -value[element.body.mass or ""] * element.acceleration
+                force = -value[element.body.inertial] * element.acceleration
                 self.add(self.path(self.kinematics.absolute(element.body)), "constant", force)
             case PendulumWeight():
                 self._pendulum(element)
@@ -235,7 +235,7 @@ class _Collector:
     def _pendulum(self, element: PendulumWeight) -> None:
         first = next(e for e in self.axis.elements if isinstance(e, PendulumWeight))
         if self._is_in_tree(element.body):
-            moment = self.values[element.moment] * element.acceleration / first.acceleration
+            moment = self.values[element.named("moment")] * element.acceleration / first.acceleration
             self.moments[element.body.name] = self.moments.get(element.body.name, 0.0) + moment
         else:
             self.losses.append(
@@ -252,7 +252,7 @@ class _Collector:
                 if forward[0] != backward[0]:
                     self._lose(law, "one viscous coefficient for both directions, their mean")
             case Backlash():
-                stiffness = self.values[law.stiffness]
+                stiffness = self.values[law.named("stiffness")]
                 self.add(path, "stiffness", -stiffness)
                 self.plays.append(Play(path, stiffness, law.gap))
             case _:

@@ -1,6 +1,8 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
 from symid.identification.bias import Bias, bias_of
+from symid.identification.constraints import Constraints
+from symid.identification.contradiction import judged, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
 from symid.identification.identify import distrusted, found_from, identify
 from symid.identification.logs import measured_signals, open_axis_log, read_axis_log
@@ -15,6 +17,7 @@ from symid.identification.timing import Timing, timing_of
 
 __all__ = [
     "Bias",
+    "Constraints",
     "EquationResidual",
     "Excerpt",
     "Identification",
@@ -30,6 +33,7 @@ __all__ = [
     "found_from",
     "guessed_mapping",
     "identify",
+    "judged",
     "measured_signals",
     "observe",
     "open_axis_log",
@@ -39,4 +43,5 @@ __all__ = [
     "read_mapping",
     "stated_period",
     "timing_of",
+    "with_fixed",
 ]

@@ -31,6 +31,8 @@ from symid.estimation import (
 )
 from symid.identification.bias import bias_of, bias_of_instruments
 from symid.identification.blocks import Run, blocks_of_runs
+from symid.identification.constraints import Constraints, constrained_estimates
+from symid.identification.contradiction import judged
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.misfit import misfit_of, noiseless_misfit, unexplained
@@ -76,6 +78,7 @@ def identify(
     preparation: Preparation | None = None,
     ddof: int | None = None,
     nominal: Mapping[str, float] | None = None,
+    constraints: Constraints | None = None,
     examine: bool = True,
 ) -> Identification:
     """Identify the parameters of an axis from one log, or from several of the same axis jointly.
@@ -94,6 +97,8 @@ def identify(
         Subtracted from the number of rows in the residual's deviation; the number of parameters by default.
     nominal : mapping of str to float, optional
         Nominal physical parameters, a start where the inverse map has no closed form.
+    constraints : Constraints, optional
+        Bounds and priors of physical parameters.
     examine : bool
         Whether timing and bias are estimated, which takes up to as long again as the rest for a short log.
 
@@ -129,8 +134,16 @@ def identify(
         )
     runs, fit = _with_cutoff(model, every, preparation or Preparation(), method, ddof)
     observations = tuple(run.observation for run in runs)
-    found = found_from(model, every, observations, fit, blocks=lambda: blocks_of_runs(runs), nominal=nominal)
-    return distrusted(found, every) if examine and fit.status == "ok" else found
+    found = found_from(
+        model,
+        every,
+        observations,
+        fit,
+        blocks=lambda: blocks_of_runs(runs),
+        nominal=nominal,
+        constraints=constraints,
+    )
+    return distrusted(found, every) if examine and fit.status == "ok" else judged(found)
 
 
 def found_from(
@@ -142,12 +155,13 @@ def found_from(
     blocks: Callable[[], Iterable[ObservationBlock]] | None = None,
     instruments: tuple[FloatArray, ...] | None = None,
     nominal: Mapping[str, float] | None = None,
+    constraints: Constraints | None = None,
 ) -> Identification:
     """Identification of an estimate: its corrected covariance, physical parameters and status.
 
     Parameters
     ----------
-    model, nominal
+    model, nominal, constraints
         As in `identify`.
     logs, observations : sequence of logs and tuple of Observation
         What was estimated from; of a long log, its first block.
@@ -162,7 +176,12 @@ def found_from(
     correlated = corrected_covariance_of_blocks(rows, fit)
     physical: tuple[PhysicalEstimate, ...] = ()
     if fit.status == "ok":
-        physical = physical_estimates(model, fit.parameters, trusted_covariance(fit, correlated), nominal)
+        covariance = trusted_covariance(fit, correlated)
+        physical = physical_estimates(model, fit.parameters, covariance, nominal)
+        if constraints:
+            physical = (
+                constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical
+            )
     status, message = verdict(model, fit, physical, correlated)
     return Identification(
         model=model,
@@ -192,7 +211,7 @@ def distrusted(
     timing, sums = timing_of(model, parts, fit), segments(parts, fit)
     share = sum(fit.rows) / max(sum(s.rows for s in sums), 1)
     examined = replace(found, timing=timing, bias=bias, scatter=scatter(sums, fit) / share)
-    return distrust(examined, _faults(examined, parts, sums))
+    return judged(distrust(examined, _faults(examined, parts, sums)))
 
 
 def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
@@ -205,7 +224,7 @@ def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segm
         misfit=misfit_of(model, parts, fit)
         or nonlinearity_of(model, parts, fit)
         or (change.statement(model) if change else "")
-        or noiseless_misfit(model, parts, fit),
+        or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift_of(model, parts, fit),
     )
 

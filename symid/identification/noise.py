@@ -160,8 +160,9 @@ def _signal_gains(
 
 def _coefficients(model: GeneratedModel) -> FloatArray:
     """Factor of each signal in each column of W and in y, of shape (n_equations, n_columns + 1, n_signals)."""
-    still = _at(model, np.zeros(len(model.signals)))
-    return np.stack([_at(model, unit) - still for unit in np.eye(len(model.signals))], axis=2)
+    step = 0.0 if not model.known_laws else 1.0  # jumps of known laws cancel between two values of one sign
+    units = np.eye(len(model.signals))
+    return np.stack([_at(model, (1 + step) * unit) - _at(model, step * unit) for unit in units], axis=2)
 
 
 def _at(model: GeneratedModel, values: FloatArray) -> FloatArray:

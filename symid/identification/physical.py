@@ -37,6 +37,8 @@ class PhysicalEstimate:
         Number of relations between the minimal parameters that the structure demands.
     disagreement : float
         Chi-square of these relations; nan without any.
+    restricted : Restricted, optional
+        What bounds and priors did to the parameters; None without them.
     """
 
     parameters: FloatArray
@@ -44,6 +46,7 @@ class PhysicalEstimate:
     covariance: FloatArray
     relations: int
     disagreement: float
+    restricted: Restricted | None = None
 
     @property
     def standard_deviations(self) -> FloatArray:
@@ -52,7 +55,8 @@ class PhysicalEstimate:
 
     def propagated(self, covariance: FloatArray) -> FloatArray:
         """Covariance that another one of the minimal parameters would give, shape (n_physical, n_physical)."""
-        return np.asarray(self.sensitivity @ covariance @ self.sensitivity.T)
+        by_log = np.asarray(self.sensitivity @ covariance @ self.sensitivity.T)
+        return by_log + self.restricted.by_prior if self.restricted else by_log
 
     def propagated_deviations(self, covariance: FloatArray) -> FloatArray:
         """Standard deviations that another covariance of the minimal parameters would give, shape (n_physical,)."""
@@ -68,6 +72,25 @@ class PhysicalEstimate:
     def negative(self, model: GeneratedModel) -> tuple[str, ...]:
         """Parameters that are negative, and must not be."""
         return negative_parameters(model, self.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Restricted:
+    """How bounds and priors changed an estimate.
+
+    Parameters
+    ----------
+    free : PhysicalEstimate
+        The estimate without them.
+    by_prior : array of shape (n_physical, n_physical)
+        What the deviations of the priors add to the covariance.
+    held : mapping of int to float
+        Parameters at a bound, and what each bound costs, as a chi-square.
+    """
+
+    free: PhysicalEstimate
+    by_prior: FloatArray
+    held: Mapping[int, float]
 
 
 def negative_parameters(model: GeneratedModel, physical: FloatArray) -> tuple[str, ...]:
@@ -133,9 +156,7 @@ def _fitted(
     if guess.size > minimal.size:
         return None  # fewer minimal parameters than physical ones: no start leads to a single solution
     scale = np.where(guess == 0, 1.0, np.abs(guess))
-    spread = np.sqrt(np.diag(covariance))
-    spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)
-    root = _root(covariance, spread)
+    spread, root = correlation_root(minimal, covariance)
     if root is None:
         return None
 
@@ -177,6 +198,13 @@ def _fitted(
     return PhysicalEstimate(
         parameters, sensitivity, sensitivity @ covariance @ sensitivity.T, relations, disagreement
     )
+
+
+def correlation_root(minimal: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+    """Deviations of minimal parameters, and the Cholesky factor of their correlation matrix, None if it has none."""
+    spread = np.sqrt(np.diag(covariance))
+    spread = np.where(spread > 0, spread, np.maximum(np.abs(minimal), 1.0) * np.finfo(float).eps)
+    return spread, _root(covariance, spread)
 
 
 def _root(covariance: FloatArray, spread: FloatArray) -> FloatArray | None:

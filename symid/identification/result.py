@@ -135,7 +135,13 @@ class Identification(EstimatedParameters, Shown):
     @property
     def physical_deviations(self) -> FloatArray:
         """Standard deviations of the physical parameters of the first branch, as they are printed."""
-        return self.widened(self.physical[0].sensitivity) if self.physical else np.empty(0)
+        return self.widened_deviations(self.physical[0]) if self.physical else np.empty(0)
+
+    def widened_deviations(self, estimate: PhysicalEstimate) -> FloatArray:
+        """Standard deviations of physical parameters, widened, with what priors add."""
+        by_log = self.widened(estimate.sensitivity)
+        by_prior = np.diag(estimate.restricted.by_prior) if estimate.restricted else 0.0
+        return np.asarray(np.sqrt(np.square(by_log) + by_prior))
 
     @property
     def sampling_deviations(self) -> FloatArray:

@@ -74,7 +74,8 @@ class Sampling:
     def low_pass(self) -> ZeroPhaseFilter | None:
         """Filter of what has not passed it as a signal: of nonlinear laws, if the force is filtered, or of all rows."""
         assert self.chosen.cutoff_hz is not None
-        if not (self.filters_all or (self.model.law_columns and self.chosen.filter_force)):
+        laws = self.model.law_columns or self.model.known_laws
+        if not (self.filters_all or (laws and self.chosen.filter_force)):
             return None
         return LowPass(self.chosen.cutoff_hz, self.chosen.order).zero_phase(1 / self.period)
 
@@ -197,7 +198,7 @@ def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, Floa
             every = sampling.filters_all
             for place in np.ndindex(columns.shape[:2]) if every else model.law_columns:
                 columns[place] = sampling.low_pass.apply(columns[place])
-            for row in output if every else ():
+            for row in output if every else (output[j] for j in model.known_laws):
                 row[:] = sampling.low_pass.apply(row)
         _thin(columns, sampling.row_filter, W[..., places], chosen)
         _thin(output, sampling.row_filter, y[..., places], chosen)

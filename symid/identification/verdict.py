@@ -17,6 +17,7 @@ Status = Literal[
     "poorly_excited",
     "no_physical_parameters",
     "not_physical",
+    "contradicted",
     "poor_fit",
     "timing",
     "biased",
@@ -54,7 +55,8 @@ def verdict(
     if fit.status == "rank_deficient":
         missing = ", ".join(names[i] for i in fit.undetermined)
         return "rank_deficient", f"the log does not determine {missing}: {_missing_motion(model, fit)}"
-    if fit.condition_number_scaled > _HIGHEST_CONDITION:
+    helped = bool(physical) and physical[0].restricted is not None
+    if fit.condition_number_scaled > _HIGHEST_CONDITION and not helped:
         vague = [n for n, r in zip(names, fit.relative_standard_deviations, strict=True) if not r < 50]
         return "poorly_excited", (
             f"the columns of W are nearly dependent (condition {fit.condition_number_scaled:.2g} scaled), and noise "
@@ -69,7 +71,7 @@ def verdict(
     if negative := certainly_negative(physical[0].negative(model), model, physical[0]):
         cause = "the model, the filter, the timing or the log does not fit"
         return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
-    if unexplained := _unexplained(model, fit):
+    if not model.known and (unexplained := _unexplained(model, fit)):
         cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""

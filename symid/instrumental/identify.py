@@ -15,7 +15,16 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
 from symid.data import Log
 from symid.errors import SettingError
-from symid.identification import Identification, Preparation, distrusted, found_from, identify, observe
+from symid.identification import (
+    Constraints,
+    Identification,
+    Preparation,
+    distrusted,
+    found_from,
+    identify,
+    judged,
+    observe,
+)
 from symid.instrumental.controller import cascade_of_log
 from symid.instrumental.estimate import InstrumentalFit, estimate_by_instruments
 from symid.simulation import ClosedLoop
@@ -37,6 +46,7 @@ def identify_by_instruments(
     *,
     preparation: Preparation | None = None,
     nominal: Mapping[str, float] | None = None,
+    constraints: Constraints | None = None,
     examine: bool = True,
     track: Callable[[Sequence[int]], Iterable[int]] = iter,
 ) -> Identification:
@@ -50,7 +60,7 @@ def identify_by_instruments(
         Runs of one axis, with the signal ``reference``.
     loop : ClosedLoop
         The axis and its controller.
-    preparation, nominal, examine
+    preparation, nominal, constraints, examine
         As in `identify`; nominal physical parameters also start the simulation where least squares gives none.
     track : callable
         Goes through the rounds, and may show how far they are.
@@ -83,7 +93,9 @@ def identify_by_instruments(
     model, runs = as_generated(model), (logs,) if isinstance(logs, Log) else tuple(logs)
     for log in runs:
         loop.check(log)
-    first = identify(model, runs, preparation=preparation, nominal=nominal, examine=False)
+    first = identify(
+        model, runs, preparation=preparation, nominal=nominal, constraints=constraints, examine=False
+    )
     if first.fit.status != "ok":
         return replace(first, fit=replace(first.fit, method="iv"))
     start = _possible(first, nominal)
@@ -101,7 +113,13 @@ def identify_by_instruments(
             weak = f"the simulated axis does not move as the log does: {_CURE}"
             break
         latest = found_from(
-            model, runs, first.observations, result.fit, instruments=Z, nominal=nominal or start
+            model,
+            runs,
+            first.observations,
+            result.fit,
+            instruments=Z,
+            nominal=nominal or start,
+            constraints=constraints,
         )
         moved = np.abs(latest.fit.solution - found.fit.solution) / latest.standard_deviations
         found, weak = latest, _weakness(latest, result)
@@ -111,7 +129,7 @@ def identify_by_instruments(
     if weak:
         return replace(found, fit=replace(found.fit, method="iv"), status="weak_instruments", message=weak)
     found = replace(found, notes=(*found.notes, controlled))
-    return distrusted(found, runs, Z) if examine else found
+    return distrusted(found, runs, Z) if examine else judged(found)
 
 
 def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:

@@ -52,6 +52,7 @@ def identification_record(found: Identification, validation: Prediction | None =
             found.bias,
         ),
         "physical": _physical(found, 0),
+        "known": {name: {"value": v, "unit": unit} for name, (v, unit) in found.model.known.items()},
         "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
         "covariance": _covariances(found),
         "relations": _relations(found),
@@ -167,6 +168,9 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
     console.print(_settings_line(record))
     if record["physical"]:
         console.print(_parameter_table("Physical parameters", record["physical"]))
+    known = ", ".join(f"{name} {p['value']:.7g} {p['unit']}" for name, p in record["known"].items())
+    if known:
+        console.print(f"known: {known}", markup=False)
     for i, branch in enumerate(record["physical_branches"]):
         console.print(_parameter_table(f"Physical parameters, solution {i + 2}", branch))
     physical_values = {p["value"] for p in record["physical"].values()}

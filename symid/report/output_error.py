@@ -41,6 +41,7 @@ def output_error_record(
         "condition_number_scaled": None if fit is None else fit.linear.condition_number_scaled,
         "minimal": _output_error_parameters(found, "minimal"),
         "physical": _output_error_parameters(found, "physical"),
+        "known": {name: {"value": v, "unit": unit} for name, (v, unit) in found.model.known.items()},
         "physical_branches": [],
         "covariance": None
         if fit is None

@@ -36,6 +36,7 @@ from symid.axis import (
     ViscousFriction,
     Weight,
 )
+from symid.axis.elements import Parameter
 from symid.report import symbols
 from symid.report.colours import LIGHT, Palette
 from symid.report.drawn import Drawn, svg_of
@@ -147,12 +148,13 @@ def _links(axis: Axis) -> Iterator[_Link]:
     for element in axis.elements:
         match element:
             case Spring():
-                label = element.stiffness + _ratio(element.at)
+                label = _written(element.stiffness) + _ratio(element.at)
                 yield _link(element.at, symbols.spring, label, f"spring {element.name}")
-                if element.damping:
-                    yield _link(element.at, symbols.damper, element.damping, f"damping of {element.name}")
+                if element.damping is not None:
+                    damping = _written(element.damping)
+                    yield _link(element.at, symbols.damper, damping, f"damping of {element.name}")
             case Damper():
-                yield _link(element.at, symbols.damper, element.damping, f"damper {element.name}")
+                yield _link(element.at, symbols.damper, _written(element.damping), f"damper {element.name}")
             case Law():
                 yield _link(element.at, _sign_of(element), _label(element), type(element).__name__)
     drive = axis.drive
@@ -162,6 +164,11 @@ def _links(axis: Axis) -> Iterator[_Link]:
 def _link(at: Joint, sign: Sign, label: str, name: str) -> _Link:
     first, second = (at.on, at) if isinstance(at, Body) else (at.first, at.second)
     return _Link(first.name, second.name, sign, label, name)
+
+
+def _written(parameter: Parameter | None) -> str:
+    """Name of a parameter, or the value of one that is known."""
+    return parameter if isinstance(parameter, str) else f"{parameter:.4g}"
 
 
 def _ratio(at: Joint) -> str:
@@ -270,7 +277,7 @@ class _Drawing:
         shape.set_gid(f"body {body.name}")
         self.axes.add_patch(shape)
         self._text(box.centre, 0.2, body.name, weight="bold")
-        self._text(box.centre, -0.2, body.mass or body.inertia or "", style="italic")
+        self._text(box.centre, -0.2, _written(body.inertia if body.turns else body.mass), style="italic")
 
     def _between(self, left: _Box, right: _Box, links: list[_Link]) -> None:
         for i, link in enumerate(links):

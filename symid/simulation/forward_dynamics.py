@@ -77,7 +77,9 @@ class ForwardDynamics:
     axis : Axis
         The declared axis.
     parameters : tuple of str
-        Physical parameters, in order.
+        Unknown physical parameters, in order.
+    generators : tuple of str
+        Unknown and known ones, in the order of the exponents of polynomials.
     bodies : tuple of str
         Free bodies.
     motion : tuple of matrices of Polynomial
@@ -92,6 +94,7 @@ class ForwardDynamics:
 
     axis: Axis
     parameters: tuple[str, ...]
+    generators: tuple[str, ...]
     bodies: tuple[str, ...]
     motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
     drive: tuple[Polynomial, ...]
@@ -106,10 +109,11 @@ class ForwardDynamics:
         return names.difference(self.axis.signed_parameters)
 
     def names(self, polynomial: Polynomial) -> set[str]:
-        """Physical parameters in a polynomial."""
-        return {
-            self.parameters[i] for _, powers in polynomial.terms for i, power in enumerate(powers) if power
+        """Unknown physical parameters in a polynomial."""
+        found = {
+            self.generators[i] for _, powers in polynomial.terms for i, power in enumerate(powers) if power
         }
+        return found.difference(self.axis.known_parameters)
 
     def at(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, as `plant_of`."""
@@ -118,7 +122,8 @@ class ForwardDynamics:
             raise SettingError(
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
-        values = np.array([float(parameters[name]) for name in self.parameters])
+        every = {**parameters, **self.axis.known_parameters}
+        values = np.array([float(every[name]) for name in self.generators])
         stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
         if not np.all(np.linalg.eigvalsh(mass) > 0):
             raise SettingError(
@@ -197,6 +202,7 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
     return ForwardDynamics(
         axis=axis,
         parameters=tuple(axis.physical_parameters),
+        generators=tuple(map(str, operators.ring.symbols[1:])),
         bodies=bodies,
         motion=tuple(
             tuple(tuple(numbers.polynomial(p.get(order)) for p in row) for row in powers)

@@ -39,6 +39,17 @@ def parameter_symbol(name: str) -> sp.Symbol:
     return sp.Symbol(name)
 
 
+def exact(value: float) -> sp.Rational:
+    """A known number as it was written: 0.35 is 7/20, not the nearest binary fraction.
+
+    Examples
+    --------
+    >>> exact(0.35), exact(12)
+    (7/20, 12)
+    """
+    return sp.Rational(str(float(value)))
+
+
 @cache
 def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
     """Expression of a law's term in the symbols q and v.

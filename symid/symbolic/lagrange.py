@@ -68,6 +68,8 @@ class InverseDynamicModel:
         Name of each free body's coordinate; ``q_motor_d2`` is its second derivative.
     constants : mapping of str to float
         Known numbers that stand in the equations as symbols: ratios and gravity.
+    known : mapping of str to float
+        Parameters that are known and not 0, which stand in the equations as symbols too.
     kinetic_energy, potential_energy, dissipation : sympy.Expr
         T, V and Rayleigh's D.
     balances : tuple of sympy.Expr
@@ -79,11 +81,17 @@ class InverseDynamicModel:
     axis: Axis
     coordinates: tuple[str, ...]
     constants: Mapping[str, float]
+    known: Mapping[str, float]
     kinetic_energy: sp.Expr
     potential_energy: sp.Expr
     dissipation: sp.Expr
     balances: tuple[sp.Expr, ...]
     inputs: tuple[LawInput, ...]
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """All symbols of the equations that stand for known numbers."""
+        return {**self.constants, **self.known}
 
     @property
     def equations(self) -> tuple[sp.Eq, ...]:
@@ -109,10 +117,15 @@ class Kinematics:
     def __init__(self, axis: Axis) -> None:
         self.coordinates = {body: f"q_{body.name}" for body in axis.free_bodies}
         self.constants: dict[str, float] = {}
+        self._absent = {name for name, value in axis.known_parameters.items() if value == 0}
 
     def symbol(self, body: Body, order: int = 0) -> sp.Symbol:
         """Coordinate of a free body, or its derivative."""
         return sp.Symbol(derivative_name(self.coordinates[body], order))
+
+    def parameter(self, name: str) -> sp.Expr:
+        """Symbol of a physical parameter; 0 if it is known to be that."""
+        return sp.Integer(0) if name in self._absent else parameter_symbol(name)
 
     def constant(self, name: str, value: float) -> sp.Expr:
         """Exact number if it is whole, else a symbol that stands for it."""
@@ -204,6 +217,7 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
         axis=axis,
         coordinates=tuple(kinematics.coordinates.values()),
         constants=dict(sorted(kinematics.constants.items())),
+        known={name: value for name, value in axis.known_parameters.items() if value},
         kinetic_energy=kinetic,
         potential_energy=potential,
         dissipation=dissipation,
@@ -214,7 +228,7 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
 
 def _kinetic_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
     energies = (
-        parameter_symbol(body.mass or body.inertia or "") * kinematics.rate(kinematics.absolute(body), 1) ** 2
+        kinematics.parameter(body.inertial) * kinematics.rate(kinematics.absolute(body), 1) ** 2
         for body in axis.bodies
     )
     return sp.Add(*energies) / 2
@@ -225,11 +239,15 @@ def _potential_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
     energy = sp.Integer(0)
     for element in axis.elements:
         if isinstance(element, Spring):
-            energy += parameter_symbol(element.stiffness) * kinematics.displacement(element.at) ** 2 / 2
+            energy += (
+                kinematics.parameter(element.named("stiffness"))
+                * kinematics.displacement(element.at) ** 2
+                / 2
+            )
         elif isinstance(element, Weight):
             gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
             energy += (
-                parameter_symbol(element.body.mass or "")
+                kinematics.parameter(element.body.inertial)
                 * gravity
                 * kinematics.absolute(element.body)
                 * ONE_INPUT
@@ -237,7 +255,9 @@ def _potential_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
         elif isinstance(element, Law):
             for term in element.terms():
                 if term.expression == "q":
-                    energy += parameter_symbol(term.parameter) * kinematics.displacement(element.at) ** 2 / 2
+                    energy += (
+                        kinematics.parameter(term.parameter) * kinematics.displacement(element.at) ** 2 / 2
+                    )
     return energy
 
 
@@ -246,11 +266,11 @@ def _dissipation(axis: Axis, kinematics: Kinematics) -> sp.Expr:
     dampers: list[tuple[str, Joint]] = []
     for element in axis.elements:
         if isinstance(element, (Spring, Damper)) and element.damping is not None:
-            dampers.append((element.damping, element.at))
+            dampers.append((element.named("damping"), element.at))
         elif isinstance(element, Law):
             dampers += [(term.parameter, element.at) for term in element.terms() if term.expression == "v"]
     rates = (
-        (parameter_symbol(name), kinematics.rate(kinematics.displacement(at), 1)) for name, at in dampers
+        (kinematics.parameter(name), kinematics.rate(kinematics.displacement(at), 1)) for name, at in dampers
     )
     return sp.Add(*(coefficient * rate**2 for coefficient, rate in rates)) / 2
 
@@ -279,7 +299,7 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
                 if not term.is_linear:
                     displacement = kinematics.displacement(element.at)
                     resist(
-                        parameter_symbol(term.parameter),
+                        kinematics.parameter(term.parameter),
                         law_expression(term.expression),
                         element.at,
                         displacement,
@@ -290,7 +310,13 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
             at = Between(first=GROUND, second=element.body)
             label = f"PendulumWeight of {element.body.name!r}"
             angle = kinematics.absolute(element.body)
-            resist(parameter_symbol(element.moment) * gravity, sp.sin(sp.Symbol("q")), at, angle, label)
+            resist(
+                kinematics.parameter(element.named("moment")) * gravity,
+                sp.sin(sp.Symbol("q")),
+                at,
+                angle,
+                label,
+            )
         elif isinstance(element, Weight):
             inputs.setdefault(
                 (ONE, ONE), LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}")

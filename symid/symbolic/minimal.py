@@ -3,7 +3,8 @@
 Each equation is divided by the coefficient of the force of lowest derivative, which becomes its output. The
 coefficients that remain are functions of the physical parameters; a basis of the space they span (over the numbers)
 are the minimal parameters. Physical parameters that lie in that space are taken into the basis first, so that a
-model that is linear in them is identified in them directly, as by [17] and [18].
+model that is linear in them is identified in them directly, as by [17] and [18]. The constant 1 comes before all: what
+is left of a coefficient where parameters are known belongs to the output.
 
 Two orders of the parameters follow the paper. An equation linear in the physical parameters lists them by falling
 order of derivative, as [8] and [18]; any other lists the derivatives of the force first, then the motion by rising
@@ -12,20 +13,26 @@ order, as [15].
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import prod
 from typing import Any
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
+from symid.errors import EliminationError
 from symid.signals import derivative_name
 from symid.symbolic.elimination import InputOutputModel
 from symid.symbolic.equations import InputOutputEquation
+from symid.symbolic.expressions import exact
 from symid.symbolic.span import Span
 from symid.units import Unit
 
 _AFTER_ALL_DERIVATIVES = 1000
+_ONE = 0
+"""Place of the constant 1 in a basis."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ class ParameterFunction:
         return cls(_over_monomial(numerator, shared, scale), _over_monomial(denominator, shared, scale))
 
     @cached_property
-    def coordinates(self) -> dict[Any, Any]:
+    def monomials(self) -> dict[Any, Any]:
         """Vector of its monomials; functions with the same polynomial denominator share a space."""
         if self.denominator.is_term:
             ((powers, scale),) = self.denominator.terms()
@@ -68,6 +75,17 @@ class ParameterFunction:
             (below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale
             for m, c in self.numerator.terms()
         }
+
+    def coordinates(self, known: Mapping[int, Any]) -> dict[Any, Any]:
+        """Vector of its monomials in the unknown parameters; `known` gives generators their values."""
+        if not known:
+            return self.monomials
+        total: dict[Any, Any] = {}
+        for (below, powers), c in self.monomials.items():
+            key = (below, tuple(0 if i in known else power for i, power in enumerate(powers)))
+            factor = prod((value ** powers[i] for i, value in known.items() if powers[i]), start=c)
+            total[key] = total.get(key, 0) + factor
+        return {key: c for key, c in total.items() if c}
 
     @property
     def names(self) -> set[str]:
@@ -88,7 +106,7 @@ class ParameterFunction:
         if not self.denominator.is_term:
             return self.numerator.as_expr() / self.denominator.as_expr()
         fractions: dict[sp.Expr, list[sp.Expr]] = {}
-        for (_, powers), coefficient in self.coordinates.items():
+        for (_, powers), coefficient in self.monomials.items():
             above = sp.Mul(*(g**p for g, p in zip(ring.symbols, powers, strict=True) if p > 0))
             below = sp.Mul(*(g**-p for g, p in zip(ring.symbols, powers, strict=True) if p < 0))
             fractions.setdefault(below, []).append(ring.domain.to_sympy(coefficient) * above)
@@ -130,7 +148,9 @@ class MinimalModel:
     parameters : tuple of MinimalParameter
         X, in the paper's order.
     output : tuple of sympy.Expr
-        y, one for each equation; 0 for an equation that the drive does not enter.
+        y, one for each equation: a signal, less what known parameters make of the motion.
+    output_names : tuple of str
+        Flat name of that signal, with its sign.
     regressor : tuple of tuple of sympy.Expr
         D, in flat signal names.
     """
@@ -138,6 +158,7 @@ class MinimalModel:
     source: InputOutputModel
     parameters: tuple[MinimalParameter, ...]
     output: tuple[sp.Expr, ...]
+    output_names: tuple[str, ...]
     regressor: tuple[tuple[sp.Expr, ...], ...]
 
     @property
@@ -183,27 +204,51 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     """
     force = model.source.axis.drive.signal
     rows = [_scaled(_with_output(equation, force)) for equation in model.equations]
-    basis, shares = _basis(model, [columns for _, columns in rows])
-    order = sorted(range(len(basis)), key=lambda j: _place(j, basis, shares, rows))
-    units = model.source.axis.physical_parameters
+    known = _known_generators(model)
+    basis, shares = _basis(model, [columns for _, columns in rows], known)
+    order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, shares, rows))
+    units = model.source.axis.parameter_units
     parameters = tuple(
         MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order)
     )
-    field = model.operators.ring.domain
-    regressor = tuple(
-        tuple(
-            sp.Add(
-                *(
-                    field.to_sympy(field.convert(share[j])) * c.expression
-                    for c, share in zip(columns, row_shares, strict=True)
-                    if j in share
-                )
-            )
-            for j in order
+    if not parameters:
+        raise EliminationError(
+            f"axis {model.source.axis.name!r}: the sensors see nothing of the parameters that are not known"
         )
+    entries = [
+        [_entry(model, columns, row_shares, j) for j in range(len(basis))]
         for (_, columns), row_shares in zip(rows, shares, strict=True)
+    ]
+    return MinimalModel(
+        model,
+        parameters,
+        tuple(output - row[_ONE] for (output, _), row in zip(rows, entries, strict=True)),
+        tuple(str(output) for output, _ in rows),
+        tuple(tuple(row[j] for j in order) for row in entries),
     )
-    return MinimalModel(model, parameters, tuple(output for output, _ in rows), regressor)
+
+
+def _entry(model: InputOutputModel, columns: list[_Column], shares: list[dict[int, Any]], j: int) -> sp.Expr:
+    """What basis function j multiplies in an equation."""
+    field = model.operators.ring.domain
+    return sp.Add(
+        *(
+            field.to_sympy(field.convert(share[j])) * c.expression
+            for c, share in zip(columns, shares, strict=True)
+            if j in share
+        )
+    )
+
+
+def _known_generators(model: InputOutputModel) -> dict[int, Any]:
+    """Values of the generators that are known parameters, by index."""
+    ring = model.operators.ring
+    known = model.source.known
+    return {
+        i: ring.domain.from_sympy(exact(known[str(symbol)]))
+        for i, symbol in enumerate(ring.symbols)
+        if str(symbol) in known
+    }
 
 
 def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, list[_Column]]:
@@ -254,21 +299,41 @@ def _scaled(row: tuple[sp.Expr, list[_Column]]) -> tuple[sp.Expr, list[_Column]]
 
 
 def _basis(
-    model: InputOutputModel, rows: list[list[_Column]]
+    model: InputOutputModel, rows: list[list[_Column]], known: Mapping[int, Any]
 ) -> tuple[list[ParameterFunction], list[list[dict[int, Any]]]]:
-    """Functions that span all coefficients, and the coordinates of each coefficient in them."""
+    """Functions that span all coefficients, the constant 1 first, and the coordinates of each coefficient in them."""
     ring = model.operators.ring
+    one = ParameterFunction(ring.one, ring.one)
     whole = Span()
-    for columns in rows:
-        for column in columns:
-            whole.add(column.function.coordinates)
+    for function in (one, *(column.function for columns in rows for column in columns)):
+        whole.add(function.coordinates(known))
     span = Span()
-    physical = [ParameterFunction(ring(generator), ring.one) for generator in ring.gens[1:]]
-    candidates = [function for function in physical if whole.coordinates(function.coordinates) is not None]
-    offered = (*candidates, *(column.function for columns in rows for column in columns))
-    basis = [function for function in offered if span.add(function.coordinates)]
-    shares = [[span.coordinates(column.function.coordinates) or {} for column in columns] for columns in rows]
+    unknown = [generator for i, generator in enumerate(ring.gens) if i and i not in known]
+    physical = [ParameterFunction(ring(generator), ring.one) for generator in unknown]
+    candidates = [
+        function for function in physical if whole.coordinates(function.coordinates(known)) is not None
+    ]
+    of_columns = (_without_constant(column.function, known) for columns in rows for column in columns)
+    basis = [
+        function for function in (one, *candidates, *of_columns) if span.add(function.coordinates(known))
+    ]
+    shares = [
+        [span.coordinates(column.function.coordinates(known)) or {} for column in columns] for columns in rows
+    ]
     return basis, shares
+
+
+def _without_constant(function: ParameterFunction, known: Mapping[int, Any]) -> ParameterFunction:
+    """A function less the terms in which all parameters are known."""
+    if not known or not function.denominator.is_term:
+        return function
+    ((below, _),) = function.denominator.terms()
+    terms = {
+        m: c
+        for m, c in function.numerator.terms()
+        if any(a != b for i, (a, b) in enumerate(zip(m, below, strict=True)) if i not in known)
+    }
+    return ParameterFunction(function.numerator.ring.from_dict(terms), function.denominator)
 
 
 def _place(
@@ -282,7 +347,7 @@ def _place(
         holders = [column for column, share in zip(columns, row_shares, strict=True) if j in share]
         if not holders:
             continue
-        if all(basis[k].is_linear for share in row_shares for k in share):
+        if all(basis[k].is_linear for share in row_shares for k in share if k != _ONE):
             return (
                 i,
                 0,

@@ -32,7 +32,8 @@ class OperatorModel:
     source : InverseDynamicModel
         Where the equations come from.
     ring : PolyRing
-        Polynomials in s (first generator) and the physical parameters; known constants are in the coefficient field.
+        Polynomials in s (first generator) and the physical parameters, unknown and known; known constants are in the
+        coefficient field.
     motion : mapping of str to Row
         Operators on the absolute displacements, by body and body.
     inputs : mapping of str to Row
@@ -128,7 +129,9 @@ def _relative_to_absolute(relative: Mapping[str, Any], carriers: Mapping[str, st
 def _parameter_ring(model: InverseDynamicModel) -> PolyRing:
     constants = [sp.Symbol(name) for name in model.constants]
     domain = QQ.frac_field(*constants) if constants else QQ
-    return PolyRing((sp.Symbol("s"), *map(sp.Symbol, model.axis.physical_parameters)), domain)
+    known = model.axis.known_parameters
+    names = [name for name in model.axis.parameter_units if known.get(name) != 0]
+    return PolyRing((sp.Symbol("s"), *map(sp.Symbol, names)), domain)
 
 
 def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:

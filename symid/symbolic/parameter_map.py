@@ -100,7 +100,7 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     inverse = _branches(model, solution) if solution else ()
     axis = model.source.source.axis
     units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
-    known = {sp.Symbol(name): value for name, value in model.source.source.constants.items()}
+    known = {sp.Symbol(name): value for name, value in model.source.source.numbers.items()}
     forward = {name: expression.subs(known) for name, expression in minimal.items()}
     backward = [{name: expression.subs(known) for name, expression in b.items()} for b in inverse]
     if len(inverse) > 1 and other_solutions_are_unphysical(forward, backward, units, axis.signed_parameters):
@@ -130,9 +130,9 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     if any(len(parameter.function.numerator) > MOST_TERMS for parameter in model.parameters):
         return None
     names = list(model.source.source.axis.physical_parameters)
-    constants = list(model.source.source.constants)
+    constants = list(model.source.source.numbers)
     trial = _Point(model)
-    seen = set().union(*(p.function.names for p in model.parameters))
+    seen = set().union(*(p.function.names for p in model.parameters)).intersection(names)
     if trial.undetermined() & seen or not _solves(trial.triangular(), names, seen):
         return None
     field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
@@ -156,9 +156,16 @@ def _solves(solution: TriangularSolution, names: Sequence[str], wanted: set[str]
 
 
 def _convert(polynomial: PolyElement, ring: PolyRing) -> PolyElement:
-    """A polynomial of the operator model's ring, free of s, in a ring of the parameters alone."""
-    domain = polynomial.ring.domain
-    return ring.from_dict({m[1:]: ring.domain.from_sympy(domain.to_sympy(c)) for m, c in polynomial.terms()})
+    """A polynomial of the operator model's ring, free of s, in a ring of the unknown parameters alone."""
+    domain, symbols = polynomial.ring.domain, polynomial.ring.symbols
+    unknown = set(ring.symbols)
+    total: dict[tuple[int, ...], Any] = {}
+    for m, c in polynomial.terms():
+        powers = dict(zip(symbols, m, strict=True))
+        known = sp.Mul(*(x**power for x, power in powers.items() if power and x not in unknown))
+        key = tuple(powers.get(x, 0) for x in ring.symbols)
+        total[key] = total.get(key, 0) + ring.domain.from_sympy(domain.to_sympy(c) * known)
+    return ring.from_dict({key: c for key, c in total.items() if c})
 
 
 def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[str, sp.Expr], ...]:
@@ -198,7 +205,7 @@ class _Point:
         self.ring = PolyRing(self.names, self.field, grevlex)
         draw = Random(len(self.names))
         self.values = [self.field(draw.randrange(1, _PRIME)) for _ in self.names]
-        self.constants = {name: draw.randrange(1, _PRIME) for name in model.source.source.constants}
+        self.constants = {name: draw.randrange(1, _PRIME) for name in model.source.source.numbers}
         self.functions = [self._fraction(parameter.function) for parameter in model.parameters]
         self.jacobian = self._jacobian()
         self.rank = self.jacobian.rank()
@@ -243,9 +250,16 @@ class _Point:
         return self._modular(function.numerator), self._modular(function.denominator)
 
     def _modular(self, polynomial: PolyElement) -> PolyElement:
-        return self.ring.from_dict(
-            {m[1:]: value for m, c in polynomial.terms() if (value := self._number(c))}
-        )
+        symbols = list(map(str, polynomial.ring.symbols))
+        places = [symbols.index(name) if name in symbols else None for name in self.names]
+        known = [(i, self.field(self.constants[x])) for i, x in enumerate(symbols) if x in self.constants]
+        total = self.ring.zero
+        for m, c in polynomial.terms():
+            value = prod((base ** m[i] for i, base in known if m[i]), start=self._number(c))
+            total += self.ring.from_dict(
+                {tuple(m[i] if i is not None else 0 for i in places): value} if value else {}
+            )
+        return total
 
     def _number(self, value: Any) -> Any:
         if isinstance(value, FracElement):

@@ -193,5 +193,6 @@ def plausible_parameters(
 
 
 def _inertias_and_springs(axis: Axis) -> list[str]:
-    springs = [element.stiffness for element in axis.elements if isinstance(element, Spring)]
-    return [body.mass or body.inertia or "" for body in axis.bodies] + springs
+    springs = [element.named("stiffness") for element in axis.elements if isinstance(element, Spring)]
+    names = [body.inertial for body in axis.bodies] + springs
+    return [name for name in names if name in axis.physical_parameters]

@@ -73,7 +73,9 @@ def standard_model(axis: Axis) -> StandardModel:
     """
     dynamics, kinematics = inverse_dynamics(axis), Kinematics(axis)
     symbols = [kinematics.symbol(body, order) for body in axis.free_bodies for order in range(3)]
-    parameters = tuple(axis.physical_parameters)
+    parameters = tuple(
+        name for name in axis.parameter_units if name in dynamics.known or name in axis.physical_parameters
+    )
     constants = {sp.Symbol(name): value for name, value in dynamics.constants.items()}
     laws, jumps = {}, {}
     for entry in dynamics.inputs:

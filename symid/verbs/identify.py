@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 from symid.axis import Axis
 from symid.codegen import GeneratedModel, as_generated, model_of
 from symid.data import AnyLog, Log
 from symid.estimation.least_squares import Method
-from symid.identification import Identification, Preparation, measured_signals
+from symid.identification import Constraints, Identification, Preparation, measured_signals, with_fixed
 from symid.identification import identify as identify_model
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, are_several, log_of
@@ -24,6 +24,9 @@ def identify(
     preparation: Preparation | None = None,
     ddof: int | None = None,
     nominal: Mapping[str, float] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float | None, float | None]] | Literal["physical"] | None = None,
+    prior: Mapping[str, tuple[float, float]] | None = None,
     examine: bool = True,
     **columns: Any,
 ) -> Identification:
@@ -46,6 +49,13 @@ def identify(
         Subtracted from the number of rows in the residual's deviation; the number of parameters by default.
     nominal : mapping of str to float, optional
         Nominal physical parameters, a start where the inverse map has no closed form.
+    fixed : mapping of str to float, optional
+        Values of parameters that are known; the others are identified with them.
+    bounds : mapping of str to (low, high), or "physical", optional
+        Between which parameters lie, None for no bound; "physical" keeps masses, inertias, springs and frictions from
+        being negative.
+    prior : mapping of str to (mean, deviation), optional
+        What is known of parameters beforehand, with its standard deviation.
     examine : bool
         Whether timing and bias are estimated.
     **columns
@@ -55,7 +65,8 @@ def identify(
     Returns
     -------
     Identification
-        What cannot be determined is said by its status; nothing is raised for it.
+        What cannot be determined is said by its status; nothing is raised for it. It is "contradicted" where `fixed`,
+        `bounds` or `prior` lead out of the intervals of what the log says by itself.
 
     Raises
     ------
@@ -70,8 +81,22 @@ def identify(
     >>> found = identify("rigid_1m", {"t": t, "q [mm]": 1e3 * q, "F": 5 * a + v + 2 * np.sign(v)})
     >>> {name: round(value, 1) for name, value in found.physical_parameters.items()}
     {'M': 5.0, 'Fv': 1.0, 'Fs': 2.0}
+    >>> known = identify("rigid_1m", {"t": t, "q [mm]": 1e3 * q, "F": 5 * a + v + 2 * np.sign(v)}, fixed={"M": 5.0})
+    >>> list(known.physical_parameters), known.status
+    (['Fv', 'Fs'], 'ok')
     """
     given = cast("Sequence[Recorded]", logs) if are_several(logs) else (cast("Recorded", logs),)
+    settings: dict[str, Any] = {
+        "method": method,
+        "preparation": preparation,
+        "ddof": ddof,
+        "nominal": nominal,
+        "examine": examine,
+    }
+    if fixed:
+        return _with_fixed(
+            axis, given, measured, fixed, {**settings, "bounds": bounds, "prior": prior}, columns
+        )
     if isinstance(axis, (Axis, str)):
         declared = axis_of(axis)
         runs = [log_of(declared, log, measured, **columns) for log in given]
@@ -79,9 +104,26 @@ def identify(
     else:
         model = as_generated(axis)
         runs = [_of_model(axis, model, log, columns) for log in given]
-    return identify_model(
-        model, runs, method=method, preparation=preparation, ddof=ddof, nominal=nominal, examine=examine
+    return identify_model(model, runs, constraints=Constraints.of(model, bounds, prior), **settings)
+
+
+def _with_fixed(
+    axis: AnyAxis,
+    logs: Sequence[Recorded],
+    measured: Sequence[str] | None,
+    fixed: Mapping[str, float],
+    settings: dict[str, Any],
+    columns: dict[str, Any],
+) -> Identification:
+    """Identify the parameters that are not known, and compare with what the logs say by themselves."""
+    declared = axis_of(axis)
+    runs = [log_of(declared, log, measured, **columns) for log in logs]
+    signals = (
+        measured if measured is not None or isinstance(axis, (Axis, str)) else as_generated(axis).measured
     )
+    found = identify(declared.with_known(fixed), runs, measured=signals, **settings)
+    alone = identify(declared, runs, measured=signals, **{**settings, "bounds": None, "prior": None})
+    return with_fixed(found, alone)
 
 
 def _of_model(axis: AnyAxis, model: GeneratedModel, log: Recorded, columns: Mapping[str, Any]) -> AnyLog:

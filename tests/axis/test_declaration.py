@@ -68,7 +68,6 @@ def test_all_faults_are_reported_at_once() -> None:
     expected = [
         "name 'K_d1' is not usable",
         "signal 'q1' is used more than once",
-        "parameter 'M1' is used more than once",
         "element name 'spring' is used more than once",
         "'q1' names a signal and a parameter",
         "name 't' is reserved",
@@ -92,7 +91,7 @@ def test_faults_of_types_are_reported_together() -> None:
     motor = Body("motor", mass="M")
     found = faults(
         "2m1s",
-        (motor, "spring", ViscousFriction("motor", "Fv"), Body("load", mass=3.0)),
+        (motor, "spring", ViscousFriction("motor", "Fv"), Body("load", mass=(3.0,))),
         Drive("F", at=GROUND),
         ("q",),
     )
@@ -100,7 +99,7 @@ def test_faults_of_types_are_reported_together() -> None:
         "name '2m1s' is not an identifier",
         "'spring' is no element",
         "at='motor' must be the Body or Between object itself",
-        "mass=3.0 must be a name",
+        "mass=(3.0,) must be the name of a parameter, or its value",
         "'q' is no sensor",
     ]
     missing = [text for text in expected if not any(text in fault for fault in found)]

@@ -19,7 +19,6 @@ from symid import (
     PeriodicFriction,
     Position,
     Preparation,
-    QuadraticDrag,
     Spring,
     StribeckFriction,
     ViscousFriction,
@@ -86,12 +85,10 @@ def test_all_faults_of_numbers_are_reported_at_once() -> None:
         Backlash(body, "K", gap=math.nan),
         Cogging(body, "A5", "A6", pitch="30 mm"),
         StribeckFriction(body, "F6", velocity=True),
-        QuadraticDrag(body, "M"),
     )
     with pytest.raises(DeclarationError) as refused:
         Axis("faulty", (body, *laws), Drive("F", body), (Position("q", body),))
     assert set(refused.value.faults) == {
-        "parameter 'M' is used more than once: give each its own",
         "StribeckFriction at 'motor': velocity is 0.0: it must be a positive finite number",
         "Cogging at 'motor': pitch is -0.03: it must be a positive finite number",
         "PeriodicFriction at 'motor': pitch is inf: it must be a positive finite number",

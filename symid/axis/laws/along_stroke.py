@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from symid.axis.elements import Parameter
 from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.friction import CoulombFriction, ViscousFriction
 
@@ -41,7 +42,7 @@ class PositionStiffness(Law):
     True
     """
 
-    stiffness: str
+    stiffness: Parameter
     formula: ClassVar = (Term("stiffness", "q", 1, signed=True),)
     hypotheses: ClassVar = (Hypothesis("position_stiffness", ("k",)),)
     advice: ClassVar = "move slowly over the whole stroke in both directions"
@@ -67,8 +68,8 @@ class Cogging(Law):
     ['sin(6.283185307179586*q/0.03)', 'cos(6.283185307179586*q/0.03)']
     """
 
-    sine: str
-    cosine: str
+    sine: Parameter
+    cosine: Parameter
     pitch: float
     formula: ClassVar = (
         Term("sine", f"sin({_PHASE})", signed=True),
@@ -105,8 +106,8 @@ class PeriodicFriction(Law):
     'sign(v)*sin(6.283185307179586*q/0.5)'
     """
 
-    sine: str
-    cosine: str
+    sine: Parameter
+    cosine: Parameter
     pitch: float
     formula: ClassVar = (
         Term("sine", f"sign(v)*sin({_PHASE})", signed=True),
@@ -143,8 +144,8 @@ class PositionDependentFriction(Law):
     'sign(v)*q**2'
     """
 
-    linear: str
-    quadratic: str
+    linear: Parameter
+    quadratic: Parameter
     formula: ClassVar = (
         Term("linear", "sign(v)*q", 1, signed=True),
         Term("quadratic", "sign(v)*q**2", 2, signed=True),
@@ -176,8 +177,8 @@ class PositionDependentViscousFriction(Law):
     'v*q**2'
     """
 
-    linear: str
-    quadratic: str
+    linear: Parameter
+    quadratic: Parameter
     formula: ClassVar = (
         Term("linear", "v*q", 2, 1, signed=True),
         Term("quadratic", "v*q**2", 3, 1, signed=True),

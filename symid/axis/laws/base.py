@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, TypeAlias
 
-from symid.axis.elements import Joint
+from symid.axis.elements import Joint, is_number, joint_label
 from symid.units import Unit
 
 FUNCTIONS = ("sign", "positive", "sin", "cos", "exp", "abs")
@@ -153,11 +153,21 @@ class Law(ABC):
         return tuple(
             replace(
                 term,
-                parameter=getattr(self, term.parameter),
+                parameter=self.named(term.parameter),
                 expression=re.sub(r"[a-z_]+", lambda m: numbers.get(m[0], m[0]), term.expression),
             )
             for term in self.formula
         )
+
+    def named(self, field: str) -> str:
+        """Name of the parameter in a field; a known value is named after the joint and the field."""
+        value: str = getattr(self, field)
+        return f"{joint_label(self.at)}_{field}" if is_number(value) else value
+
+    def numbers(self) -> dict[str, float]:
+        """Known values by the names of their parameters."""
+        given = {term.parameter: getattr(self, term.parameter) for term in self.formula}
+        return {self.named(field): float(value) for field, value in given.items() if is_number(value)}
 
     def faults(self) -> Iterator[str]:
         """What is wrong with the numbers of the law; `Axis` reports it with all other faults."""

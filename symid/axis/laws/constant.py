@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from symid.axis.elements import Parameter
 from symid.axis.laws.base import Hypothesis, Law, Term
 
 __all__ = ["OffsetForce", "UnknownZero"]
@@ -22,7 +23,7 @@ class OffsetForce(Law):
         Parameter in N or N m; it may be negative.
     """
 
-    level: str
+    level: Parameter
     formula: ClassVar = (Term("level", "1", signed=True),)
     hypotheses: ClassVar = (Hypothesis("offset_force", ("F0",)),)
     once: ClassVar = True
@@ -45,5 +46,5 @@ class UnknownZero(Law):
         Parameter in N or N m; it may be negative.
     """
 
-    preload: str
+    preload: Parameter
     formula: ClassVar = (Term("preload", "1", signed=True, per_log=True),)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from symid.axis.elements import Parameter
 from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.constant import OffsetForce
 
@@ -31,7 +32,7 @@ class ViscousFriction(Law):
         Parameter Fv in N s/m or N m s/rad.
     """
 
-    coefficient: str
+    coefficient: Parameter
     formula: ClassVar = (Term("coefficient", "v", 1, 1),)
     hypotheses: ClassVar = (Hypothesis("viscous_friction", ("Fv",)),)
     once: ClassVar = True
@@ -50,7 +51,7 @@ class CoulombFriction(Law):
         Parameter Fs in N or N m.
     """
 
-    level: str
+    level: Parameter
     formula: ClassVar = (Term("level", "sign(v)"),)
     hypotheses: ClassVar = (Hypothesis("coulomb_friction", ("Fs",)),)
     once: ClassVar = True
@@ -104,8 +105,8 @@ class FrictionAsymmetry(Law):
     ['1', 'abs(v)']
     """
 
-    coulomb: str
-    viscous: str
+    coulomb: Parameter
+    viscous: Parameter
     formula: ClassVar = (Term("coulomb", "1", signed=True), Term("viscous", "abs(v)", 1, 1, signed=True))
     hypotheses: ClassVar = (
         Hypothesis("asymmetric_friction", ("dFs", "dFv"), without=(OffsetForce,)),
@@ -134,7 +135,7 @@ class ViscousAsymmetry(Law):
     'abs(v)'
     """
 
-    viscous: str
+    viscous: Parameter
     formula: ClassVar = (Term("viscous", "abs(v)", 1, 1, signed=True),)
     hypotheses: ClassVar = (Hypothesis("asymmetric_friction", ("dFv",), beside=(OffsetForce,)),)
 
@@ -159,7 +160,7 @@ class StribeckFriction(Law):
     ['sign(v)*exp(-(v/0.02)**2)']
     """
 
-    level: str
+    level: Parameter
     velocity: float
     formula: ClassVar = (Term("level", "sign(v)*exp(-(v/velocity)**2)"),)
     shape: ClassVar = (ShapeParameter("velocity", "vs", "speed", trials=(0.006, 0.6, 12)),)
@@ -186,7 +187,7 @@ class QuadraticDrag(Law):
     'v*abs(v)'
     """
 
-    coefficient: str
+    coefficient: Parameter
     formula: ClassVar = (Term("coefficient", "v*abs(v)", 2, 2),)
     hypotheses: ClassVar = (Hypothesis("quadratic_drag", ("c",)),)
     advice: ClassVar = "move at several high constant speeds"

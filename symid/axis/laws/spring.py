@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from symid.axis.elements import Parameter
 from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 
 __all__ = ["Backlash", "StiffnessNonlinearity"]
@@ -29,7 +30,7 @@ class StiffnessNonlinearity(Law):
     'q**3'
     """
 
-    cubic: str
+    cubic: Parameter
     formula: ClassVar = (Term("cubic", "q**3", 3, signed=True),)
     hypotheses: ClassVar = (Hypothesis("stiffness_nonlinearity", ("k3",)),)
     in_spring: ClassVar = True
@@ -60,7 +61,7 @@ class Backlash(Law):
     '(abs(q - 2e-05/2) - abs(q + 2e-05/2))/2'
     """
 
-    stiffness: str
+    stiffness: Parameter
     gap: float
     formula: ClassVar = (Term("stiffness", "(abs(q - gap/2) - abs(q + gap/2))/2", 1),)
     shape: ClassVar = (ShapeParameter("gap", "b", "deflection", trials=(0.04, 1.8, 10)),)

@@ -124,7 +124,8 @@ def _level(scene: Scene, place: str, kind: type[Law]) -> float:
     laws = (
         law for law in scene.axis.laws if isinstance(law, kind) and getattr(law.at, "name", None) == place
     )
-    return sum(abs(scene.parameters[term.parameter]) for law in laws for term in law.terms())
+    values = {**scene.parameters, **scene.axis.known_parameters}
+    return sum(abs(values[term.parameter]) for law in laws for term in law.terms())
 
 
 class FrictionDrift(JointEffect):

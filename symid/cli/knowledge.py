@@ -1,0 +1,119 @@
+"""Options that say what is known of the parameters beside the logs: values, bounds, priors."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import click
+
+from symid.axis import Axis
+from symid.cli.options import assignments, number, shared
+from symid.codegen import GeneratedModel
+from symid.errors import SettingError
+from symid.files import read_json, shortened
+from symid.identification import Constraints
+from symid.units import Unit, to_si
+
+_QUANTITY = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*")
+
+knowledge_options = shared(
+    click.option(
+        "--fix",
+        "fixed",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Value of a parameter that is known, such as M=95 or M=95kg.",
+    ),
+    click.option(
+        "--bounds",
+        multiple=True,
+        metavar="NAME=LOW..HIGH",
+        help="Range of a parameter, such as Fv=0..300 or Ml=2..; 'physical': what cannot be negative is not.",
+    ),
+    click.option(
+        "--prior",
+        metavar="P.json",
+        help='Means and deviations known beforehand, {"M": [95, 2]} in SI, or what identify --json wrote.',
+    ),
+)
+
+
+def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
+    """Values of ``--fix``, SI.
+
+    Raises
+    ------
+    SettingError, LogError
+        If there is no such parameter, or a value or its unit cannot be read.
+    """
+    units = axis.parameter_units
+    given = assignments(values, "--fix")
+    if unknown := [name for name in given if name not in units]:
+        raise SettingError(
+            f"--fix {unknown[0]}: axis {axis.name!r} has no such parameter, choose from {', '.join(units)}"
+        )
+    return {name: quantity(text, units[name], f"--fix {name}") for name, text in given.items()}
+
+
+def quantity(text: str, unit: Unit, what: str) -> float:
+    """A number with or without a unit, in SI.
+
+    Examples
+    --------
+    >>> quantity("12.5kg", Unit.of("kg"), "--fix M"), quantity("3 kN", Unit.of("N"), "--fix Fs"), quantity(
+    ...     "7", Unit.of("N"), "--fix Fs"
+    ... )
+    (12.5, 3000.0, 7.0)
+    """
+    found = _QUANTITY.fullmatch(text)
+    if found is None:
+        return number(text, what)
+    factor = to_si(found["unit"], unit) if found["unit"] else 1.0
+    return number(found["number"], what) * factor
+
+
+def constraints_of(options: dict[str, Any], axis: Axis, model: GeneratedModel) -> Constraints:
+    """Constraints that ``--bounds`` and ``--prior`` describe.
+
+    Raises
+    ------
+    SettingError, LogError
+        If they cannot be read, or do not fit the model.
+    """
+    prior = _priors(options["prior"], model) if options["prior"] else None
+    ranges = [value for value in options["bounds"] if value != "physical"]
+    bounds: dict[str, tuple[float | None, float | None]] = {}
+    if len(ranges) < len(options["bounds"]):
+        bounds |= Constraints.of(model, "physical", None).bounds
+    for name, text in assignments(tuple(ranges), "--bounds").items():
+        low, dots, high = text.partition("..")
+        unit = axis.parameter_units.get(name, Unit())
+        if not dots:
+            raise SettingError(
+                f"--bounds {name}={text} is no range: write LOW..HIGH, one of them may be left out"
+            )
+        bounds[name] = (
+            quantity(low, unit, f"--bounds {name}") if low else None,
+            quantity(high, unit, f"--bounds {name}") if high else None,
+        )
+    return Constraints.of(model, bounds, prior)
+
+
+def _priors(file: str, model: GeneratedModel) -> dict[str, Any]:
+    """Pairs of mean and deviation of a file; of a result of symid identify those of the parameters that are asked."""
+    values = read_json(file)
+    if not isinstance(values, dict):
+        raise SettingError(f'{file} holds no priors: write {{"NAME": [mean, deviation], ...}} in SI units')
+    if isinstance(values.get("physical"), dict):
+        found = {name: one for name, one in values["physical"].items() if name in model.physical_units}
+        return {name: _pair_of_result(file, name, one) for name, one in found.items()}
+    return values
+
+
+def _pair_of_result(file: str, name: str, found: object) -> tuple[Any, Any]:
+    if not isinstance(found, dict) or not {"value", "std_corrected"} <= found.keys():
+        raise SettingError(
+            f"{file}: {name} is {shortened(found)}, a value with its std_corrected is required"
+        )
+    return found["value"], found["std_corrected"]

@@ -1,0 +1,96 @@
+"""Whether what was known beforehand and the log contradict each other, and what bounds and priors did."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.identification.physical import PhysicalEstimate
+from symid.identification.result import Identification
+
+_INTERVAL = 1.96
+"""Deviations to either side of a value that its 95 % interval reaches."""
+
+
+def judged(found: Identification) -> Identification:
+    """The identification with notes of its bounds and priors; "contradicted" where the log is against them.
+
+    The log is against them where a value lies outside the 95 % interval of the estimate without them.
+    """
+    if not found.physical or found.physical[0].restricted is None:
+        return found
+    estimate, restricted = found.physical[0], found.physical[0].restricted
+    notes = (*found.notes, *_of_bounds(found, estimate, restricted.held), *_of_priors(found, estimate))
+    free = restricted.free
+    deviations = free.propagated_deviations(found.covariance)
+    outside = _outside(found, free.parameters, deviations, estimate.parameters)
+    if found.status != "ok" or not outside:
+        return replace(found, notes=notes)
+    message = f"bounds or priors contradict the log: {outside}: correct them, the model or the log"
+    return replace(found, status="contradicted", message=message, notes=notes)
+
+
+def with_fixed(found: Identification, alone: Identification) -> Identification:
+    """An identification with known values, beside what the log alone says of all parameters.
+
+    Parameters
+    ----------
+    found : Identification
+        With known values.
+    alone : Identification
+        Of the same logs with the same parameters unknown.
+    """
+    if not alone.physical:
+        return replace(
+            found, notes=(*found.notes, "the log alone does not tell the parameters whose values are given")
+        )
+    names = list(alone.model.physical_units)
+    given = {name: value for name, (value, _) in found.model.known.items()} | found.physical_parameters
+    values = np.array([given[name] for name in names])
+    own, deviations = alone.physical[0].parameters, alone.physical[0].propagated_deviations(alone.covariance)
+    known = [i for i, name in enumerate(names) if name not in found.model.physical_units]
+    notes = tuple(
+        f"{names[i]} is given as {values[i]:.6g} {unit}; the log alone says {own[i]:.6g} +- {deviations[i]:.2g}"
+        for i, unit in enumerate(alone.model.physical_units.values())
+        if i in known
+    )
+    outside = _outside(alone, own, deviations, values)
+    if not outside or (found.status != "ok" and alone.status != "ok"):
+        return replace(found, notes=(*found.notes, *notes))
+    message = f"given values contradict the log: {outside}: correct them, the model or the log"
+    return replace(found, status="contradicted", message=message, notes=(*found.notes, *notes))
+
+
+def _outside(found: Identification, own: FloatArray, deviations: FloatArray, values: FloatArray) -> str:
+    """Values outside the intervals of the estimate without constraints, in words; empty if there are none."""
+    far = np.abs(values - own) > _INTERVAL * deviations
+    units = found.model.physical_units.items()
+    return ", ".join(
+        f"{name} is {values[i]:.4g} where the log alone says {own[i]:.4g} +- {deviations[i]:.2g} {unit}"
+        for i, (name, unit) in enumerate(units)
+        if far[i] and not np.isclose(values[i], own[i], rtol=1e-9, atol=0.0)
+    )
+
+
+def _of_bounds(found: Identification, estimate: PhysicalEstimate, held: Mapping[int, float]) -> list[str]:
+    units = list(found.model.physical_units.items())
+    return [
+        f"{units[i][0]} is held at its bound {estimate.parameters[i]:g} {units[i][1]}: "
+        f"that costs {cost:.3g} in chi-square ({np.sqrt(cost):.2g} deviations)"
+        for i, cost in held.items()
+    ]
+
+
+def _of_priors(found: Identification, estimate: PhysicalEstimate) -> list[str]:
+    """Parameters whose deviation is half due to priors."""
+    assert estimate.restricted is not None
+    free, now = estimate.restricted.free.standard_deviations, estimate.standard_deviations
+    names = [
+        f"{name} ({before:.2g} to {after:.2g} {unit})"
+        for (name, unit), before, after in zip(found.model.physical_units.items(), free, now, strict=True)
+        if 0 < after < before / 2
+    ]
+    return [f"priors and bounds narrow {', '.join(names)}: these say more than the log"] if names else []
