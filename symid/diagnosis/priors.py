@@ -52,7 +52,7 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
 def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
     """Logarithm of how much likelier the friction level is if it has grown one way than if it has not changed."""
     frictions = [law for law in state.scene.axis.laws if isinstance(law, CoulombFriction)]
-    levels = [law.level for law in frictions if getattr(law.at, "name", "") == item.at]
+    levels = [law.named("level") for law in frictions if getattr(law.at, "name", "") == item.at]
     before, after = (
         sum(values.get(name, 0.0) for name in levels) for values in (nominal, state.scene.parameters)
     )
