@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from symid.axis import Axis, Between, Body, Spring
+from symid.axis import Axis, Between, Body, Law, Spring
 from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects import LawEffect, Placed
 from symid.diagnosis.result import Diagnosis
@@ -76,12 +76,18 @@ def axis_of(state: State) -> ExplainedAxis:
             axis = _with_mode(axis, item, values)
         elif isinstance(item.effect, LawEffect):
             place = _place(state.scene.axis, item.at)
-            laws, added = item.effect.elements(place, item.at, item.shape, item.amplitudes)
+            laws, added = _elements(item.effect, place, item, item.at)
+            if added.keys() & values.keys():  # two effects of a joint may call an amplitude alike
+                laws, added = _elements(item.effect, place, item, f"{item.at}_{item.effect.name}")
             axis = axis.with_effect(*laws)
             values |= added
         else:
             left_out.append(_left_out(state.scene, item))
     return ExplainedAxis(axis, {name: values[name] for name in axis.physical_parameters}, tuple(left_out))
+
+
+def _elements(effect: LawEffect, place: Place, item: Placed, prefix: str) -> tuple[tuple[Law, ...], Values]:
+    return effect.elements(place, prefix, item.shape, item.amplitudes)
 
 
 def _left_out(scene: Scene, item: Placed) -> str:

@@ -11,11 +11,12 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 from symid.data import REFERENCE, Log
 from symid.diagnosis.comparison import Comparison
-from symid.diagnosis.declared import ExplainedAxis, axis_of
+from symid.diagnosis.declared import axis_of
 from symid.diagnosis.gap import Motion, MotionError
 from symid.diagnosis.joined import Joined
 from symid.diagnosis.replayed import Driver, Part, driver_of, parts_of, simulated_position, since_begin
 from symid.diagnosis.result import Diagnosis
+from symid.diagnosis.state import State
 from symid.diagnosis.wording import sentence_of_motion
 from symid.errors import SymidError
 from symid.simulation import Cascade
@@ -67,7 +68,7 @@ def motion_of(
     parts = list(parts_of(record, runs[1] or runs[0], allowed))
     whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs[0].parts]
     driver = driver_of(record, whole, controller, comparison.states)
-    found = [None if state is None else _error(axis_of(state), parts, driver) for state in comparison.states]
+    found = [None if state is None else _error(state, parts, driver) for state in comparison.states]
     nominal, reidentified, *steps = found
     if simulated is not None and len(parts) == 1 and runs[1] is None and _is_like(simulated, parts[0]):
         nominal = _compared(parts, [_at_samples(simulated, parts[0])], "")
@@ -92,10 +93,11 @@ def motion_of(
     )
 
 
-def _error(explained: ExplainedAxis, parts: Sequence[Part], driver: Driver) -> MotionError:
+def _error(state: State, parts: Sequence[Part], driver: Driver) -> MotionError:
     """How the axis of a model moves; what fails is a status."""
     try:
         with np.errstate(all="ignore"):
+            explained = axis_of(state)
             simulated = [simulated_position(explained, part, driver) for part in parts]
     except (SymidError, np.linalg.LinAlgError, OverflowError, ZeroDivisionError) as error:
         return MotionError("failed", message=str(error))

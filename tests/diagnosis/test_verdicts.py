@@ -11,7 +11,9 @@ from hand_made import RIGID, hung, plain_force, rigid_log
 
 from symid import Log, load_axis
 from symid.axis import Between, Body, Spring
-from symid.diagnosis import Diagnosis, diagnose, explained_axis
+from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
+from symid.diagnosis.declared import axis_of
+from symid.diagnosis.effects import Placed
 from symid.errors import SettingError
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 from symid.units import Unit
@@ -92,6 +94,17 @@ def test_a_mode_is_written_as_a_body_on_a_spring() -> None:
     found = diagnose(load_axis("rigid_1m"), log, held=True)
     assert found.effects[0].effect == "flexible_mode"
     assert nominal_multiple(found, log, held=True) < 1.1 * max(explained_multiple(found), 1.0)
+
+
+def test_effects_of_a_joint_that_share_a_name_are_written_apart() -> None:
+    found = diagnose(load_axis("rigid_1m"), rigid_log(), validation=rigid_log(seed=2), nominal=RIGID)
+    asymmetry, waves = (
+        next(e for e in LIBRARY if e.amplitudes == names) for names in (("dFs", "dFv"), ("dFs", "dFc"))
+    )
+    pair = Placed(asymmetry, "motor", (), (3.0, 1.0)), Placed(waves, "motor", (0.1,), (4.0, 5.0))
+    written = axis_of(replace(found.search[0].before.state, placed=pair))
+    added = {name: value for name, value in written.values.items() if name not in RIGID}
+    assert sorted(added.values()) == [1.0, 3.0, 4.0, 5.0]
 
 
 def test_a_clean_log_has_no_gap() -> None:
