@@ -16,6 +16,7 @@ from symid.cli.options import dark_option, json_option, write_json
 from symid.cli.outputs import Command, Output
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
+from symid.data.formats.scope_text import writer_of
 from symid.errors import SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.report.colours import palette_of
@@ -79,7 +80,7 @@ def command(log: str, **options: Any) -> None:
 def _look(path: Path, rate: float | None) -> Look:
     """Layout, columns and the sampling period that is given or stated."""
     text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
-    layout = guessed_layout(path) if text else None
+    layout = guessed_layout(path) if text and writer_of(path) is None else None
     if rate is not None and rate <= 0:
         raise SettingError(f"--rate is {rate:g}: it must be positive")
     table = open_table(path, layout)

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis
-from symid.cli.numbers import COUNT, ORDER
+from symid.cli.numbers import COUNT, ORDER, RATE
 from symid.cli.options import (
     assignments,
     held_option,
@@ -40,6 +40,12 @@ log_options = shared(
         "--mapping",
         metavar="FILE.json",
         help="Columns, units, gains and layout of a foreign file, from symid import; other options override it.",
+    ),
+    click.option(
+        "--resample",
+        type=RATE,
+        metavar="HZ|own",
+        help="Resample a log whose clock jitters, lacks some samples or differs between channels.",
     ),
 )
 
@@ -105,6 +111,7 @@ def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
         "gains": {**mapping.gains, **{name: number(text, f"--gain {name}") for name, text in gains.items()}},
         "layout": mapping.layout,
         "sampling_period": mapping.sampling_period,
+        "resample": options.get("resample"),
     }
 
 

@@ -35,7 +35,16 @@ class Number(click.types.FloatParamType):
         return number
 
 
+class Rate(Number):
+    """A rate in Hz, or ``own``."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The rate; ``own`` as it is."""
+        return value if value == "own" else super().convert(value, param, ctx)
+
+
 POSITIVE = Number()
+RATE = Rate()
 NOT_NEGATIVE = Number(included=True)
 LIMIT = Number(infinite=True)
 COUNT = click.IntRange(1, 10**9)

@@ -154,7 +154,7 @@ class ClockOfBlocks:
         if abs(periods[worst] - np.median(periods)) > _CLOCK_DIFFERENCE * np.median(periods):
             faults = (
                 f"t changes its sampling period: {np.median(periods):.6g} s in most of the log, {periods[worst]:.6g} s "
-                f"from t = {self._blocks[worst].start:.7g} s on: split the log there or resample it",
+                f"from t = {self._blocks[worst].start:.7g} s on: split the log there, or give --resample own",
             )
         notes = tuple(note for block in self._blocks for note in block.notes)
         return Clock(self._first, _rounded(period), faults, notes[:1])
@@ -249,7 +249,7 @@ def _changed(time: FloatArray, rate: _Rate, before: int) -> list[str]:
         return []
     return [
         f"t changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
-        f"t = {time[rate.change]:.7g} s (row {before + rate.change + 1}): split the log there or resample it"
+        f"t = {time[rate.change]:.7g} s (row {before + rate.change + 1}): split the log there, or give --resample own"
     ]
 
 
@@ -280,7 +280,7 @@ def _gaps(
     return [
         f"t has {describe(where.size, 'gap')}, the first after "
         f"t = {time[first]:.7g} s (row {before + first + 1}), "
-        f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there or fill in the samples"
+        f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there, or give --resample own"
     ]
 
 
@@ -301,7 +301,7 @@ def _jitter(
         f"t = {time[worst + 1]:.7g} s by {100.0 * deviation[worst]:.3g} %"
     )
     if rms > _JITTER:
-        return [f"{said}: at most {100.0 * _JITTER:g} % is accepted, resample the log to one period"], []
+        return [f"{said}: at most {100.0 * _JITTER:g} % is accepted, give --resample own"], []
     return [], [f"{said}; treated as uniform"]
 
 

@@ -136,7 +136,7 @@ def guessed_layout(path: Path) -> Layout:
 
 def layout_of_text(path: Path, content: bytes) -> Layout:
     """The layout that the bytes of a text file seem to have; errors as those of `guessed_layout`."""
-    encoding = _encoding(content[:_BEGINNING])
+    encoding = encoding_of(content[:_BEGINNING])
     lines = lines_of(path, content, encoding)
     best: tuple[int, Layout] | None = None
     for separator in _SEPARATORS:
@@ -145,7 +145,7 @@ def layout_of_text(path: Path, content: bytes) -> Layout:
             continue
         width, begin = found
         header = _header(lines[:begin], separator, width)
-        decimal = "," if separator != "," and _has_decimal_comma(lines[begin:], separator) else "."
+        decimal = "," if separator != "," and has_decimal_comma(lines[begin:], separator) else "."
         if header is not None:
             layout = Layout(encoding, separator, decimal, header, begin - header - 1)
         elif begin == 0 or not _seems_named(lines[:begin], separator):
@@ -166,7 +166,8 @@ def _seems_named(above: Sequence[str], separator: str) -> bool:
     return len([text for text in fields(above[-1], separator) if text.strip()]) > 1
 
 
-def _encoding(begin: bytes) -> str:
+def encoding_of(begin: bytes) -> str:
+    """The encoding that the beginning of a text file seems to have."""
     for mark, name in _MARKS:
         if begin.startswith(mark):
             return name
@@ -195,10 +196,11 @@ def _numbers(line: str, separator: str) -> int:
     if texts and not texts[-1]:
         texts.pop()  # a separator at the end of the line
     comma = separator != ","
-    return len(texts) if texts and all(_is_number(text, comma=comma) for text in texts) else 0
+    return len(texts) if texts and all(is_number(text, comma=comma) for text in texts) else 0
 
 
-def _is_number(text: str, *, comma: bool) -> bool:
+def is_number(text: str, *, comma: bool) -> bool:
+    """Whether a field holds a number or a moment, or nothing."""
     try:
         float(text.replace(",", ".") if comma else text)
     except ValueError:
@@ -219,5 +221,6 @@ def _header(above: Sequence[str], separator: str, width: int) -> int | None:
     return nearest
 
 
-def _has_decimal_comma(lines: Sequence[str], separator: str) -> bool:
+def has_decimal_comma(lines: Sequence[str], separator: str) -> bool:
+    """Whether lines hold numbers such as 1,5."""
     return any(_COMMA_NUMBER.fullmatch(text.strip()) for line in lines for text in fields(line, separator))

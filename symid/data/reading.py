@@ -18,6 +18,7 @@ from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
 from symid.data.log import Log
 from symid.data.memory import require_room
+from symid.data.resampling import Rate, resampled
 from symid.data.stuck import inspect_spans
 from symid.data.table import Table, said_of
 from symid.data.tables import open_table
@@ -40,6 +41,7 @@ def read_log(
     time_column: str = TIME,
     layout: Layout | None = None,
     sampling_period: float | None = None,
+    resample: Rate | None = None,
 ) -> Log:
     """Read and check the signals of an axis from a file of any kind that is read.
 
@@ -62,6 +64,9 @@ def read_log(
         Of a CSV file that is not one line of names and then values.
     sampling_period : float, optional
         Time between two samples, s, of a file without a column of the time.
+    resample : float or "own", optional
+        Rate in Hz to which signals are resampled, "own" for the rate that they have in the middle: for clocks that
+        jitter, lack some samples, or differ between channels, see `resampled`. The notes say what was done.
 
     Returns
     -------
@@ -77,7 +82,8 @@ def read_log(
     file, table = opened(path, layout, sampling_period)
     given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
     with said_of(file):
-        return read_table(file, table, expected, sources_of(given, named=columns.keys()), columns.keys())
+        sources = sources_of(given, named=columns.keys())
+        return read_table(file, table, expected, sources, columns.keys(), resample=resample)
 
 
 def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> frozenset[str]:
@@ -149,6 +155,7 @@ def read_table(
     sources: Sequence[Source],
     named: Collection[str],
     memory: int | None = None,
+    resample: Rate | None = None,
 ) -> Log:
     """Log of the whole of a file.
 
@@ -164,10 +171,64 @@ def read_table(
         Signals whose column the user has named: these must be usable.
     memory : int, optional
         Bytes that the columns may take; those that are free by default.
+    resample : float or "own", optional
+        As in `read_log`.
     """
     require_room(len(sources) * (table.n_rows or 0), memory)
-    values, notes = _read(table, sources, optional={REFERENCE} - set(named) - expected.keys())
-    return _checked(str(file), values, notes, expected)
+    values, notes = _read(
+        table, sources, optional={REFERENCE} - set(named) - expected.keys(), whole=not resample
+    )
+    clocks = _clocks(table, sources, values)
+    if resample is None:
+        if other := [name for name in clocks if clocks[name] is not values[TIME]]:
+            raise LogError(
+                f"{other[0]!r} has other times than {next(iter(clocks))!r}: give --resample own, "
+                "or save them with one clock"
+            )
+        return _checked(str(file), values, notes, expected)
+    if resample != "own" and not 1e-9 < resample < 1e12:
+        raise LogError(f"rate {resample:g} Hz is not possible: give a positive number, or own")
+    signals = {name: x for name, x in values.items() if name != TIME}
+    _require_sound(signals, clocks, expected)
+    values, done = resampled(signals, clocks, resample)
+    return _checked(str(file), values, [*notes, *done], expected, sound=True)
+
+
+def _clocks(
+    table: Table, sources: Sequence[Source], values: Mapping[str, FloatArray]
+) -> dict[str, FloatArray]:
+    """Times of each signal, s: its own column of them, or that of the log."""
+    of_log = next(source for source in sources if source.signal == TIME)
+    clocks = {}
+    for source in sources:
+        if source.signal == TIME or source.signal not in values:
+            continue
+        place = table.clocks.get(source.position, of_log.position)
+        if place == of_log.position:
+            clocks[source.signal] = values[TIME]
+            continue
+        (own,) = table.read([place])
+        if isinstance(own, str):
+            raise LogError(f"column {table.headers[place]!r} {own}")
+        clocks[source.signal] = own
+    return clocks
+
+
+def _require_sound(
+    signals: Mapping[str, FloatArray], clocks: Mapping[str, FloatArray], expected: Mapping[str, Unit]
+) -> None:
+    """LogError for positions that jump, before resampling hides it: there, a count of an encoder is none."""
+    faults: list[str] = []
+    for name in positions_of(expected, signals):
+        size = min(signals[name].size, clocks[name].size)
+        there = np.isfinite(signals[name][:size]) & np.isfinite(clocks[name][:size])
+        time, x = clocks[name][:size][there], signals[name][:size][there]
+        steps = np.diff(time)
+        gaps = (np.flatnonzero(steps > 1.5 * np.median(steps)) + 1).tolist() if steps.size else []
+        for t, part in zip(np.split(time, gaps), np.split(x, gaps), strict=True):
+            faults += inspect_steps(t, {name: part})
+    if faults:
+        raise LogError("; ".join(faults))
 
 
 def positions_of(expected: Mapping[str, Unit], signals: Collection[str]) -> list[str]:
@@ -182,7 +243,7 @@ def in_si(column: FloatArray, factor: float) -> FloatArray:
 
 
 def _read(
-    table: Table, sources: Sequence[Source], optional: Collection[str]
+    table: Table, sources: Sequence[Source], optional: Collection[str], *, whole: bool = True
 ) -> tuple[dict[str, FloatArray], list[str]]:
     """Values of each source in SI; what is wrong with an optional one becomes a note and drops it."""
     columns = table.read([source.position for source in sources])
@@ -197,7 +258,7 @@ def _read(
             faults.append(f"column {table.headers[source.position]!r} {column}")
     if faults:
         raise LogError("; ".join(faults))
-    for signal in optional & values.keys():
+    for signal in optional & values.keys() if whole else ():
         x = values[signal]
         if x.size != values[TIME].size or not np.isfinite(x).all():
             notes.append(f"{signal!r} has missing values or another length; left out")
@@ -206,7 +267,12 @@ def _read(
 
 
 def _checked(
-    source: str, values: dict[str, FloatArray], notes: list[str], expected: Mapping[str, Unit]
+    source: str,
+    values: dict[str, FloatArray],
+    notes: list[str],
+    expected: Mapping[str, Unit],
+    *,
+    sound: bool = False,
 ) -> Log:
     lengths = {name: x.size for name, x in values.items()}
     if len(set(lengths.values())) > 1:
@@ -218,7 +284,7 @@ def _checked(
     clock = inspect_clock(time)
     needed = {name: x for name, x in values.items() if name in expected}
     faults = (*clock.faults, *inspect_values(time, needed))
-    if not faults:
+    if not faults and not sound:
         faults = inspect_steps(time, {name: values[name] for name in positions_of(expected, needed)})
     if faults:
         raise LogError("; ".join(faults))

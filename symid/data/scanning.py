@@ -23,6 +23,7 @@ from symid.data.frames import Frame
 from symid.data.layout import Layout
 from symid.data.long_log import BLOCK, AnyLog, LongLog, spans
 from symid.data.reading import in_si, opened, positions_of, read_table
+from symid.data.resampling import Rate
 from symid.data.stuck import inspect_spans
 from symid.data.table import Slices, Table, said_of
 from symid.errors import LogError
@@ -49,6 +50,7 @@ def open_log(
     gains: Mapping[str, float] | None = None,
     layout: Layout | None = None,
     sampling_period: float | None = None,
+    resample: Rate | None = None,
     memory: int = MEMORY,
     block: int = BLOCK,
     whole: bool = False,
@@ -57,8 +59,9 @@ def open_log(
 
     Parameters
     ----------
-    path, expected, alternatives, columns, units, gains, layout, sampling_period
-        As in `read_log`. MATLAB files, and those of a layout or without a clock, are always read as a whole.
+    path, expected, alternatives, columns, units, gains, layout, sampling_period, resample
+        As in `read_log`. MATLAB files, those of a layout or without a clock, and logs that are resampled are always
+        read as a whole.
     memory : int
         Bytes that the log and the rows made of it may take.
     block : int
@@ -78,13 +81,14 @@ def open_log(
     )
     with said_of(file):
         sources = sources_of(given, named=named.keys())
+        whole = whole or resample is not None
         if table.slices is not None and not whole and _most_rows(file, table) * _BYTES_OF_A_SAMPLE > memory:
             used = [source for source in sources if source.signal != REFERENCE]
             slices = table.slices([source.position for source in used])
             if slices.n_rows * _BYTES_OF_A_SAMPLE > memory:
                 headers = [table.headers[source.position] for source in used]
                 return _Scan(file, slices, used, headers, expected, block).log()
-        return read_table(file, table, expected, sources, named.keys(), memory)
+        return read_table(file, table, expected, sources, named.keys(), memory, resample)
 
 
 def _most_rows(file: Path, table: Table) -> float:

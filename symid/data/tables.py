@@ -12,6 +12,7 @@ from pathlib import Path
 from symid.data.csv_table import open_laid_out
 from symid.data.formats import SUFFIXES, open_format, suffix_of
 from symid.data.formats.gzipped import open_gzipped
+from symid.data.formats.scope_text import writer_of
 from symid.data.layout import Layout
 from symid.data.table import Table, first_line, said_of
 from symid.errors import LogError
@@ -41,6 +42,8 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         raise LogError(f"{path}: is a directory: give a {_suffixes()}")
     require_regular(path, LogError)
     suffix = suffix_of(path)
+    if suffix in (".txt", ".tsv") and layout is None and writer_of(path) is not None:
+        suffix = ".csv"
     if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {_suffixes()}")
     try:
@@ -51,7 +54,7 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
         if layout is not None and (suffix == ".csv" or suffix not in SUFFIXES):
             return open_laid_out(path, layout)
         with said_of(path):
-            return open_format(path, memory)
+            return open_format(path, suffix, memory)
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({first_line(error)}): check the file") from error
 

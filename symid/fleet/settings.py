@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from symid.axis import Axis
 from symid.data import MEMORY, Layout
+from symid.data.resampling import Rate
 from symid.errors import SettingError
 from symid.fleet.limits import LONGEST
 from symid.identification import Preparation
@@ -30,7 +31,7 @@ class BatchSettings:
         Sensors to use; those that each log holds by default.
     columns, units, gains : mapping of str to str, str, float
         Column, unit and factor of signals whose columns are foreign, as in `symid.read_axis_log`.
-    layout, sampling_period
+    layout, sampling_period, resample
         Of foreign files, as in `symid.read_axis_log`.
     preparation : Preparation
         What is left open is chosen from each log.
@@ -69,6 +70,7 @@ class BatchSettings:
     gains: Mapping[str, float] = field(default_factory=dict)
     layout: Layout | None = None
     sampling_period: float | None = None
+    resample: Rate | None = None
     preparation: Preparation = field(default_factory=Preparation)
     held: tuple[str, ...] = ()
     ddof: int | None = None

@@ -156,6 +156,7 @@ def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
         gains=settings.gains,
         layout=settings.layout,
         sampling_period=settings.sampling_period,
+        resample=settings.resample,
         memory=settings.memory,
         whole=not in_blocks,
     )

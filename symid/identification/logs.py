@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from symid.axis import Axis
 from symid.data import MEMORY, AnyLog, Frame, Layout, Log, open_log, read_log
+from symid.data.resampling import Rate
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -53,8 +54,9 @@ def read_axis_log(
     gains: Mapping[str, float] | None = None,
     layout: Layout | None = None,
     sampling_period: float | None = None,
+    resample: Rate | None = None,
 ) -> Log:
-    """Log of an axis from a CSV, Parquet or MATLAB file.
+    """Log of an axis from a file or a data frame.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ def read_axis_log(
         Sensors to read; all that the file holds by default.
     columns, units, gains : mapping, optional
         Column, unit and factor of signals whose columns are foreign, as in `read_log`.
-    layout, sampling_period
+    layout, sampling_period, resample
         Of a foreign file, as in `read_log`.
 
     Raises
@@ -91,6 +93,7 @@ def read_axis_log(
         gains=gains or {},
         layout=layout,
         sampling_period=sampling_period,
+        resample=resample,
     )
 
 
@@ -104,6 +107,7 @@ def open_axis_log(
     gains: Mapping[str, float] | None = None,
     layout: Layout | None = None,
     sampling_period: float | None = None,
+    resample: Rate | None = None,
     memory: int = MEMORY,
     whole: bool = False,
 ) -> AnyLog:
@@ -111,7 +115,7 @@ def open_axis_log(
 
     Parameters
     ----------
-    axis, path, measured, columns, units, gains, layout, sampling_period
+    axis, path, measured, columns, units, gains, layout, sampling_period, resample
         As in `read_axis_log`.
     memory : int
         Bytes that the log and the rows made of it may take.
@@ -140,6 +144,7 @@ def open_axis_log(
         gains=gains,
         layout=layout,
         sampling_period=sampling_period,
+        resample=resample,
         memory=memory,
         whole=whole,
     )

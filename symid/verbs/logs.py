@@ -27,7 +27,7 @@ def log_of(axis: Axis, given: Recorded, measured: Sequence[str] | None = None, *
     measured : sequence of str, optional
         Sensors to use.
     **columns
-        ``columns``, ``units``, ``gains``, ``layout`` and ``sampling_period`` as in `symid.read_axis_log`.
+        ``columns``, ``units``, ``gains``, ``layout``, ``sampling_period`` and ``resample`` as in `symid.read_axis_log`.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def read_axis_log(
     sampling_period: float | None = None,
     **layout: Any,
 ) -> Log:
-    """Log of an axis from a CSV, Parquet or MATLAB file or from a data frame.
+    """Log of an axis from a file or from a data frame.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def read_axis_log(
     sampling_period : float, optional
         Time between two samples, s, of a log without a column of the time.
     **layout
-        ``layout`` of a foreign file, as in `symid.read_log`.
+        ``layout`` of a foreign file, and ``resample``, as in `symid.read_log`.
 
     Raises
     ------

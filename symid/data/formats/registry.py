@@ -17,15 +17,23 @@ from symid.data.formats.matlab import open_matlab
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.numpy_archive import open_npz
 from symid.data.formats.parquet import open_parquet
+from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.tdms import open_tdms
 from symid.data.table import Table
 
 Reader: TypeAlias = "Callable[[Path, int | None], Table]"
 """Takes the file, and the bytes that what it reads at once may take (those that are free if None)."""
 
+
+def open_text_file(path: Path) -> Table:
+    """Table in a CSV file, or in the text of a scope."""
+    scope = writer_of(path)
+    return open_scope_text(path, *scope) if scope else open_csv(path)
+
+
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(
     {
-        ".csv": lambda path, _: open_csv(path),
+        ".csv": lambda path, _: open_text_file(path),
         ".parquet": lambda path, _: open_parquet(path),
         ".mat": open_matlab,
         ".csv.gz": open_gzipped,
@@ -67,13 +75,15 @@ def suffix_of(path: Path) -> str:
     return ".csv.gz" if name.endswith(".csv.gz") else Path(name).suffix
 
 
-def open_format(path: Path, memory: int | None = None) -> Table:
-    """Table in a file, by its suffix, which must be one of `SUFFIXES`.
+def open_format(path: Path, suffix: str, memory: int | None = None) -> Table:
+    """Table in a file of a kind that is read.
 
     Parameters
     ----------
     path : Path
         The file.
+    suffix : str
+        One of `SUFFIXES`, by which its reader is found.
     memory : int, optional
         Bytes that may be taken by what is read at once; those that are free by default.
 
@@ -82,4 +92,4 @@ def open_format(path: Path, memory: int | None = None) -> Table:
     LogError
         If the file is damaged, holds no columns, or needs a library that is not installed.
     """
-    return READERS[suffix_of(path)](path, memory)
+    return READERS[suffix](path, memory)

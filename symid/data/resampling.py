@@ -1,0 +1,152 @@
+"""Signals whose clocks jitter, lack samples or differ, on one uniform clock; what was done is said."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+from symid.data.clock import MINIMUM_SAMPLES
+from symid.data.columns import TIME
+from symid.errors import LogError
+
+Rate: TypeAlias = 'float | Literal["own"]'
+"""Hz, or the rate that a log has in the middle."""
+
+_LONGEST_GAP: Final = 10
+"""Samples that may lack in a row: beyond them nothing is known of the motion between."""
+_SLOWER: Final = 1.02
+"""From this ratio of periods on, what the new rate cannot hold is filtered out first."""
+_PASSED: Final = 0.8
+"""Of the new Nyquist frequency: cutoff of that filter, of order 8 and passed forward and backward."""
+_MOST_SAMPLES: Final = 10**9
+
+
+def resampled(
+    values: Mapping[str, FloatArray], clocks: Mapping[str, FloatArray], rate: Rate
+) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
+    """Signals on one uniform clock, by cubic splines through their samples.
+
+    Where the new rate is lower, a zero-phase Butterworth filter takes out what it cannot hold. Up to ten samples in a
+    row that lack are filled; a longer gap is an error. The signals keep the span in which all of them were recorded.
+
+    Parameters
+    ----------
+    values : mapping of str to array of shape (n,)
+        Signals; values that lack are nan.
+    clocks : mapping of str to array of shape (n,)
+        Times of each signal, s.
+    rate : float or "own"
+        Of the result, Hz; "own" takes the highest of the rates that the signals have in the middle.
+
+    Returns
+    -------
+    values : dict of str to array of shape (m,)
+        With the time as ``t``.
+    notes : tuple of str
+        What was done.
+
+    Raises
+    ------
+    LogError
+        If times do not advance, samples lack for too long, or too little is left.
+
+    Examples
+    --------
+    >>> t = np.arange(400) / 400 + 5e-4 * np.random.default_rng(0).uniform(-1, 1, 400)
+    >>> found, notes = resampled({"q": np.sin(5 * t)}, {"q": t}, 400.0)
+    >>> float(np.max(np.abs(found["q"] - np.sin(5 * found["t"])))) < 1e-6, notes[0]
+    (True, 'resampled to 400 Hz by cubic splines')
+    """
+    if not values:
+        raise LogError("has no signal to resample: name its columns")
+    written = {name: _Written.of(name, clocks[name], x) for name, x in values.items()}
+    own = min(one.period for one in written.values())
+    period = own if rate == "own" else 1.0 / rate
+    begin, end = max(one.time[0] for one in written.values()), min(one.time[-1] for one in written.values())
+    count = (end - begin) / period
+    if not MINIMUM_SAMPLES <= count < _MOST_SAMPLES:
+        raise LogError(
+            f"has {max(count, 0):.6g} samples at {1 / period:.6g} Hz in the span that all signals share: "
+            f"between {MINIMUM_SAMPLES} and {_MOST_SAMPLES:g} are required"
+        )
+    time = begin + period * np.arange(int(np.floor(count * (1 + 1e-12))) + 1)
+    gone = [note for one in written.values() for note in one.notes]
+    notes = (
+        f"resampled to {1 / period:.6g} Hz by cubic splines{_filtered(written, period)}",
+        *dict.fromkeys(gone),
+    )
+    return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, notes
+
+
+class _Written:
+    """A signal at the times at which it was written."""
+
+    def __init__(self, name: str, time: FloatArray, values: FloatArray, period: float) -> None:
+        self.name, self.time, self.values, self.period = name, time, values, period
+        self.notes: list[str] = []
+
+    @classmethod
+    def of(cls, name: str, time: FloatArray, values: FloatArray) -> _Written:
+        """The samples that are there, checked."""
+        size = min(time.size, values.size)
+        there = np.isfinite(time[:size]) & np.isfinite(values[:size])
+        t, x = time[:size][there], values[:size][there]
+        steps = np.diff(t)
+        if t.size < MINIMUM_SAMPLES:
+            raise LogError(
+                f"{name!r} has {t.size} samples with a time: at least {MINIMUM_SAMPLES} are required"
+            )
+        if not (steps > 0).all():
+            first = int(np.flatnonzero(steps <= 0)[0])
+            raise LogError(
+                f"t goes back or stands at t = {t[first]:.7g} s (sample {first + 2} of {name!r}): "
+                "sort the rows, or split the log there"
+            )
+        found = cls(name, t, x, float(np.median(steps)))
+        found._look(steps)
+        return found
+
+    def _look(self, steps: FloatArray) -> None:
+        """Say what the clock is like; raise for a gap that nothing can fill."""
+        lost = np.rint(steps / self.period).astype(np.int64) - 1
+        gaps = np.flatnonzero(lost > 0)
+        if gaps.size and lost.max() > _LONGEST_GAP:
+            place = int(np.argmax(lost))
+            raise LogError(
+                f"{self.name!r} lacks {lost[place]} samples after t = {self.time[place]:.7g} s: "
+                f"at most {_LONGEST_GAP} in a row are filled, split the log there"
+            )
+        if gaps.size:
+            listed = ", ".join(f"{self.time[place]:.6g} s" for place in gaps[:5]) + (
+                ", ..." if gaps.size > 5 else ""
+            )
+            self.notes.append(f"{int(lost[gaps].sum())} samples that lacked were filled, after t = {listed}")
+        jitter = float(np.sqrt(np.mean(np.square(np.where(lost == 0, steps / self.period - 1, 0.0)))))
+        if jitter > 1e-3:
+            self.notes.append(
+                f"t jittered by {100 * jitter:.2g} % of the period of {self.period:.6g} s (rms)"
+            )
+
+    def at(self, time: FloatArray, period: float) -> FloatArray:
+        """Its values at other times, without what their rate cannot hold."""
+        if not _is_slower(period, self.period):
+            return np.asarray(scipy.interpolate.CubicSpline(self.time, self.values)(time))
+        grid = np.arange(self.time[0], self.time[-1], self.period)
+        even = scipy.interpolate.CubicSpline(self.time, self.values)(grid)
+        low_pass = scipy.signal.butter(8, _PASSED * self.period / period, output="sos")
+        smooth = scipy.signal.sosfiltfilt(low_pass, even)
+        return np.asarray(scipy.interpolate.CubicSpline(grid, smooth)(time))
+
+
+def _is_slower(period: float, own: float) -> bool:
+    return period > _SLOWER * own
+
+
+def _filtered(written: Mapping[str, _Written], period: float) -> str:
+    if not any(_is_slower(period, one.period) for one in written.values()):
+        return ""
+    return f" after a zero-phase low-pass at {_PASSED / (2 * period):.6g} Hz"
