@@ -34,8 +34,6 @@ from symid.diagnosis.state import with_effects
 _ITERATIONS = 3
 _RIVALS = 3
 """Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
-_LIKELIER = 1.0
-"""Logarithm of prior odds from which on a refinement takes the place of what it contains."""
 _AS_GOOD = 1.1
 """In another order the fit may end elsewhere: it must leave as little."""
 
@@ -154,7 +152,7 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     """
     if own.key[0] in best.effect.imitates and own.key[1] == best.key[1]:
         likelier = prior(best.fit.state, first.nominal) - prior(own.fit.state, first.nominal)
-        return likelier > _LIKELIER
+        return likelier > 0
     doubt = deviation(own.squares, best.squares, own.fit.n_rows)
     return best.worth - own.worth > max(LEAST_WORTH, doubt)
 

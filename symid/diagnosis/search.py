@@ -42,7 +42,7 @@ _HARDLY_MORE = 0.03
 """Share of its worth by which what contains Coulomb friction must exceed it: robot joints without any in their model
 showed 2 % more for presliding friction, whose reach the log told badly."""
 _VARIES = 0.4
-_HARDLY = 0.1
+_HARDLY = 0.05
 """With more of the mean square left, no candidate has explained it."""
 _HOPELESS = 4.0
 """Multiple of the mean square that the best candidate leaves from which on another is not fitted to the end."""
