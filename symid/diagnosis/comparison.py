@@ -72,6 +72,12 @@ class Comparison:
             last -= 1
         return last
 
+    @property
+    def worsened(self) -> int | None:
+        """The first of several effects that clearly makes the error grow on these data; None if none does."""
+        effects = range(self.upheld) if self.upheld > 1 else ()
+        return next((n for n in effects if self.removed(n + 1, n + 2).high < 0), None)
+
     def _misfit(self, model: int) -> float:
         """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""
         outputs = range(len(self.weighting.density))

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from symid.arrays import BoolArray
 from symid.axis import Axis, derivative_order
 from symid.data import Log
-from symid.diagnosis.comparison import compared
+from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.conclusion import concluded
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.faults import damage
@@ -20,11 +20,11 @@ from symid.diagnosis.held import HELD, is_held, shows_hold
 from symid.diagnosis.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.motion import with_motion
 from symid.diagnosis.record import Record, record_of, signals_of
-from symid.diagnosis.rejudging import judged_together
+from symid.diagnosis.rejudging import judged_together, without
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.search import Turn, search
 from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
-from symid.diagnosis.state import first_state
+from symid.diagnosis.state import State, first_state
 from symid.identification.settings import with_hold
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
@@ -172,15 +172,27 @@ def _diagnosed(
     if unknown and shows_hold(base):
         return _with_hold(axis, runs, nominal, recorded, library)
     before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    turns = judged_together(search(base, library, before), library)
+    turns: Sequence[Turn] = judged_together(search(base, library, before), library)
     if unknown and any(is_held(turn.confirmed[0].fit) for turn in turns if turn.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
+    turns, comparison = _on_held_out(base, turns, state if nominal else None, data)
     fits = fits_of(base, turns)
-    comparison = compared(data.validation, state if nominal else None, fits, data.held_out)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
     found = concluded(comparison, turns, fits, nominal, logs, damage(parts, state, weighting))
     return with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
+
+
+def _on_held_out(
+    base: Fit, turns: Sequence[Turn], nominal: State | None, data: Data
+) -> tuple[Sequence[Turn], Comparison]:
+    """Models on the validation data, without an effect beside others that makes their error grow there."""
+    comparison = compared(data.validation, nominal, fits_of(base, turns), data.held_out)
+    if comparison.worsened is None:
+        return turns, comparison
+    accepted = [turn for turn in turns if turn.accepts]
+    rest = without(accepted, comparison.worsened)
+    return (turns, comparison) if len(rest) == len(accepted) else _on_held_out(base, rest, nominal, data)
 
 
 def _with_hold(

@@ -9,6 +9,7 @@ worth nothing at its place, the order of what each took away when it was found i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -89,8 +90,26 @@ def judged_together(turns: Sequence[Turn], library: Sequence[Effect]) -> tuple[T
         sorted(members, key=lambda member: -member.taken),
         members,
     )
-    chains = (_chain(order, first, whole) for order in orders)
+    chains = (_chain(order, first, _AS_GOOD * whole.mean_square) for order in orders)
     return next((chain for chain in chains if chain is not None), tuple(turns))
+
+
+def without(turns: Sequence[Turn], at: int) -> tuple[Turn, ...]:
+    """Turns without the effect of one of them, those that remain fitted again; the same if one then explains nothing.
+
+    Parameters
+    ----------
+    turns : sequence of Turn
+        That accept their effects, at least two.
+    at : int
+        Of the effect that goes.
+    """
+    rest = [turn for i, turn in enumerate(turns) if i != at]
+    whole = turns[-1].confirmed[0].fit
+    known = len(whole.state.placed) - len(turns)
+    placed = [item for i, item in enumerate(whole.state.placed[known:]) if i != at]
+    members = [Member(item, turn, 0.0) for item, turn in zip(placed, rest, strict=True)]
+    return _chain(members, turns[0].before, math.inf) or tuple(turns)
 
 
 def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Member]:
@@ -157,8 +176,8 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     return best.worth - own.worth > max(LEAST_WORTH, doubt)
 
 
-def _chain(members: Sequence[Member], first: Fit, whole: Fit) -> tuple[Turn, ...] | None:
-    """Turns in an order, fitted again; None if one of them is then worth nothing, or more is left."""
+def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[Turn, ...] | None:
+    """Turns in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left."""
     chain: list[Turn] = []
     before = first
     for member in members:
@@ -170,7 +189,7 @@ def _chain(members: Sequence[Member], first: Fit, whole: Fit) -> tuple[Turn, ...
             return None
         chain.append(turn)
         before = found.fit.after(before)
-    return tuple(chain) if chain and before.mean_square < _AS_GOOD * whole.mean_square else None
+    return tuple(chain) if chain and before.mean_square < most else None
 
 
 def _without(whole: Fit, at: int) -> Fit:

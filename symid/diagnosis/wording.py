@@ -81,7 +81,8 @@ def sentence_of_motion(motion: Motion) -> str:
     before, after = motion.reidentified, motion.explained
     if not motion.steps or before.status != "ok" or after.status != "ok":
         return ""
-    first, last = (f"{1e6 * error.position_rms:.3g} u{motion.unit}" for error in (before, after))
+    scale, prefix = (1e3, "m") if max(before.position_rms, after.position_rms) >= 1e-3 else (1e6, "u")
+    first, last = (f"{scale * error.position_rms:.3g} {prefix}{motion.unit}" for error in (before, after))
     return f" Simulated, the axis is then {last} off the measured position instead of {first} (rms)."
 
 

@@ -107,6 +107,17 @@ def test_effects_of_a_joint_that_share_a_name_are_written_apart() -> None:
     assert sorted(added.values()) == [1.0, 3.0, 4.0, 5.0]
 
 
+def test_an_effect_that_makes_the_error_grow_on_the_validation_log_is_left_out() -> None:
+    stribeck, late = EFFECTS["stribeck_friction"][0], EFFECTS["delay"][0]
+    log = rigid_log(lambda *motion: stribeck(*motion) + late(*motion))
+    alone = diagnose(load_axis("rigid_1m"), log, validation=log, nominal=RIGID)
+    names = {effect.effect for effect in alone.effects}
+    assert "stribeck_friction" in names and names & {"delay", "actuator_lag"}
+    found = diagnose(load_axis("rigid_1m"), log, validation=rigid_log(stribeck, seed=2), nominal=RIGID)
+    assert [effect.effect for effect in found.effects] == ["stribeck_friction"]
+    assert found.effects[0].parameters["dF"].value == pytest.approx(25.0, rel=0.2)
+
+
 def test_a_clean_log_has_no_gap() -> None:
     found = diagnose(load_axis("rigid_1m"), rigid_log(), validation=rigid_log(seed=2), nominal=RIGID)
     assert found.verdict == "no_gap"
