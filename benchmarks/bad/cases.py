@@ -31,8 +31,9 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "identify rigid_1m run.csv": (
         "--method", "--measured", "--column", "--unit", "--gain", "--mapping", "--cutoff", "--order", "--filter",
         "--decimation", "--trim", "--standstill", "--held", "--late", "--controller-gain", "--rate", "--ddof",
-        "--nominal", "--memory", "--validation", "--plot", "--json",
+        "--nominal", "--memory", "--validation", "--plot", "--report", "--resample", "--json",
     ),
+    "compare R.json P.json": ("--json",),
     "import foreign.csv --axis rigid_1m": ("--axis", "--rate", "--gain", "--rated", "--output", "--plot", "--json"),
     "simulate rigid_1m --parameters P.json --rate 500 --output out/s.csv --overwrite": (
         "--parameters", "--trajectory", "--seconds", "--band", "--travel", "--speed", "--acceleration", "--jerk",
@@ -45,7 +46,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "batch rigid_1m run.csv --output out/r.parquet --jobs 1": (
         "--also", "--jobs", "--memory", "--timeout", "--report", "--method", "--measured", "--column", "--unit",
         "--gain", "--mapping", "--cutoff", "--order", "--decimation", "--trim", "--standstill", "--late", "--ddof",
-        "--nominal", "--output", "--json",
+        "--nominal", "--resample", "--output", "--json",
     ),
     "fleet results.parquet": ("--by", "--order", "--status", "--without", "--joint", "--axis", "--report", "--json"),
     "show rigid_1m": ("--measured", "--plot", "--json"),
@@ -56,8 +57,10 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 FLAGS = ("--joint",)
 READ_BY = {
     "P.json": ("export rigid_1m --parameters P.json --to json", "simulate rigid_1m --parameters P.json --rate 500 "
-               "--travel 0.01 --output out/s.csv --overwrite", "identify rigid_1m run.csv --nominal P.json"),
-    "R.json": ("export rigid_1m --parameters R.json --to json", "identify rigid_1m run.csv --nominal R.json"),
+               "--travel 0.01 --output out/s.csv --overwrite", "identify rigid_1m run.csv --nominal P.json",
+               "compare R.json P.json"),
+    "R.json": ("export rigid_1m --parameters R.json --to json", "identify rigid_1m run.csv --nominal R.json",
+               "compare R.json R.json", "compare P.json R.json"),
     "M.json": ("identify rigid_1m foreign.csv --mapping M.json", "batch rigid_1m foreign.csv --mapping M.json --output "
                "out/m.parquet --jobs 1"),
 }  # fmt: skip

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -105,11 +107,14 @@ loop_options = shared(
     type=Output("picture"),
     help="Draw model and measurement, residual, frequency response and confidence ellipses (png, svg or pdf).",
 )
+@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
 @dark_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
+    if options["report"]:
+        _require_page(options)
     runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
     signals = measured_signals(declared, runs, signal_list(options["measured"]))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
@@ -141,10 +146,30 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
             palette=palette_of(options["dark"]),
         )
+    if options["report"]:
+        from symid.report.identification_page import write_identification_html  # as above
+
+        write_identification_html(
+            cast("Identification", found),
+            options["report"],
+            cast("Prediction | None", validation),
+            axis=declared,
+            runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
+            command=shlex.join(["symid", *sys.argv[1:]]),
+        )
     if options["json_file"]:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_identification(record)
+
+
+def _require_page(options: dict[str, Any]) -> None:
+    """Refuse a page that cannot be written before any work is done."""
+    from symid.report.html import html_path
+
+    html_path(options["report"])
+    if options["method"] == "oe":
+        raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")
 
 
 def _by_regression(

@@ -75,8 +75,9 @@ class Comparison:
     @property
     def worsened(self) -> int | None:
         """The first of several effects that clearly makes the error grow on these data; None if none does."""
-        effects = range(self.upheld) if self.upheld > 1 else ()
-        return next((n for n in effects if self.removed(n + 1, n + 2).high < 0), None)
+        n_effects = len(self.states) - 2
+        grows = (n for n in range(n_effects) if self.removed(n + 1, n + 2).high < 0)
+        return next(grows, None) if n_effects > 1 else None
 
     def _misfit(self, model: int) -> float:
         """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""

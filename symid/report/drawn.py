@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -22,6 +23,17 @@ class Drawn(Figure):
         picture = io.BytesIO()
         self.savefig(picture, format="png", dpi=110)
         return picture.getvalue()
+
+
+def apart(svg: str, name: str) -> str:
+    """An SVG element whose identifiers begin with a name, for a page that holds several.
+
+    Examples
+    --------
+    >>> apart('<svg id="a"><use xlink:href="#a" clip-path="url(#b)"/></svg>', "fit")
+    '<svg id="fit-a"><use xlink:href="#fit-a" clip-path="url(#fit-b)"/></svg>'
+    """
+    return re.sub(r'( id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
 
 
 def svg_of(figure: Figure, name: str) -> str:

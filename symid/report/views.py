@@ -26,6 +26,7 @@ from symid.report.drawn import Drawn, svg_of
 from symid.report.fleet_page import write_fleet_html
 from symid.report.html import html_path, page_templates, write_html
 from symid.report.identification import identification_record, print_identification
+from symid.report.identification_page import write_identification_html
 from symid.report.output_error import output_error_record
 from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
 from symid.report.plots import identification_figure
@@ -145,6 +146,12 @@ def write_page(found: Shown, path: str | Path) -> Path:
     drawn = svg_of(figure(found), name)
     write_whole(page, template.render(name=name, text=as_html(found), drawn=drawn, version=__version__))
     return page
+
+
+@write_page.register
+def _(found: Identification, path: str | Path) -> Path:
+    write_identification_html(found, path)
+    return html_path(path)
 
 
 @write_page.register

@@ -112,7 +112,8 @@ def test_an_effect_that_makes_the_error_grow_on_the_validation_log_is_left_out()
     log = rigid_log(lambda *motion: stribeck(*motion) + late(*motion))
     alone = diagnose(load_axis("rigid_1m"), log, validation=log, nominal=RIGID)
     names = {effect.effect for effect in alone.effects}
-    assert "stribeck_friction" in names and names & {"delay", "actuator_lag"}
+    assert "stribeck_friction" in names
+    assert names & {"delay", "actuator_lag"}
     found = diagnose(load_axis("rigid_1m"), log, validation=rigid_log(stribeck, seed=2), nominal=RIGID)
     assert [effect.effect for effect in found.effects] == ["stribeck_friction"]
     assert found.effects[0].parameters["dF"].value == pytest.approx(25.0, rel=0.2)

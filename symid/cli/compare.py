@@ -1,0 +1,27 @@
+"""`symid compare`: two results side by side."""
+
+from __future__ import annotations
+
+import click
+
+from symid.cli.options import json_option, write_json
+from symid.cli.outputs import Command
+from symid.files import read_json
+from symid.report.comparison import comparison_record, print_comparison, values_of
+
+
+@click.command("compare", cls=Command, epilog="Example: symid compare monday.json friday.json")
+@click.argument("first", metavar="A.json")
+@click.argument("second", metavar="B.json")
+@json_option
+def command(first: str, second: str, json_file: str | None) -> None:
+    """Compare the parameters of A.json and B.json: of symid identify or diagnose, or names with values.
+
+    A difference of more than three deviations is named. Where both results have covariances, all parameters are
+    compared together too, which their correlations can decide when no single parameter does.
+    """
+    record = comparison_record(*(values_of(read_json(file), file) for file in (first, second)))
+    if json_file:
+        write_json(record, json_file)
+    if json_file != "-":
+        print_comparison(record)

@@ -1,0 +1,165 @@
+"""An identification as one HTML file: fit, parameters, what the residual still holds, and how it was made."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+
+from symid import __version__
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.data import Log
+from symid.files import write_whole
+from symid.identification import Identification, Prediction
+from symid.identification.observation import Observation
+from symid.report.drawn import Drawn, apart, svg_of
+from symid.report.html import html_path, page_templates
+from symid.report.identification import identification_record
+from symid.report.plots import identification_figure
+from symid.report.residual_correlation import correlation_figure, residual_correlations
+
+_INTERVAL = float(scipy.stats.norm.ppf(0.975))
+
+
+def write_identification_html(
+    found: Identification,
+    file: str | Path,
+    validation: Prediction | None = None,
+    *,
+    axis: Axis | None = None,
+    runs: Sequence[Log] = (),
+    command: str = "",
+) -> None:
+    """Write an identification as one HTML file.
+
+    It needs nothing beside it and asks nothing of any network.
+
+    Parameters
+    ----------
+    found : Identification
+        What `identify` returned.
+    file : path-like
+        Ends with .html.
+    validation : Prediction, optional
+        The parameters applied to another log.
+    axis : Axis, optional
+        The declared axis, for the residual over the motion and the frequency response.
+    runs : sequence of Log
+        The logs identified, then the one of the validation.
+    command : str
+        By which it was made.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is another one, or the folder does not exist.
+    """
+    path = html_path(file)
+    record = identification_record(found, validation)
+    page = (
+        page_templates()
+        .get_template("identification.html")
+        .render(
+            r=record,
+            fits=_fits(found, validation),
+            parameters=_parameters(found),
+            correlations=_correlations(found),
+            fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
+            remembered=_svg(correlation_figure(found), "memory-plot"),
+            whiteness=[
+                (title, own.outside, across.outside) for title, own, across in residual_correlations(found)
+            ],
+            made=_made(found, validation, command),
+            version=__version__,
+        )
+    )
+    write_whole(path, page)
+
+
+def fit_percent(y: FloatArray, predicted: FloatArray) -> float:
+    """Fit of a prediction, 100 (1 - |y - predicted| / |y - mean y|), %: 100 where it is exact, 0 of the mean.
+
+    Examples
+    --------
+    >>> fit_percent(np.array([0.0, 2.0]), np.array([0.5, 1.5]))
+    50.0
+    """
+    spread = float(np.linalg.norm(y - y.mean())) if y.size else 0.0
+    return 100.0 * (1.0 - float(np.linalg.norm(y - predicted)) / spread) if spread else float("nan")
+
+
+def _fits(found: Identification, validation: Prediction | None) -> list[dict[str, Any]]:
+    runs: list[tuple[str, Observation, FloatArray]] = [
+        (source, run, found.fit.solution) for source, run in zip(found.logs, found.observations, strict=True)
+    ]
+    if validation is not None:
+        runs.append((f"{validation.log} (validation)", validation.observation, validation.parameters))
+    rows = []
+    for source, run, parameters in runs:
+        for j, (output, unit) in enumerate(found.output_units.items()):
+            y, predicted = run.y[j][run.valid[j]], (run.W[j] @ parameters)[run.valid[j]]
+            rms = float(np.sqrt(np.mean(np.square(y - predicted)))) if y.size else float("nan")
+            row = {"log": source, "output": output, "unit": unit, "rms": rms, "rows": y.size}
+            rows.append({**row, "fit": fit_percent(y, predicted)})
+    return rows
+
+
+def _parameters(found: Identification) -> list[dict[str, Any]]:
+    """Physical parameters, or minimal ones where there are none, with their 95 % intervals."""
+    physical = bool(found.physical)
+    values = found.physical_parameters if physical else found.minimal_parameters
+    deviations = found.physical_deviations if physical else found.standard_deviations
+    units: Mapping[str, str] = found.model.physical_units if physical else found.model.minimal_units
+    return [
+        {
+            "name": name,
+            "unit": units[name],
+            "value": value,
+            "std": float(std),
+            "low": value - _INTERVAL * float(std),
+            "high": value + _INTERVAL * float(std),
+        }
+        for (name, value), std in zip(values.items(), deviations, strict=True)
+    ]
+
+
+def _correlations(found: Identification) -> list[tuple[str, list[float]]]:
+    """Correlations of the same parameters."""
+    covariance = found.physical[0].propagated(found.covariance) if found.physical else found.covariance
+    deviations = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        matrix = covariance / np.outer(deviations, deviations)
+    names = found.model.physical_units if found.physical else found.model.minimal_units
+    return [(name, row.tolist()) for name, row in zip(names, matrix, strict=True)]
+
+
+def _svg(figure: Drawn | None, name: str) -> str:
+    return apart(svg_of(figure, name), name) if figure is not None else ""
+
+
+def _made(found: Identification, validation: Prediction | None, command: str) -> list[tuple[str, str]]:
+    """When, by what and from what it was made."""
+    logs = [*found.logs, *([validation.log] if validation is not None else [])]
+    hashes = [(f"SHA-256 of {log}", digest) for log in dict.fromkeys(logs) if (digest := _hash(log))]
+    libraries = f"NumPy {np.__version__}, SciPy {scipy.__version__}"
+    programs = f"symid {__version__}, Python {platform.python_version()}, {libraries}"
+    when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    return [("written", when), *([("command", command)] if command else []), ("programs", programs), *hashes]
+
+
+def _hash(log: str) -> str:
+    path = Path(log)
+    try:
+        if not path.is_file():
+            return ""
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""

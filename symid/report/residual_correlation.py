@@ -1,0 +1,113 @@
+"""What a residual remembers: its auto-correlation, and its cross-correlation with what the model predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, FloatArray
+from symid.identification import Identification
+from symid.report.colours import LIGHT, Palette
+from symid.report.drawn import Drawn
+from symid.text import visible
+
+MOST_LAGS = 40
+_BAND = float(scipy.stats.norm.ppf(0.995))
+"""Half width of the 99 % band of a white residual, in deviations."""
+
+
+@dataclass(frozen=True, eq=False)
+class Correlation:
+    """Correlation of a residual with itself or with another signal, by lag.
+
+    Parameters
+    ----------
+    lag : array of shape (n_lags,)
+        In rows; positive where the residual comes later.
+    value : array of shape (n_lags,)
+        Between -1 and 1.
+    band : array of shape (n_lags,)
+        Half width of the band in which 99 % of the values of an independent residual lie.
+    """
+
+    lag: FloatArray
+    value: FloatArray
+    band: FloatArray
+
+    @property
+    def outside(self) -> float:
+        """Share of the values outside the band, that at lag 0 of an auto-correlation left out."""
+        counted = ~((self.lag == 0) & (self.value == 1.0))
+        return float(np.mean(np.abs(self.value[counted]) > self.band[counted]))
+
+
+def correlation(residual: FloatArray, other: FloatArray, used: BoolArray, lags: Sequence[int]) -> Correlation:
+    """Correlation over the pairs of rows that are both used.
+
+    Parameters
+    ----------
+    residual, other : array of shape (n_rows,)
+        The residual, and itself or another signal; their means over the rows used are taken off.
+    used : bool array of shape (n_rows,)
+        Rows that entered the estimate.
+    lags : sequence of int
+        In rows, shorter than the log.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).standard_normal(2000)
+    >>> found = correlation(x, x, np.ones(2000, bool), range(0, 21))
+    >>> float(found.value[0]), found.outside
+    (1.0, 0.0)
+    """
+    n = residual.size
+    first = np.where(used, residual - residual[used].mean(), 0.0)
+    second = np.where(used, other - other[used].mean(), 0.0)
+    size = float(np.sqrt(np.sum(first**2) * np.sum(second**2)))
+    value, pairs = np.zeros(len(lags)), np.zeros(len(lags))
+    for place, lag in enumerate(lags):
+        late, early = slice(max(lag, 0), n + min(lag, 0)), slice(max(-lag, 0), n - max(lag, 0))
+        pairs[place] = np.sum(used[late] & used[early])
+        value[place] = np.sum(first[late] * second[early]) / size if size else 0.0
+    return Correlation(np.array(lags, dtype=float), value, _BAND * np.sqrt(pairs) / used.sum())
+
+
+def residual_correlations(found: Identification) -> list[tuple[str, Correlation, Correlation]]:
+    """Auto- and cross-correlation of the residual of each equation of each log, by the title of its part."""
+    parts = []
+    for source, run in zip(found.logs, found.observations, strict=True):
+        predicted = run.W @ found.fit.solution
+        for j, output in enumerate(found.model.output_names):
+            residual, used = run.y[j] - predicted[j], run.valid[j]
+            most = min(MOST_LAGS, used.size // 4)
+            if used.sum() < 4 or most < 1:
+                continue
+            own = correlation(residual, residual, used, range(most + 1))
+            across = correlation(residual, predicted[j], used, range(-most, most + 1))
+            parts.append((visible(f"{output}, {source}"), own, across))
+    return parts
+
+
+def correlation_figure(found: Identification, palette: Palette = LIGHT) -> Drawn | None:
+    """Both correlations of each part with their bands; None where there are too few rows."""
+    parts = residual_correlations(found)
+    if not parts:
+        return None
+    with mpl.rc_context(palette.style):
+        figure = Drawn(figsize=(11, 2.6 * len(parts)), layout="constrained")
+        rows = figure.subplots(len(parts), 2, squeeze=False)
+        for (title, *both), row in zip(parts, rows, strict=True):
+            for axes, one, what in zip(row, both, ("with itself", "with the prediction"), strict=True):
+                axes.fill_between(one.lag, -one.band, one.band, color=palette.fill, label="99 % if white")
+                axes.vlines(one.lag, 0, one.value, color=palette.model, linewidth=1.2)
+                axes.axhline(0.0, color=palette.ink, linewidth=0.6)
+                axes.set_ylim(-1.05, 1.05)
+                axes.set_xlabel("lag [rows]")
+                axes.set_ylabel(f"residual {what}")
+            row[0].set_title(title, loc="left")
+            row[0].legend(loc="upper right", frameon=False)
+    return figure
