@@ -54,9 +54,9 @@ LATE_READING = "sensor_delay"
 _NOISE = 0.8
 """Mean square below which no effect takes a model: that of noise, whose level is known to some percent."""
 _MOST_EFFECTS = 4
-_DIRECT = (8, 3)
-_MARCHING = (12, 8)
-"""Iterations at most, with the first weights and with those that belong to the values found."""
+_DIRECT = (4, 4, 3)
+_MARCHING = (4, 8, 8)
+"""Iterations at most: before a hopeless fit is given up, after that, and with the weights of the values found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,9 +313,10 @@ def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed 
             state = start.best_state()
             if state is None:
                 return None
-            first, then = _MARCHING if start.placed.marched else _DIRECT
+            first, further, then = _MARCHING if start.placed.marched else _DIRECT
             found = fitted(state, start.weighting, first)
-            found = refitted(found, then) if found.mean_square < most else found
+            if found.mean_square < most:
+                found = refitted(fitted(found.state, start.weighting, further), then)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
     return _judged(fit, found)
