@@ -18,9 +18,11 @@ from symid.axis import (
     Weight,
     axis_source,
     chain,
+    imperfections,
     load_axis,
     write_axis,
 )
+from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
@@ -122,6 +124,7 @@ __all__ = [
     "write_axis",
 ]
 __all__ += along_stroke.__all__
+__all__ += imperfections.__all__
 __all__ += constant.__all__
 __all__ += friction.__all__
 __all__ += spring.__all__

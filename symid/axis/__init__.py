@@ -1,5 +1,6 @@
 """Declaring an axis: elements, force laws, sensors, the nM-kS family, axis files. Needs neither sympy nor numpy."""
 
+from symid.axis import imperfections
 from symid.axis.axis import Axis, Element, length_unit
 from symid.axis.chain import chain
 from symid.axis.elements import (
@@ -21,6 +22,7 @@ from symid.axis.elements import (
     Weight,
     derivative_order,
 )
+from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
@@ -66,6 +68,7 @@ __all__ = [
     "write_axis",
 ]
 __all__ += along_stroke.__all__
+__all__ += imperfections.__all__
 __all__ += constant.__all__
 __all__ += friction.__all__
 __all__ += spring.__all__

@@ -21,13 +21,14 @@ from symid.axis.elements import (
     Weight,
     derivative_order,
 )
+from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
 from symid.axis.validation import declaration_faults, known_faults
 from symid.errors import DeclarationError, SettingError
 from symid.shown import Shown
 from symid.units import Unit
 
-Element: TypeAlias = Body | Spring | Damper | Weight | PendulumWeight | Law
+Element: TypeAlias = Body | Spring | Damper | Weight | PendulumWeight | Law | Imperfection
 
 MOST_OPTIONAL_SENSORS = 3
 """Up to so many optional sensors, a regressor is generated for every subset of them."""
@@ -45,7 +46,8 @@ class Axis(Shown):
     name : str
         Name of the axis, that of its generated modules.
     elements : tuple
-        Bodies, springs, dampers, weights and laws. Physical parameters are listed in the order in which they appear.
+        Bodies, springs, dampers, weights, laws and imperfections. Physical parameters are listed in the order in which
+        they appear.
     drive : Drive
         The force or torque that moves the axis.
     sensors : tuple of Sensor
@@ -110,6 +112,11 @@ class Axis(Shown):
     def laws(self) -> tuple[Law, ...]:
         """Force laws in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Law))
+
+    @property
+    def imperfections(self) -> tuple[Imperfection, ...]:
+        """What acts beyond the regressor, in the order of its declaration."""
+        return tuple(element for element in self.elements if isinstance(element, Imperfection))
 
     @property
     def physical_parameters(self) -> dict[str, Unit]:

@@ -19,10 +19,12 @@ from symid.axis.elements import (
     Ground,
     Parametrised,
     PendulumWeight,
+    Position,
     Sensor,
     Spring,
     Weight,
 )
+from symid.axis.imperfections import EncoderRipple, Imperfection
 from symid.axis.laws import Law
 from symid.axis.laws.base import is_finite
 from symid.signals import is_signal_name
@@ -54,6 +56,7 @@ def declaration_faults(
         *_number_faults(elements, drive, checked_sensors),
         *_joint_faults(elements, drive),
         *_connection_faults(bodies, elements, drive),
+        *_signal_faults(elements, checked_sensors),
     )
 
 
@@ -65,10 +68,11 @@ def _type_faults(
     if not isinstance(elements, tuple) or not isinstance(sensors, tuple):
         yield "elements and sensors must be tuples: write a comma behind a single one"
         return
-    kinds = (Body, Spring, Damper, Weight, PendulumWeight, Law)
+    kinds = (Body, Spring, Damper, Weight, PendulumWeight, Law, Imperfection)
     for element in elements:
         if not isinstance(element, kinds):
-            yield f"{element!r} is no element: use Body, Spring, Damper, Weight, PendulumWeight or a Law"
+            known = "Body, Spring, Damper, Weight, PendulumWeight, a Law or an Imperfection"
+            yield f"{element!r} is no element: use {known}"
         else:
             yield from _field_faults(element)
     if not isinstance(drive, Drive):
@@ -208,7 +212,7 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
             numbers.append((f"{_label(holder)}: ratio", geared.ratio))
         if isinstance(holder, (Weight, PendulumWeight)):
             numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
-        if isinstance(holder, Law):
+        if isinstance(holder, (Law, Imperfection)):
             yield from (f"{_label(holder)}: {fault}" for fault in holder.faults())
     for holder in (drive, *sensors):
         for field in ("noise", "resolution", "delay"):
@@ -252,6 +256,14 @@ def _joint_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
             yield f"{_label(holder)}: a weight acts on a sliding body without gear; use PendulumWeight where it turns"
         if isinstance(holder, PendulumWeight) and not holder.body.turns:
             yield f"{_label(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
+
+
+def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
+    positions = [sensor.signal for sensor in sensors if isinstance(sensor, Position)]
+    for element in elements:
+        if isinstance(element, EncoderRipple) and element.signal not in positions:
+            known = ", ".join(positions) or "none is declared"
+            yield f"EncoderRipple of {element.signal!r}: that is no position sensor: choose from {known}"
 
 
 def _connection_faults(bodies: Sequence[Body], elements: Sequence[object], drive: Drive) -> Iterator[str]:

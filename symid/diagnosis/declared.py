@@ -7,9 +7,29 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from symid.axis import Axis, Between, Body, Law, Spring
+from symid.axis import (
+    ActuatorDelay,
+    ActuatorLag,
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    EncoderRipple,
+    ForceLimit,
+    FrictionDrift,
+    FrictionTrend,
+    GainAsymmetry,
+    GainNonlinearity,
+    Imperfection,
+    LoadDependentFriction,
+    PayloadChange,
+    PeriodicForce,
+    PreslidingFriction,
+    Spring,
+)
 from symid.axis.elements import Joint as Place
-from symid.diagnosis.effects import LawEffect, Placed
+from symid.diagnosis import effects
+from symid.diagnosis.effects import Delay, LawEffect, PeriodicDisturbance, Placed, Saturation
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.scene import Scene, place_of
 from symid.diagnosis.state import State
@@ -30,8 +50,7 @@ class ExplainedAxis:
     values : dict of str to float
         Values of its physical parameters, SI.
     left_out : tuple of str
-        A sentence for each effect that is no element of an axis: what depends on time or on the drive force, or lies
-        in a signal.
+        A sentence for each effect that is no element of an axis: a force or a reading that is early.
     """
 
     axis: Axis
@@ -56,7 +75,7 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     if not accepted:
         raise SettingError("no effect was found: the axis stays as it is declared")
     explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
-    if explained.axis.elements == found.axis.elements:
+    if explained.axis == found.axis:
         raise SettingError("; ".join(explained.left_out))
     return explained
 
@@ -72,33 +91,98 @@ def axis_of(state: State) -> ExplainedAxis:
     axis, values = state.scene.axis, dict(state.scene.parameters)
     left_out = []
     for item in state.placed:
-        if item.effect.name == "flexible_mode":
-            axis = _with_mode(axis, item, values)
-        elif isinstance(item.effect, LawEffect):
-            place = _place(state.scene.axis, item.at)
-            laws, added = _elements(item.effect, place, item, item.at)
-            if added.keys() & values.keys():  # two effects of a joint may call an amplitude alike
-                laws, added = _elements(item.effect, place, item, f"{item.at}_{item.effect.name}")
-            axis = axis.with_effect(*laws)
-            values |= added
-        else:
+        added = _added(axis, item, values)
+        if added is None:
             left_out.append(_left_out(state.scene, item))
+        else:
+            axis = added
     return ExplainedAxis(axis, {name: values[name] for name in axis.physical_parameters}, tuple(left_out))
 
 
-def _elements(effect: LawEffect, place: Place, item: Placed, prefix: str) -> tuple[tuple[Law, ...], Values]:
-    return effect.elements(place, prefix, item.shape, item.amplitudes)
+def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
+    """The axis with an effect, whose new parameters join the values; None if it is no element."""
+    if item.effect.name == "flexible_mode":
+        return _with_mode(axis, item, values)
+    if isinstance(item.effect, LawEffect):
+        place, effect = _place(axis, item.at), item.effect
+        laws, added = effect.elements(place, item.at, item.shape, item.amplitudes)
+        if added.keys() & values.keys():  # two effects of a joint may call an amplitude alike
+            prefix = f"{item.at}_{effect.name}"
+            laws, added = effect.elements(place, prefix, item.shape, item.amplitudes)
+        values |= added
+        return axis.with_effect(*laws)
+    if item.effect.name == "sensor_delay":
+        return _read_late(axis, item)
+    if item.effect.name == "presliding_friction":
+        return _with_presliding(axis, item, values)
+    found = _imperfection(axis, item)
+    return None if found is None else axis.with_effect(found)
+
+
+def _imperfection(axis: Axis, item: Placed) -> Imperfection | None:
+    """An effect in the drive, in a reading or in time; None if it acts before its cause."""
+    effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
+    match effect:
+        case Delay():
+            return ActuatorDelay(shape[0]) if shape[0] > 0 else None
+        case effects.ActuatorLag():
+            return ActuatorLag(amplitudes[0])
+        case Saturation():
+            return ForceLimit(shape[0])
+        case effects.GainNonlinearity():
+            return GainNonlinearity(amplitudes[0], power=effect.power)
+        case effects.GainAsymmetry():
+            return GainAsymmetry(amplitudes[0])
+        case effects.EncoderRipple():
+            return EncoderRipple(item.at, *amplitudes, *shape)
+        case PeriodicDisturbance():
+            return PeriodicForce(_place(axis, item.at), *amplitudes, *shape)
+        case effects.PayloadChange():
+            change, moment = shape
+            body = next(b for b in axis.free_bodies if b.name == item.at)
+            return PayloadChange(body, amplitudes[0] * change, time=moment)
+        case effects.FrictionDrift():
+            coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
+            place = _place(axis, item.at)
+            if not shape:
+                return FrictionTrend(place, coulomb, viscous)
+            return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
+        case effects.LoadDependentFriction():
+            return LoadDependentFriction(_place(axis, item.at), amplitudes[0])
+    return None
+
+
+def _read_late(axis: Axis, item: Placed) -> Axis | None:
+    """The axis with a reading that is late; None where it is early."""
+    (sensor,) = axis.measured((item.at,))
+    delay = sensor.delay + item.shape[0]
+    return axis.with_signal(item.at, sensor.noise, sensor.resolution, delay) if delay > 0 else None
+
+
+def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
+    """The axis whose Coulomb friction, which is added where there is none, builds up over a displacement."""
+    (level,), (reach,) = item.amplitudes, item.shape
+    place = _place(axis, item.at)
+    if not any(isinstance(law, CoulombFriction) and law.at == place for law in axis.laws):
+        name = f"{item.at}_Fs"
+        values[name] = level
+        axis = axis.with_effect(CoulombFriction(place, name))
+    return axis.with_effect(PreslidingFriction(place, level, reach=reach))
 
 
 def _left_out(scene: Scene, item: Placed) -> str:
-    """What an axis file cannot say of an effect."""
+    """What an axis file cannot say of an effect: what acts before its cause is a matter of the recording."""
     found = {name: (value, unit) for name, value, unit in item.values(scene) if name != "share"}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
-    if item.effect.name in ("delay", "actuator_lag"):
-        late = f"--late {scene.axis.drive.signal}={-1e6 * found['T'][0]:.4g}us"
-        return f"{item.effect.name} ({numbers}) is no element of an axis: identify with {late}"
-    where = "depends on time or force, or lies in a signal"
-    return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis: it {where}"
+    if item.effect.name == "delay":
+        late = f"{scene.axis.drive.signal}={-1e6 * found['T'][0]:.4g}us"
+        return f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
+    if item.effect.name == "sensor_delay":
+        late = f"{item.at}={1e6 * found['T'][0]:.4g}us"
+        return (
+            f"sensor_delay ({numbers}) is no element of an axis, as it is early: use --late {late}"
+        )
+    return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis"
 
 
 def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.axis import Axis
+from symid.axis import Axis, DriveImperfection
 from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
-from symid.simulation.forward_dynamics import plant_of
+from symid.simulation.drive_chain import ThroughDrive
+from symid.simulation.imperfect import Moment, misreading, stages, steps_for
 from symid.simulation.loop import Loop
 from symid.simulation.reading import Reader, in_steps
 from symid.simulation.record import Record
@@ -39,7 +40,7 @@ class Simulation:
     accelerations : array of shape (n_samples, n)
         Exact accelerations just before a sample's force acts; zero if the axis has no accelerometer.
     forces : array of shape (n_samples,)
-        Drive force from each sample to the next.
+        Drive force that acts from each sample to the next.
     """
 
     log: Log
@@ -98,7 +99,7 @@ def simulate(
     --------
     >>> import numpy as np
     >>> from symid.axis import load_axis
-    >>> from symid.simulation.controller import tuned_cascade
+    >>> from symid.simulation import plant_of, tuned_cascade
     >>> from symid.simulation.excitation import chirp
     >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
     >>> reference = chirp(0.5, 3.0, 1.0, 0.01, sampling_period=1e-3)
@@ -106,19 +107,37 @@ def simulate(
     >>> sorted(run.log.signals)
     ['F', 'q', 'reference']
     """
-    plant = plant_of(axis, parameters)
+    moment = Moment() if axis.imperfections else None
+    (_, plant), *later = stages(axis, parameters, moment or Moment())
     every = _ratio(trajectory.sampling_period, frequency_hz)
     random = np.random.default_rng(seed)
     n_samples, period = trajectory.n_samples, trajectory.sampling_period
-    readers = [Reader(sensor, plant, n_samples, period, random) for sensor in axis.sensors]
-    loop = Loop(plant, trajectory, controller, readers, steps)
+    readers = [
+        Reader(sensor, plant, n_samples, period, random, misreading(axis, sensor.signal))
+        for sensor in axis.sensors
+    ]
+    sent = np.zeros(n_samples)
+    if moment is not None:
+        drive = [element for element in axis.elements if isinstance(element, DriveImperfection)]
+        controller = ThroughDrive(controller, drive, sent)
+    fine = max(steps, steps_for(axis, plant, parameters, period))
+    loop = Loop(plant, trajectory, controller, readers, fine, moment)
     record = Record.empty(n_samples, len(plant.bodies), [reader.signal for reader in loop.between])
     if start is not None:
         record.states[0] = _state(start, len(plant.bodies))
+    if moment is not None:
+        moment.begin(record.states[0, : len(plant.bodies)])
     run = Run(loop, record)
     for begin in progress(range(0, n_samples, _PART)):
-        run.advance(min(begin + _PART, n_samples))
-    recorded = record.forces + axis.drive.noise * random.standard_normal(n_samples)
+        end = min(begin + _PART, n_samples)
+        while later and later[0][0] < end * period:
+            time, changed = later.pop(0)
+            run.advance(max(round(time / period), 1))
+            run = Run(replace(loop, plant=changed), record, run)
+        run.advance(end)
+    recorded = (record.forces if moment is None else sent) + axis.drive.noise * random.standard_normal(
+        n_samples
+    )
     signals = {reader.signal: reader.read_all(record)[::every] for reader in readers}
     signals[axis.drive.signal] = in_steps(recorded, axis.drive.resolution)[::every]
     signals["reference"] = trajectory.position[::every]

@@ -11,6 +11,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
+from symid.simulation.imperfect import Moment
 from symid.simulation.plant import Plant
 from symid.simulation.reading import Reader
 from symid.simulation.trajectory import Trajectory
@@ -35,6 +36,8 @@ class Loop:
         All sensors.
     steps : int
         Steps of the engine in one sample.
+    moment : Moment, optional
+        On which laws of the plant depend beside the motion.
     """
 
     plant: Plant
@@ -42,6 +45,7 @@ class Loop:
     controller: Controller
     readers: Sequence[Reader]
     steps: int
+    moment: Moment | None = None
 
     @property
     def period(self) -> float:
@@ -100,6 +104,11 @@ class Loop:
             return ((self.period / self.steps, ()),) * self.steps
         ends = sorted(moments)
         return tuple((end - begin, moments[end]) for begin, end in zip([0.0, *ends], ends, strict=False))
+
+    def at(self, k: int, force: float) -> None:
+        """Set what laws depend on beside the motion: the middle of sample k, and the force that acts."""
+        if self.moment is not None:
+            self.moment.time, self.moment.load = (k + 0.5) * self.period, abs(force)
 
     def force(
         self, k: int, reference: Sequence[float], readings: Sequence[float], memory: FloatArray

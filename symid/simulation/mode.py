@@ -96,7 +96,10 @@ class Mode:
         rows = np.array([signs[j] * plant.laws[j].direction for j in sliding]).reshape(-1, n)
         self.speeds = np.hstack([np.zeros_like(rows), rows])
         places = [side * q for side in (-1.0, 1.0) for q in _SPEEDS]
-        is_fixed = all(len({plant.laws[j].limits(q) for q in places}) == 1 for j in flow.stuck)
+        is_fixed = all(
+            not plant.laws[j].timed and len({plant.laws[j].limits(q) for q in places}) == 1
+            for j in flow.stuck
+        )
         self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
         self.step = lru_cache(maxsize=32)(self._step)
 
@@ -180,6 +183,8 @@ class Modes:
 
 def _line(law: JointLaw, sign: float) -> Line | None:
     """The law for motion in a direction (both, if it is 0) as a straight line, if it is one."""
+    if law.timed:
+        return None
     directions = (sign,) if sign else (-1.0, 1.0)
     speeds = [side * speed for side in directions for speed in _SPEEDS]
     level = law.force(0.0, speeds[0])

@@ -33,10 +33,13 @@ class JointLaw:
         The joint's displacement is its product with the bodies' displacements.
     terms : tuple of (float, callable)
         Parameter and expression of each law, the latter of displacement and velocity of the joint.
+    timed : bool
+        Whether a law depends on more than the motion, so that it is another from sample to sample.
     """
 
     direction: FloatArray
     terms: tuple[tuple[float, LawFunction], ...]
+    timed: bool = False
 
     def force(self, q: float, v: float) -> float:
         """Force that opposes the motion."""

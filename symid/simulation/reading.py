@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -34,11 +35,20 @@ class Reader:
         Time between them, s.
     random : Generator
         Source of the noise.
+    misread : callable, optional
+        What the sensor makes of exact values.
     """
 
     def __init__(
-        self, sensor: Sensor, plant: Plant, n_samples: int, period: float, random: np.random.Generator
+        self,
+        sensor: Sensor,
+        plant: Plant,
+        n_samples: int,
+        period: float,
+        random: np.random.Generator,
+        misread: Callable[[FloatArray], FloatArray] | None = None,
     ) -> None:
+        self.misread = misread
         self.signal, self.step = sensor.signal, sensor.resolution
         self.row, self.order = plant.sensors[sensor.signal]
         self.noise = sensor.noise * random.standard_normal(n_samples)
@@ -84,7 +94,7 @@ class Reader:
 
     def read(self, record: Record, k: int) -> float:
         """Reading at sample k, for the controller."""
-        return float(in_steps(self.past(record, k)[:1] + self.noise[k], self.step)[0])
+        return float(in_steps(self._read(self.past(record, k)[:1]) + self.noise[k], self.step)[0])
 
     def read_all(self, record: Record) -> FloatArray:
         """Readings at all samples."""
@@ -93,7 +103,10 @@ class Reader:
             values = [np.full(self.age + 1, exact[0]), record.between[self.signal]]
         else:
             values = [np.full(self.age, exact[0]), exact]
-        return in_steps(np.concatenate(values)[: self.noise.size] + self.noise, self.step)
+        return in_steps(self._read(np.concatenate(values)[: self.noise.size]) + self.noise, self.step)
+
+    def _read(self, exact: FloatArray) -> FloatArray:
+        return exact if self.misread is None else self.misread(exact)
 
 
 def in_steps(values: FloatArray, step: float) -> FloatArray:

@@ -37,16 +37,18 @@ class Run:
         Axis and controller.
     record : Record
         Where the motion is written; its first state is that at the beginning.
+    after : Run, optional
+        Goes on where that ended.
     """
 
-    def __init__(self, loop: Loop, record: Record) -> None:
+    def __init__(self, loop: Loop, record: Record, after: Run | None = None) -> None:
         self.loop, self.record = loop, record
-        self._engine = Engine(loop.plant, record.states[0].copy())
-        self._memory = loop.controller.start
-        self._made = 0
+        self._made: int = after._made if after else 0
+        self._memory: FloatArray = after._memory if after else loop.controller.start
+        self._engine = Engine(loop.plant, record.states[self._made].copy())
         self._block, self._singly = _SHORTEST, 0
         self._by_mode: OrderedDict[Mode, _Ways] = OrderedDict()
-        if loop.is_accelerated:
+        if loop.is_accelerated and not after:
             record.accelerations[0] = self._engine.acceleration(0.0)
 
     def advance(self, end: int) -> None:
@@ -134,6 +136,7 @@ class Run:
     def _event(self, force: float, memory: FloatArray) -> None:
         """One sample by the engine, which locates events."""
         record, k, engine, n = self.record, self._made, self._engine, len(self.loop.plant.bodies)
+        self.loop.at(k, force)
         for duration, readers in self.loop.pieces:
             engine.advance(force, duration)
             for reader in readers:
@@ -142,6 +145,8 @@ class Run:
                 )
                 record.between[reader.signal][k] = reader.row @ value
         record.forces[k], record.states[k + 1] = force, engine.state
+        if self.loop.moment is not None:
+            self.loop.moment.settle(engine.state[:n])
         if self.loop.is_accelerated:
             record.accelerations[k + 1] = engine.acceleration(force)
         self._memory, self._made = memory, k + 1

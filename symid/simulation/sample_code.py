@@ -46,7 +46,7 @@ def compiled(loop: Loop, mode: Mode) -> Callable[..., Any]:
     with an event (None if there is none), and the controller's state.
     """
     writer = SampleCode(loop, mode)
-    space: dict[str, Any] = {"array": np.array, "force": loop.force, "readings": (), **writer.functions}
+    space: dict[str, Any] = {"array": np.array, "force": loop.force, "at": loop.at, **writer.functions}
     exec(compile(writer.text(), "<sample loop>", "exec"), space)
     return space["run"]  # type: ignore[no-any-return]  # exec is untyped
 
@@ -56,11 +56,17 @@ class SampleCode:
 
     def __init__(self, loop: Loop, mode: Mode) -> None:
         self.loop, self.mode = loop, mode
-        self.functions: dict[str, Callable[[float, float], float]] = {
+        self.functions: dict[str, Callable[..., Any]] = {
             f"law{j}_{i}": function
             for j, (law, _) in enumerate(mode.varying)
             for i, (_, function) in enumerate(law.terms)
         }
+        self.functions |= {f"hold{i}": mode.plant.laws[j].limits for i, j in enumerate(mode.flow.stuck)}
+        self.functions |= {
+            f"misread{i}": reader.misread for i, reader in enumerate(loop.controlled) if reader.misread
+        }
+        self._memories = loop.moment.memories if loop.moment else []
+        self.functions |= {f"settle{i}": memory.settle for i, (_, memory) in enumerate(self._memories)}
         self._n = len(mode.plant.bodies)
         self._state = [f"x{i}" for i in range(2 * self._n)]
         self._memory = [f"c{i}" for i in range(len(loop.law.C))] if loop.law else []
@@ -80,7 +86,7 @@ class SampleCode:
             "remember": [f"remember{i} = pasts[{i}].append" for i in range(len(self._readings))],
             "control": self._control(),
             "motion": motion,
-            "update": [*_assigned(self._state, end), *_assigned(*self._next_memory())],
+            "update": [*self._settled(end), *_assigned(self._state, end), *_assigned(*self._next_memory())],
             "append": [
                 f"remember{i}({self._value(i, reader)})" for i, reader in enumerate(self.loop.controlled)
             ],
@@ -103,12 +109,15 @@ class SampleCode:
 
     def _control(self) -> list[str]:
         """Readings and force."""
-        lines = [_reading(f"y{i}", f"e{i}", reader.step) for i, reader in enumerate(self.loop.controlled)]
+        lines = [
+            _reading(f"y{i}", f"e{i}", reader.step, f"misread{i}" if reader.misread else "")
+            for i, reader in enumerate(self.loop.controlled)
+        ]
         readings = "".join(f"{name}, " for name in self._readings)
         law = self.loop.law
         called = f"force(k, (r0, r1, r2), ({readings}), {{}})"
         if law is None:
-            return [*lines, f"u, next_memory = {called.format('memory')}"]
+            return [*lines, f"u, next_memory = {called.format('memory')}", *self._moment()]
         inputs = ["r0", "r1", "r2", *self._readings]
         constant = ["given"] if law.given.size else []
         lines.append(f"u = {_form(zip([*self._memory, *inputs], [*law.C, *law.D], strict=True), constant)}")
@@ -121,6 +130,24 @@ class SampleCode:
             lines.append("else:")
             lines += [f"    {line}" for line in self._linear_memory(law, kept, inputs)]
         return lines
+
+    def _moment(self) -> list[str]:
+        """What laws depend on beside the motion, and the limits of stuck joints that depend on it."""
+        if self.loop.moment is None:
+            return []
+        lines = ["at(k, u)"]
+        for i, j in enumerate(self.mode.flow.stuck):
+            if (law := self.mode.plant.laws[j]).timed:
+                q = _form(zip(self._state[: self._n], law.direction, strict=True))
+                lines.append(f"low{i}, high{i} = hold{i}({q})")
+        return lines
+
+    def _settled(self, end: Sequence[str]) -> list[str]:
+        """Displacements at the end of the sample, for laws that remember."""
+        return [
+            f"settle{i}({_form(zip(end[: self._n], direction, strict=True))})"
+            for i, (direction, _) in enumerate(self._memories)
+        ]
 
     def _linear_memory(self, law: LinearLaw, kept: Sequence[str], inputs: Sequence[str]) -> list[str]:
         rows = np.hstack([law.A, law.B])
@@ -234,8 +261,8 @@ def _form(terms: Iterable[tuple[str, float]], constants: Sequence[str] = ()) -> 
     return " + ".join(parts) or "0.0"
 
 
-def _reading(value: str, noise: str, step: float) -> str:
-    noisy = f"({value} + {noise})"
+def _reading(value: str, noise: str, step: float, misread: str) -> str:
+    noisy = f"({misread}({value}) + {noise})" if misread else f"({value} + {noise})"
     return f"{value} = {step!r} * round({noisy} / {step!r})" if step else f"{value} = {noisy}"
 
 

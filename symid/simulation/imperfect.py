@@ -1,0 +1,239 @@
+"""Plants with what acts in time, with a memory, or with the load of the drive."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.axis import (
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    EncoderRipple,
+    FrictionDrift,
+    FrictionTrend,
+    Ground,
+    Joint,
+    JointImperfection,
+    LoadDependentFriction,
+    PayloadChange,
+    PeriodicForce,
+    PreslidingFriction,
+)
+from symid.simulation.forward_dynamics import plant_of
+from symid.simulation.plant import JointLaw, LawFunction, Plant
+
+_FINE, _MOST_STEPS = 0.5, 50
+"""Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
+
+
+@dataclass(eq=False)
+class Moment:
+    """What laws depend on beside the motion: the middle of the present sample, and what came before.
+
+    Parameters
+    ----------
+    time : float
+        Since the beginning of the run, s.
+    load : float
+        Force of the drive.
+    memories : list of (array, Dahl)
+        States of presliding friction, each with the direction of its joint.
+    """
+
+    time: float = 0.0
+    load: float = 1.0
+    memories: list[tuple[FloatArray, Dahl]] = field(default_factory=list)
+
+    def begin(self, displacements: FloatArray) -> None:
+        """Begin a run at displacements, with nothing remembered."""
+        for direction, memory in self.memories:
+            memory.place, memory.state = float(direction @ displacements), 0.0
+
+    def settle(self, displacements: FloatArray) -> None:
+        """Remember the displacements at the end of a sample."""
+        for direction, memory in self.memories:
+            memory.settle(float(direction @ displacements))
+
+
+@dataclass(eq=False)
+class Dahl:
+    """Friction that builds up over a displacement: exact along a motion that does not turn.
+
+    Parameters
+    ----------
+    reach : float
+        Displacement, m or rad.
+    place, state : float
+        Displacement at which it was last remembered, and z there.
+
+    Examples
+    --------
+    >>> friction = Dahl(1.0)
+    >>> for place in (1.0, 2.0, 1.0):
+    ...     friction.settle(place)
+    >>> round(friction.state, 3)
+    -0.314
+    """
+
+    reach: float
+    place: float = 0.0
+    state: float = 0.0
+
+    def at(self, q: float) -> float:
+        """z at a displacement."""
+        side = 1.0 if q >= self.place else -1.0
+        return side - (side - self.state) * math.exp(-abs(q - self.place) / self.reach)
+
+    def settle(self, q: float) -> None:
+        """Remember a displacement."""
+        self.state, self.place = self.at(q), q
+
+
+def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[tuple[float, Plant]]:
+    """Plants of an axis, each with the time from which on it holds, s.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    parameters : mapping of str to float
+        Values of its physical parameters, SI.
+    moment : Moment
+        On which their laws depend.
+    """
+    values, changes = dict(parameters), [e for e in axis.elements if isinstance(e, PayloadChange)]
+    added = _laws(axis, values, moment)
+    found = [(0.0, _with_laws(plant_of(axis, values), added))]
+    for change in sorted(changes, key=lambda change: change.time):
+        values[change.body.mass or change.body.inertia or ""] += change.change
+        found.append((change.time, _with_laws(plant_of(axis, values), added)))
+    return found
+
+
+def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | None:
+    """What a sensor's ripple makes of exact readings; None if it has none."""
+    ripples = [e for e in axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
+    if not ripples:
+        return None
+
+    def read(values: FloatArray) -> FloatArray:
+        errors = (
+            ripple.sine * np.sin(math.tau / ripple.pitch * values)
+            + ripple.cosine * np.cos(math.tau / ripple.pitch * values)
+            for ripple in ripples
+        )
+        return np.asarray(values + sum(errors))
+
+    return read
+
+
+def _laws(axis: Axis, values: Mapping[str, float], moment: Moment) -> list[tuple[FloatArray, LawFunction]]:
+    """Direction and force of each imperfection in a joint."""
+    found = []
+    for element in axis.elements:
+        if isinstance(element, JointImperfection):
+            direction = direction_of(axis, element.at)
+            found.append((direction, _law(axis, element, direction, values, moment)))
+    return found
+
+
+def _law(
+    axis: Axis,
+    element: JointImperfection,
+    direction: FloatArray,
+    values: Mapping[str, float],
+    moment: Moment,
+) -> LawFunction:
+    match element:
+        case PeriodicForce():
+            turning = math.tau * element.frequency
+            return lambda q, v: (
+                element.sine * math.sin(turning * moment.time)
+                + element.cosine * math.cos(turning * moment.time)
+            )
+        case FrictionDrift():
+            return lambda q, v: (
+                math.exp(-moment.time / element.time_constant)
+                * (element.coulomb * _sign(v) + element.viscous * v)
+            )
+        case FrictionTrend():
+            return lambda q, v: moment.time * (element.coulomb * _sign(v) + element.viscous * v)
+        case LoadDependentFriction():
+            return lambda q, v: element.coefficient * moment.load * _sign(v)
+        case PreslidingFriction():
+            memory = Dahl(element.reach)
+            moment.memories.append((direction, memory))
+            level = presliding_level(axis, element, values)
+            return lambda q, v: level * (memory.at(q) - _sign(v))
+    raise NotImplementedError(type(element).__name__)  # a class that is declared and not simulated
+
+
+def _sign(v: float) -> float:
+    return float((v > 0) - (v < 0))
+
+
+def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[str, float]) -> float:
+    """Part of the Coulomb friction declared that builds up over a displacement: at most all of it."""
+    levels = [law.level for law in axis.laws if isinstance(law, CoulombFriction) and law.at == element.at]
+    return min(element.level, sum(values[name] for name in levels))
+
+
+def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period: float) -> int:
+    """Steps in a sample that follow the stiffness of presliding friction, level/reach on either side of a reversal."""
+    most = 1.0
+    for element in axis.elements:
+        if isinstance(element, PreslidingFriction):
+            direction = direction_of(axis, element.at)
+            mobility = float(direction @ np.linalg.solve(plant.mass, direction))
+            stiffness = 2.0 * presliding_level(axis, element, parameters) / element.reach
+            most = max(most, period * math.sqrt(stiffness * mobility) / _FINE)
+    return math.ceil(min(most, _MOST_STEPS))
+
+
+def _with_laws(plant: Plant, added: list[tuple[FloatArray, LawFunction]]) -> Plant:
+    """A plant with more laws, put to those of the same direction."""
+    laws = list(plant.laws)
+    for direction, force in added:
+        same = next((i for i, law in enumerate(laws) if np.allclose(law.direction, direction)), None)
+        if same is None:
+            laws.append(JointLaw(direction, ((1.0, force),), timed=True))
+        else:
+            laws[same] = JointLaw(direction, (*laws[same].terms, (1.0, force)), timed=True)
+    return replace(plant, laws=tuple(laws))
+
+
+def direction_of(axis: Axis, joint: Joint) -> FloatArray:
+    """Row whose product with the absolute displacements of the free bodies is the displacement in a joint.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> axis = load_axis("direct_2m1s")
+    >>> direction_of(axis, axis.bodies[1]).tolist()
+    [-1.0, 1.0]
+    """
+    free = axis.free_bodies
+
+    def absolute(body: Body | Ground) -> FloatArray:
+        if isinstance(body, Ground):
+            return np.zeros(len(free))
+        if body.geared is None:
+            return np.asarray([float(body == other) for other in free])
+        return np.asarray(body.geared.ratio * within(body.geared.to) + carrier(body))
+
+    def carrier(body: Body) -> FloatArray:
+        carried = isinstance(body.on, Body) and body.on.turns == body.turns
+        return absolute(body.on) if carried else np.zeros(len(free))
+
+    def within(body: Body) -> FloatArray:
+        return np.asarray(absolute(body) - carrier(body))
+
+    if isinstance(joint, Between):
+        return np.asarray(absolute(joint.second) - joint.ratio * absolute(joint.first))
+    return within(joint)

@@ -1,0 +1,156 @@
+"""Every effect: a machine that has it is diagnosed, the axis written, read again and simulated under the controller."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from symid import (
+    ActuatorDelay,
+    ActuatorLag,
+    Axis,
+    Backlash,
+    Body,
+    Cogging,
+    CoulombFriction,
+    Drive,
+    EncoderRipple,
+    ForceLimit,
+    FrictionAsymmetry,
+    FrictionDrift,
+    FrictionTrend,
+    GainAsymmetry,
+    GainNonlinearity,
+    LoadDependentFriction,
+    Log,
+    OffsetForce,
+    PayloadChange,
+    PeriodicForce,
+    PeriodicFriction,
+    Position,
+    PositionStiffness,
+    PreslidingFriction,
+    QuadraticDrag,
+    Spring,
+    StiffnessNonlinearity,
+    StribeckFriction,
+    ViscousFriction,
+    load_axis,
+    write_axis,
+)
+from symid.axis import Between
+from symid.diagnosis import LIBRARY, diagnose, explained_axis
+from symid.diagnosis.replayed import without_noise
+from symid.simulation import Cascade, Trajectory, simulate, trapezoids
+
+MOTOR, LOAD = Body("motor", mass="M"), Body("load", mass="Ml")
+FRICTION = (ViscousFriction(MOTOR, "Fv"), CoulombFriction(MOTOR, "Fs"))
+SENSORS = (Position("q", MOTOR, noise=1e-7),)
+RIGID = Axis("rigid", (MOTOR, *FRICTION), Drive("F", MOTOR, noise=0.3), SENSORS)
+COUPLING = Between(first=MOTOR, second=LOAD)
+ELASTIC = Axis(
+    "elastic",
+    (*RIGID.elements, LOAD, Spring("coupling", COUPLING, "K", damping="C")),
+    RIGID.drive,
+    (*SENSORS, Position("ql", LOAD, noise=1e-7)),
+)
+VALUES = {"M": 40.0, "Fv": 120.0, "Fs": 12.0, "Ml": 25.0, "K": 6e5, "C": 300.0}
+LOOP = Cascade("q", position_gain=20.0, velocity_gain=2500.0, integral_gain=4.0)
+PERIOD = 1e-3
+
+
+def path(seed: int) -> Trajectory:
+    """Strokes of two lengths at several speeds."""
+    levels, speeds = {1: ([0.12, 0.04], [0.06, 0.2, 0.4]), 2: ([0.15, 0.05], [0.08, 0.3])}[seed]
+    return trapezoids(levels, speeds, acceleration=2.5, jerk=50.0, dwell=0.1, sampling_period=PERIOD)
+
+
+def machine(axis: Axis, values: dict[str, float], seed: int) -> Log:
+    """A log of an axis under `LOOP`."""
+    run = simulate(axis, values, path(seed), LOOP, seed=seed)
+    return replace(run.log, source=f"run {seed}")
+
+
+RIGID_KINDS = {
+    "viscous_friction": (FRICTION[0], {}),
+    "coulomb_friction": (FRICTION[1], {}),
+    "asymmetric_friction": (FrictionAsymmetry(MOTOR, "dFs", "dFv"), {"dFs": 4.0, "dFv": 20.0}),
+    "stribeck_friction": (StribeckFriction(MOTOR, "dF", velocity=0.03), {"dF": 8.0}),
+    "quadratic_drag": (QuadraticDrag(MOTOR, "c"), {"c": 150.0}),
+    "offset_force": (OffsetForce(MOTOR, "F0"), {"F0": 15.0}),
+    "position_stiffness": (PositionStiffness(MOTOR, "k"), {"k": 120.0}),
+    "cogging": (Cogging(MOTOR, "As", "Ac", pitch=0.024), {"As": 6.0, "Ac": -4.0}),
+    "position_dependent_friction": (PeriodicFriction(MOTOR, "dS", "dC", pitch=0.1), {"dS": 5.0, "dC": 3.0}),
+    "presliding_friction": (PreslidingFriction(MOTOR, 12.0, reach=3e-4), {}),
+    "load_dependent_friction": (LoadDependentFriction(MOTOR, 0.15), {}),
+    "friction_drift": (FrictionDrift(MOTOR, 10.0, 60.0, time_constant=4.0), {}),
+    "periodic_disturbance": (PeriodicForce(MOTOR, 6.0, 3.0, frequency=7.3), {}),
+    "payload_change": (PayloadChange(MOTOR, 8.0, time=9.0), {}),
+    "delay": (ActuatorDelay(0.0032), {}),
+    "actuator_lag": (ActuatorLag(0.004), {}),
+    "saturation": (ForceLimit(110.0), {}),
+    "gain_nonlinearity": (GainNonlinearity(0.001, power=2), {}),
+    "encoder_ripple": (EncoderRipple("q", 3e-6, 2e-6, pitch=0.01), {}),
+}
+"""Effects of a rigid axis, each as an element with its values."""
+OTHER_ELEMENTS = {
+    "friction_drift": (FrictionTrend(MOTOR, -0.4, -2.0), {}),
+    "gain_nonlinearity": (GainAsymmetry(0.08), {}),
+    "gain_nonlinearity cubed": (GainNonlinearity(8e-6, power=3), {}),
+}
+"""Other forms of the same effects."""
+SPRING_KINDS = {
+    "stiffness_nonlinearity": (StiffnessNonlinearity(COUPLING, "k3"), {"k3": 1.5e13}),
+    "backlash": (Backlash(COUPLING, "Kb", gap=1e-4), {"Kb": 6e5}),
+}
+"""Effects of a spring."""
+
+
+def improved(axis: Axis, has: Axis, values: dict[str, float], kind: str, folder: Path) -> tuple[float, float]:
+    """Error of the position on another run, before and after: the re-identified and the written axis under `LOOP`.
+
+    The written axis is read from its file and simulated along the reference: nothing of the log drives it.
+    """
+    library = [effect for effect in LIBRARY if effect.name == kind]
+    nominal = {name: values.get(name, VALUES[name]) for name in axis.physical_parameters}
+    found = diagnose(
+        axis, machine(has, values, 1), nominal=nominal, held=True, library=library, controller=LOOP
+    )
+    assert [effect.effect for effect in found.effects][:1] == [kind]
+    explained = explained_axis(found)
+    assert not explained.left_out
+    written = load_axis(write_axis(explained.axis, folder / "written.py") and folder / "written.py")
+    log = machine(has, values, 2)
+    before, after = (
+        simulate(without_noise(model), parameters, path(2), LOOP).log
+        for model, parameters in (
+            (axis, {change.name: change.reidentified for change in found.parameters}),
+            (written, explained.values),
+        )
+    )
+    assert found.gap.motion.explained.position_rms < found.gap.motion.reidentified.position_rms
+    return tuple(float(np.sqrt(np.mean((log["q"] - run["q"]) ** 2))) for run in (before, after))
+
+
+@pytest.mark.parametrize(
+    ("kind", "element", "own"),
+    [(k, *v) for k, v in {**RIGID_KINDS}.items()] + [(k.split()[0], *v) for k, v in OTHER_ELEMENTS.items()],
+)
+def test_a_written_effect_brings_the_simulated_position_nearer(kind, element, own, tmp_path: Path) -> None:
+    has = RIGID if element in RIGID.elements else RIGID.with_effect(element)
+    axis = RIGID.without(element)
+    before, after = improved(axis, has, VALUES | own, kind, tmp_path)
+    assert after < 0.5 * before
+
+
+@pytest.mark.parametrize("kind", SPRING_KINDS)
+def test_an_effect_of_a_spring_too(kind: str, tmp_path: Path) -> None:
+    element, own = SPRING_KINDS[kind]
+    before, after = improved(ELASTIC, ELASTIC.with_effect(element), VALUES | own, kind, tmp_path)
+    assert after < 0.8 * before
+
+
+def test_no_effect_of_the_library_is_left_out_here() -> None:
+    here = {*RIGID_KINDS, *SPRING_KINDS, "flexible_mode", "sensor_delay"}
+    assert {effect.name for effect in LIBRARY} == here
