@@ -176,12 +176,12 @@ def _left_out(scene: Scene, item: Placed) -> str:
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
         late = f"{scene.axis.drive.signal}={-1e6 * found['T'][0]:.4g}us"
-        return f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
+        return (
+            f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
+        )
     if item.effect.name == "sensor_delay":
         late = f"{item.at}={1e6 * found['T'][0]:.4g}us"
-        return (
-            f"sensor_delay ({numbers}) is no element of an axis, as it is early: use --late {late}"
-        )
+        return f"sensor_delay ({numbers}) is no element of an axis, as it is early: use --late {late}"
     return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis"
 
 
