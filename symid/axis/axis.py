@@ -299,7 +299,7 @@ class Axis(Shown):
 
 
 def _numbers_of(element: Element) -> Iterator[tuple[str, float]]:
-    if not isinstance(element, Weight):
+    if not isinstance(element, (Weight, Imperfection)):
         yield from element.numbers().items()
 
 

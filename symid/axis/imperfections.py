@@ -217,8 +217,7 @@ class PayloadChange(Imperfection):
     @property
     def formula(self) -> str:
         """What it does."""
-        name = self.body.mass or self.body.inertia
-        return f"{name} + {self.change:.4g} from {self.time:.4g} s on"
+        return f"{self.body.inertial} + {self.change:.4g} from {self.time:.4g} s on"
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from symid.axis.elements import (
     Spring,
     Weight,
 )
-from symid.axis.imperfections import EncoderRipple, Imperfection
+from symid.axis.imperfections import EncoderRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
 from symid.axis.laws.base import is_finite
 from symid.signals import is_signal_name
@@ -259,6 +259,10 @@ def _joint_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
 
 
 def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
+    for element in elements:
+        if isinstance(element, PayloadChange) and element.body.numbers():
+            body = element.body.name
+            yield f"PayloadChange of {body!r}, whose mass is a known number: give it a name, and its value to simulate"
     positions = [sensor.signal for sensor in sensors if isinstance(sensor, Position)]
     for element in elements:
         if isinstance(element, EncoderRipple) and element.signal not in positions:

@@ -107,11 +107,14 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     moment : Moment
         On which their laws depend.
     """
-    values, changes = dict(parameters), [e for e in axis.elements if isinstance(e, PayloadChange)]
+    values, changes = (
+        axis.known_parameters | dict(parameters),
+        [e for e in axis.elements if isinstance(e, PayloadChange)],
+    )
     added = _laws(axis, values, moment)
     found = [(0.0, _with_laws(plant_of(axis, values), added))]
     for change in sorted(changes, key=lambda change: change.time):
-        values[change.body.mass or change.body.inertia or ""] += change.change
+        values[change.body.inertial] += change.change
         found.append((change.time, _with_laws(plant_of(axis, values), added)))
     return found
 
@@ -180,7 +183,9 @@ def _sign(v: float) -> float:
 
 def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[str, float]) -> float:
     """Part of the Coulomb friction declared that builds up over a displacement: at most all of it."""
-    levels = [law.level for law in axis.laws if isinstance(law, CoulombFriction) and law.at == element.at]
+    levels = [
+        law.named("level") for law in axis.laws if isinstance(law, CoulombFriction) and law.at == element.at
+    ]
     return min(element.level, sum(values[name] for name in levels))
 
 
