@@ -73,7 +73,7 @@ def _fit(per_cent: float) -> str:
     Examples
     --------
     >>> _fit(99.99312), _fit(96.64), _fit(-31.2), _fit(100.0), _fit(float("nan"))
-    ('99.993 %', '96.6 %', '-31.2 %', '100 %', '–')
+    ('99.9931 %', '96.6 %', '-31.2 %', '100 %', '–')
     """
     if not math.isfinite(per_cent):
         return MISSING
