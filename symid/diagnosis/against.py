@@ -17,7 +17,8 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.comparison import applied, compared
+from symid.diagnosis.applied import applied
+from symid.diagnosis.comparison import compared
 from symid.diagnosis.conclusion import concluded, effect_values
 from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.diagnose import Recorded, data_of, fits_of

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import BoolArray, FloatArray
+from symid.diagnosis.applied import applied, errors_of
 from symid.diagnosis.density import power_density
-from symid.diagnosis.effects import Placed
-from symid.diagnosis.fit import Fit, solved
+from symid.diagnosis.fit import Fit
 from symid.diagnosis.gap import Gap, Level, Removed, Reversal
 from symid.diagnosis.record import Record
 from symid.diagnosis.result import Signals, Spectrum
-from symid.diagnosis.sensitivity import derivatives
-from symid.diagnosis.state import State, first_state, leveled, with_effects
-from symid.diagnosis.weighting import Weighting, with_restarts
+from symid.diagnosis.shares import closed_fraction, closed_interval, removed_share
+from symid.diagnosis.state import State
+from symid.diagnosis.weighting import Weighting
 
-_BLOCKS = 24
-_DRAWS = 400
 _SEGMENT = 1024
 _USED = 0.65
-_SETTLING = 4
 _UNEVEN = 2.0
 _SLOW = 0.002
 _AROUND_REVERSAL = 0.05
@@ -109,7 +106,7 @@ class Comparison:
         """
         output = self._output_of(after)
         rows = np.stack([self.squares(i, output) for i in (1, before, after)])
-        return _removed(rows, float(self.floors[output]) ** 2)
+        return removed_share(rows, float(self.floors[output]) ** 2)
 
     def _output_of(self, model: int) -> int:
         """Output in which the last effect of a model is felt: the force, but for errors of further readings."""
@@ -158,7 +155,7 @@ class Comparison:
             noise_floor=self._level(self.floor),
             steps=tuple(self.level(i) for i in range(2, len(self.errors))),
             closed_fraction=closed_fraction(re, explained, self.floor),
-            closed_interval=_resampled(re, explained, self.floor),
+            closed_interval=closed_interval(re, explained, self.floor),
             unexplained_share=self.unexplained_share,
             reversal=self.reversal(),
         )
@@ -292,113 +289,5 @@ def compared(
         None if model is None else applied(model, record, allowed)[0].weighted(weighting) for model in models
     ]
     states.insert(1, base)
-    errors = (None if state is None else _errors(state, weighting) for state in states)
+    errors = (None if state is None else errors_of(state, weighting) for state in states)
     return Comparison(weighting, tuple(states), tuple(errors))
-
-
-def applied(
-    model: State, record: Record, allowed: BoolArray | None = None, placed: Sequence[Placed] | None = None
-) -> tuple[State, Weighting]:
-    """A model with its values under another record, and the weighting that goes with them.
-
-    Parameters
-    ----------
-    model : State
-        The model, under any record.
-    record : Record
-        The log.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the record that may be used.
-    placed : sequence of Placed, optional
-        Effects, those of the model by default.
-    """
-    effects = model.placed if placed is None else tuple(placed)
-    state, weighting = first_state(record, model.scene.parameters, allowed)
-    if model.scene.levels:
-        state, weighting = leveled(state, allowed, _levels_on(record, model))
-    with np.errstate(over="ignore", invalid="ignore"):
-        for _ in range(_SETTLING if effects else 0):
-            state = with_effects(state, weighting, effects)
-        state = _timed(state, weighting)
-    weighting = with_restarts(weighting, state.scene.hidden)
-    return state.weighted(weighting), weighting
-
-
-def _levels_on(record: Record, model: State) -> list[float]:
-    """Errors of a model that weights allow for, in multiples of the noise of another record."""
-    noise = model.scene.record.noise[1:]
-    return [float(x) for x in np.maximum(np.array(model.scene.levels) * noise / record.noise[1:], 1.0)]
-
-
-def _timed(state: State, weighting: Weighting) -> State:
-    """The state with the shapes that fit its record best, where shapes belong to a log."""
-    for i, item in enumerate(state.placed):
-        shapes = (item.shape, *item.effect.shapes_of_log(state.scene.record, item.shape))
-        if len(shapes) > 1:
-            before, after = state.placed[:i], state.placed[i + 1 :]
-            tried = [
-                with_effects(state, weighting, (*before, replace(item, shape=shape), *after))
-                for shape in shapes
-            ]
-            state = min(tried, key=lambda s: float(np.sum(weighting.known(s.rows, s.beginning) ** 2)))
-    return state
-
-
-def _errors(state: State, weighting: Weighting) -> FloatArray:
-    """Weighted errors without what unknown starts and values of the log itself explain; nan where no row is kept."""
-    error = weighting.known(state.rows, state.beginning)
-    columns = weighting.known(weighting.rows(_own_columns(state)), state.beginning)
-    if len(columns):
-        error = error - columns.T @ solved(columns.T, error)
-    rows = np.full(state.rows.shape, np.nan)
-    rows[:, weighting.kept] = error.reshape(len(rows), -1)
-    return rows
-
-
-def _own_columns(state: State) -> ComplexArray:
-    """Derivatives by what belongs to the log: parameters declared so, amplitudes of effects in time."""
-    dynamics = state.scene.record.dynamics
-    columns = derivatives(state)
-    own = [name in dynamics.axis.log_parameters for name in dynamics.parameters]
-    for item in state.placed:
-        free = 0 if item.effect.fixed else len(item.amplitudes)
-        own += [item.effect.per_log] * (free + len(item.shape))
-    return np.asarray(columns[np.array(own, dtype=bool)])
-
-
-def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:
-    """Share of the way from one error to the noise that another goes; nan where the first is no larger than noise."""
-    first, last = np.sqrt(np.mean(before)), np.sqrt(np.mean(after))
-    return float(min((first - last) / (first - floor), 1.0)) if first > floor * (1 + 1e-6) else float("nan")
-
-
-def _drawn(squares: FloatArray) -> FloatArray:
-    """Means of squares, of shape (n, n_rows), over resampled blocks of rows; shape (n_draws, n)."""
-    blocks = np.array_split(np.arange(squares.shape[1]), _BLOCKS)
-    means = np.array([squares[:, b].mean(axis=1) for b in blocks if b.size])
-    rng = np.random.default_rng(0)
-    return np.asarray(means[rng.integers(len(means), size=(_DRAWS, len(means)))].mean(axis=1))
-
-
-def _resampled(before: FloatArray, after: FloatArray, floor: float) -> tuple[float, float]:
-    """95 % interval of the closed fraction from resampled blocks of rows."""
-    drawn = _drawn(np.stack([before, after]))
-    found = [closed_fraction(np.array([b]), np.array([a]), floor) for b, a in drawn]
-    finite = [x for x in found if np.isfinite(x)]
-    if len(finite) < _DRAWS // 2:
-        return float("nan"), float("nan")
-    low, high = np.quantile(finite, [0.025, 0.975])
-    return float(low), float(high)
-
-
-def _removed(squares: FloatArray, floor: float) -> Removed:
-    """Share of the first mean square above the floor by which the third is below the second."""
-
-    def share(means: FloatArray) -> FloatArray:
-        excess = np.maximum(means - floor, 0.0)
-        return np.asarray((excess[..., 1] - excess[..., 2]) / np.maximum(excess[..., 0], 1e-12))
-
-    if not np.all(np.isfinite(squares)):
-        return Removed(float("nan"), float("nan"), float("nan"))
-    low, high = np.quantile(share(_drawn(squares)), [0.025, 0.975])
-    return Removed(float(share(squares.mean(axis=1))), float(low), float(high))

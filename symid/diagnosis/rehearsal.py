@@ -18,7 +18,7 @@ import scipy
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.data import Log
-from symid.diagnosis.comparison import applied
+from symid.diagnosis.applied import applied
 from symid.diagnosis.effects import JointEffect
 from symid.diagnosis.evidence import INDISTINGUISHABLE, Key
 from symid.diagnosis.fit import fitted, unfitted

@@ -9,9 +9,9 @@ import pytest
 from hand_made import RIGID, motion
 
 from symid import Log, load_axis
-from symid.diagnosis.comparison import closed_fraction
 from symid.diagnosis.evidence import Errors, outcome
 from symid.diagnosis.record import record_of
+from symid.diagnosis.shares import closed_fraction
 from symid.diagnosis.state import first_state
 from symid.diagnosis.weighting import autoregression
 from symid.simulation import forward_dynamics
