@@ -75,7 +75,7 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     if not accepted:
         raise SettingError("no effect was found: the axis stays as it is declared")
     explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
-    if explained.axis == found.axis:
+    if explained.axis == found.axis.without(*found.axis.imperfections):
         raise SettingError("; ".join(explained.left_out))
     return explained
 
@@ -83,12 +83,15 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
 def axis_of(state: State) -> ExplainedAxis:
     """The axis of a model with the effects that it holds as elements, and the values of its parameters.
 
+    A diagnosis passes declared imperfections over, so that they are among what it finds; here they are left out.
+
     Parameters
     ----------
     state : State
         The model, under any record.
     """
-    axis, values = state.scene.axis, dict(state.scene.parameters)
+    declared, values = state.scene.axis, dict(state.scene.parameters)
+    axis = declared.without(*declared.imperfections)
     left_out = []
     for item in state.placed:
         added = _added(axis, item, values)

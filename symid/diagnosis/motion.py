@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
+from symid.axis import Axis
 from symid.data import REFERENCE, Log
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.declared import axis_of
@@ -37,8 +38,22 @@ def with_motion(
     """A diagnosis with its gap in the motion, which its sentence tells too; see `motion_of`."""
     models = comparison.with_effects(len(found.effects))
     motion = motion_of(models, runs, allowed, controller=controller, simulated=simulated)
-    gap = replace(found.gap, motion=motion)
-    return replace(found, gap=gap, sentence=f"{found.sentence}{sentence_of_motion(motion)}")
+    return replace(
+        found,
+        gap=replace(found.gap, motion=motion),
+        sentence=f"{found.sentence}{sentence_of_motion(motion)}",
+        assumptions=(*found.assumptions, *_passed_over(found.axis)),
+    )
+
+
+def _passed_over(axis: Axis) -> tuple[str, ...]:
+    """What a diagnosis makes of declared imperfections."""
+    names = ", ".join(type(element).__name__ for element in axis.imperfections)
+    return (
+        (f"Imperfections declared ({names}) are passed over: what they do is among what is found.",)
+        if names
+        else ()
+    )
 
 
 def motion_of(

@@ -165,6 +165,19 @@ def test_a_flexible_mode_too(tmp_path: Path) -> None:
     assert after < 0.5 * before
 
 
+def test_a_declared_imperfection_is_found_once(tmp_path: Path) -> None:
+    has = RIGID.with_effect(ActuatorLag(0.004))
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    library = [effect for effect in LIBRARY if effect.name == "actuator_lag"]
+    found = diagnose(
+        has, machine(has, VALUES, 1), nominal=nominal, held=True, library=library, controller=LOOP
+    )
+    explained = explained_axis(found).axis
+    assert [element.seconds for element in explained.imperfections] == pytest.approx([0.004], rel=0.05)
+    assert found.gap.motion.explained.position_rms < 0.2 * found.gap.motion.reidentified.position_rms
+    assert "ActuatorLag" in found.assumptions[-1]
+
+
 def test_a_late_reading_is_written_with_its_sensor(tmp_path: Path) -> None:
     late = ELASTIC.with_signal("ql", noise=1e-7, delay=0.0025)
     library = [effect for effect in LIBRARY if effect.name == "sensor_delay"]
