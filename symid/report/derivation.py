@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from symid.axis import Axis
 from symid.report.console import report_console
 from symid.symbolic import DerivedModel
 
@@ -32,8 +33,14 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
         "identifiability_counted": maps.counted,
         "determined_combinations": [str(expression) for expression in maps.combinations],
         "relations": maps.relations,
-        "assumptions": list(model.assumptions),
+        "assumptions": [*model.assumptions, *_passed_over(model.axis)],
     }
+
+
+def _passed_over(axis: Axis) -> list[str]:
+    """Imperfections, which no regressor holds."""
+    passed = "passed over by the regressor, simulated only"
+    return [f"{type(element).__name__} is {passed}: {element.formula}" for element in axis.imperfections]
 
 
 def print_derivation(model: DerivedModel, console: Console | None = None) -> None:

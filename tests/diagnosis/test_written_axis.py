@@ -44,6 +44,7 @@ from symid.axis import Between
 from symid.diagnosis import LIBRARY, diagnose, explained_axis
 from symid.diagnosis.replayed import without_noise
 from symid.export import c_source, mjcf
+from symid.report.derivation import derivation_record
 from symid.simulation import Cascade, Trajectory, simulate, trapezoids
 
 MOTOR, LOAD = Body("motor", mass="M"), Body("load", mass="Ml")
@@ -200,6 +201,8 @@ def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
     axis = RIGID.with_effect(ActuatorLag(0.004), PreslidingFriction(MOTOR, 12.0, reach=3e-4))
     model = derive(axis, ("q",))
     assert str(model) == str(derive(RIGID, ("q",)))
+    said = derivation_record(model)["assumptions"]
+    assert "ActuatorLag is passed over by the regressor, simulated only: 0.004 s f(1) + f = F" in said
     for exported in (mjcf(axis, VALUES), c_source(model, VALUES)):
         assert "ActuatorLag is left out: 0.004 s f(1) + f = F." in exported.losses
         assert any(loss.startswith("PreslidingFriction is left out") for loss in exported.losses)
