@@ -22,14 +22,27 @@ from symid.codegen.store import write
 )
 @json_option
 def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file: str | None) -> None:
-    """Write the generated modules of each AXIS (of all axes in models/ by default)."""
-    files = plan(axes, signal_list(measured), track=lambda names: tracked(names, "deriving axes"))
+    """Write the generated modules of each AXIS (of all axes in models/ by default).
+
+    Modules that cannot be derived are named with the reason, the others are written, and the exit code is 1.
+    """
+    refused: list[tuple[str, str]] = []
+    files = plan(
+        axes,
+        signal_list(measured),
+        track=lambda names: tracked(names, "deriving axes"),
+        refused=lambda path, error: refused.append((path.name, str(error))),
+    )
     stale = [file for file in files if not file.is_current]
     if not check:
         write(files)
     if json_file:
         write_json(
-            {"checked": len(files), "stale" if check else "written": [file.path.name for file in stale]},
+            {
+                "checked": len(files),
+                "stale" if check else "written": [file.path.name for file in stale],
+                **({"refused": dict(refused)} if refused else {}),
+            },
             json_file,
         )
     if json_file != "-":
@@ -39,5 +52,7 @@ def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file:
                 end="" if check else "\n",
             )
         say(f"{len(files) - len(stale)} of {len(files)} modules {'are' if check else 'were'} current")
-    if check and stale:
+    for name, reason in refused:
+        click.echo(f"symid: {name} cannot be derived: {reason}", err=True)
+    if refused or (check and stale):
         sys.exit(1)

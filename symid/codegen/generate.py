@@ -18,6 +18,7 @@ from symid.codegen.store import (
     sensor_sets_in,
     write,
 )
+from symid.errors import EliminationError, SymidError
 from symid.symbolic.pipeline import DerivedModel, derive
 
 
@@ -25,6 +26,7 @@ def plan(
     axes: Sequence[str] = (),
     measured: Sequence[str] | None = None,
     track: Callable[[Sequence[str]], Iterable[str]] = iter,
+    refused: Callable[[Path, SymidError], None] | None = None,
 ) -> list[GeneratedFile]:
     """Generated files as they should be and as they are; nothing is written.
 
@@ -36,17 +38,27 @@ def plan(
         One set of sensors; by default all of the axis' `sensor_sets`, and those that were asked for before.
     track : callable, optional
         Is given the names and passes them on, to show progress.
+    refused : callable, optional
+        Is told of each module that cannot be derived, and why; the others are planned. Without it that is raised.
 
     Raises
     ------
     SymidError
-        If an axis cannot be loaded or derived.
+        If an axis cannot be loaded, or cannot be derived and nobody is told.
     """
+    left_out: list[Path] = []
+
+    def leave_out(path: Path, error: SymidError) -> None:
+        if refused is None:
+            raise error
+        left_out.append(path)
+        refused(path, error)
+
     files: list[GeneratedFile] = []
     for name in track(axes or axis_names()):
-        files += _plan_axis(name, measured)
+        files += _plan_axis(name, measured, leave_out)
     if measured is None:
-        paths = [file.path for file in files]
+        paths = [*(file.path for file in files), *left_out]
         own: dict[Path, list[str]] = {}
         for name in axes or axis_names():
             path = axis_file(name)
@@ -78,11 +90,19 @@ def generate(axes: Sequence[str] = (), measured: Sequence[str] | None = None) ->
     return [file.path for file in files if not file.is_current]
 
 
-def _plan_axis(name: str, measured: Sequence[str] | None) -> list[GeneratedFile]:
+def _plan_axis(
+    name: str, measured: Sequence[str] | None, leave_out: Callable[[Path, SymidError], None]
+) -> list[GeneratedFile]:
     axis, folder = load_axis(name), generated_folder(axis_file(name))
-    sets = (measured,) if measured else (*axis.sensor_sets, *sensor_sets_in(folder, axis))
-    models = [derive(axis, signals) for signals in sets]
-    return [planned_file(folder / f"{module_name(axis.name, m.measured)}.py", module_text(m)) for m in models]
+    files = []
+    for signals in (measured,) if measured else (*axis.sensor_sets, *sensor_sets_in(folder, axis)):
+        ordered = tuple(sensor.signal for sensor in axis.measured(tuple(signals)))
+        path = folder / f"{module_name(axis.name, ordered)}.py"
+        try:
+            files.append(planned_file(path, module_text(derive(axis, ordered))))
+        except EliminationError as error:
+            leave_out(path, error)
+    return files
 
 
 def derived_text(axis: Axis, measured: Sequence[str]) -> str:

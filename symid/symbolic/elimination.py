@@ -14,15 +14,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
+from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from symid.axis import Sensor
+from symid.errors import EliminationError
 from symid.symbolic.equations import InputOutputEquation, SignalWriter, by_power, driving_terms
 from symid.symbolic.expressions import positive
-from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
+from symid.symbolic.kernel import EliminationRow, TooLargeError, divisible, left_kernel, primitive
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
-from symid.symbolic.measurement import measurement
-from symid.symbolic.operators import OperatorModel, operator_model
+from symid.symbolic.measurement import Measurement, measurement
+from symid.symbolic.operators import OperatorModel, Row, operator_model
+from symid.symbolic.scaling import Scaling, scaling_of
+
+_SEPARATE = "each sensor has an equation of its own: the lower ones that sensors share have too many terms"
+_MOST_TERMS_WITH_RATIOS = 1000
+"""Beyond so many terms nobody reads a ratio by its name, and numbers are faster."""
 
 
 @dataclass(frozen=True)
@@ -76,16 +83,67 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     """
     operators = operator_model(model)
     known = measurement(operators, measured)
-    rows = {balance: known.substitute(motion) for balance, motion in operators.motion.items()}
-    kernel = left_kernel(rows, known.unknown, operators.ring)
-    combined = divisible(kernel, {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order})
+    rows, scaling = _rows(operators, known), None
+    while operators.ring.domain != QQ and scaling is None:
+        found = scaling_of(rows, operators)
+        if isinstance(found, Scaling):
+            scaling = found
+        else:
+            operators = operator_model(model, (*map(str, operators.numbers), *found))
+            known = measurement(operators, measured)
+            rows = _rows(operators, known)
+    powers = {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order}
+    if scaling is None:
+        combined, separate = _combined(rows, known, powers, operators)
+    else:
+        plain = {balance: scaling.scaled(row) for balance, row in rows.items()}
+        found_rows, separate = _combined(plain, known, powers, scaling.operators(operators, rows))
+        if sum(len(entry) for row in found_rows for entry in row.entries.values()) > _MOST_TERMS_WITH_RATIOS:
+            operators = operator_model(model, tuple(model.constants))
+            known = measurement(operators, measured)
+        combined = [scaling.restored(row, operators.ring, model.constants) for row in found_rows]
     signals = SignalWriter(operators, known)
-    equations = [signals.equation(row) for row in _distinct(combined, operators)]
+    equations = [signals.equation(row) for row in combined]
     equations.sort(
         key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0))
     )
     driven = tuple(_driven(equation, equations, operators) for equation in equations)
-    return InputOutputModel(model, operators, tuple(measured), driven, signals.assumptions(equations))
+    assumptions = (*signals.assumptions(equations), *([_SEPARATE] if separate else []))
+    return InputOutputModel(model, operators, tuple(measured), driven, assumptions)
+
+
+def _combined(
+    rows: Mapping[str, Row], known: Measurement, powers: Mapping[str, int], operators: OperatorModel
+) -> tuple[list[EliminationRow], bool]:
+    """Minimal combinations of the balances; where they grow too large, one for each sensor, which is said."""
+    try:
+        kernel = left_kernel(rows, known.unknown, operators.ring)
+        return _distinct(divisible(kernel, powers), operators), False
+    except TooLargeError:
+        pass
+    columns = [f"y{i}" for i in range(len(known.basis))]
+    try:
+        if len(columns) == 1:
+            raise TooLargeError
+        return [
+            row
+            for own in columns
+            for row in divisible(
+                left_kernel(rows, (*known.unknown, *(c for c in columns if c != own)), operators.ring),
+                {column: power for column, power in powers.items() if column == own},
+            )
+        ], True
+    except TooLargeError as error:
+        axis = operators.source.axis.name
+        raise EliminationError(
+            f"axis {axis!r}: eliminating {', '.join(known.unknown)} leads to more terms than are of use: "
+            f"add a sensor at one of these bodies"
+        ) from error
+
+
+def _rows(operators: OperatorModel, known: Measurement) -> dict[str, Row]:
+    """Balances in measured functions and unknown displacements."""
+    return {balance: known.substitute(motion) for balance, motion in operators.motion.items()}
 
 
 def _distinct(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[EliminationRow]:
@@ -154,7 +212,7 @@ def _driven(
         return equation
     axis = operators.source.axis
     turns = {body.name: body.turns for body in axis.free_bodies}
-    lever = operators.ring.domain.from_sympy(Kinematics(axis).lever(axis))
+    lever = operators.element(Kinematics(axis).lever(axis))
 
     def of_torques(balances: Mapping[str, PolyElement]) -> bool:
         return turns[next(iter(balances))]

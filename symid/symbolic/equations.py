@@ -213,7 +213,11 @@ class SignalWriter:
         factor, rest = expression.as_independent(
             *(expression.free_symbols - set(self.constants)), as_Add=False
         )
-        return (expression, field.one) if factor in (1, -1) or rest == 1 else (rest, field.from_sympy(factor))
+        return (
+            (expression, field.one)
+            if factor in (1, -1) or rest == 1
+            else (rest, self.operators.element(factor))
+        )
 
     def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
         """What has to be said about the equations written."""

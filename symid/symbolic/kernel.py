@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
 from math import gcd, prod
 from random import Random
 
@@ -22,6 +21,14 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.errors import EliminationError
 from symid.symbolic.operators import Row, add
+from symid.symbolic.polynomials import common_divisor, quotient, times
+
+MOST_PRODUCTS = 200_000
+"""Products of terms in one step of an elimination: some seconds, and more than any formula that is of use."""
+
+
+class TooLargeError(Exception):
+    """The polynomials of an elimination grow beyond what ends in seconds."""
 
 
 @dataclass(frozen=True)
@@ -34,24 +41,31 @@ class EliminationRow:
     def combine(
         self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement
     ) -> EliminationRow:
-        """factor * self + other_factor * other."""
+        """factor * self + other_factor * other; TooLargeError if that would take long."""
+        products = self._products(factor) + other._products(other_factor)
+        if products > MOST_PRODUCTS:
+            raise TooLargeError(products)
         return EliminationRow(
             _combine(self.multipliers, factor, other.multipliers, other_factor),
             _combine(self.entries, factor, other.entries, other_factor),
         )
 
+    def _products(self, factor: PolyElement) -> int:
+        """Products of terms in its product with a factor."""
+        return len(factor) * sum(map(len, (*self.multipliers.values(), *self.entries.values())))
+
     def scaled(self, factor: PolyElement) -> EliminationRow:
         """factor * self."""
         return EliminationRow(
-            {k: v * factor for k, v in self.multipliers.items()},
-            {k: v * factor for k, v in self.entries.items()},
+            {k: times(v, factor) for k, v in self.multipliers.items()},
+            {k: times(v, factor) for k, v in self.entries.items()},
         )
 
     def divided(self, divisor: PolyElement) -> EliminationRow:
         """Self with multipliers and entries divided by a common factor."""
         return EliminationRow(
-            {k: v.exquo(divisor) for k, v in self.multipliers.items()},
-            {k: v.exquo(divisor) for k, v in self.entries.items()},
+            {k: quotient(v, divisor) for k, v in self.multipliers.items()},
+            {k: quotient(v, divisor) for k, v in self.entries.items()},
         )
 
     @property
@@ -206,12 +220,13 @@ def _coefficient(entry: PolyElement | None, exponent: int) -> PolyElement | None
 
 
 def _without_common_factor(first: PolyElement, second: PolyElement) -> tuple[PolyElement, PolyElement]:
-    _, reduced_first, reduced_second = first.cofactors(second)
-    return reduced_first, reduced_second
+    common = common_divisor([first, second])
+    return quotient(first, common), quotient(second, common)
 
 
 def _combine(row: Row, factor: PolyElement, other: Row, other_factor: PolyElement) -> Row:
-    return add({column: entry * factor for column, entry in row.items()}, other, other_factor)
+    total = {column: times(entry, factor) for column, entry in row.items()}
+    return add(total, {column: times(entry, other_factor) for column, entry in other.items()}, 1)
 
 
 def _without_factors(row: EliminationRow, pivots: Sequence[PolyElement]) -> EliminationRow:
@@ -241,9 +256,7 @@ def primitive(row: EliminationRow, ring: PolyRing, *, keep_powers_of_s: bool = F
     parts = sorted(row.multipliers.values(), key=len)
     if _have_no_common_factor(parts, ring):
         return row
-    factor = reduce(
-        lambda common, part: common if common.is_ground else common.gcd(part), parts[1:], parts[0]
-    )
+    factor = common_divisor(parts)
     if keep_powers_of_s:
         power = min(monomial[0] for monomial in factor.itermonoms())
         factor = ring.from_dict(

@@ -8,8 +8,8 @@ the balance of the structure alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
@@ -17,6 +17,7 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.axis import Axis, Body
+from symid.symbolic.expressions import exact
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 
 Row = dict[str, PolyElement]
@@ -40,6 +41,8 @@ class OperatorModel:
         Coefficients of the nonlinear laws, by body and input symbol.
     force : mapping of str to PolyElement
         Coefficient of the drive force, by body.
+    numbers : mapping of Symbol to Rational
+        Constants that are numbers in the coefficients.
     """
 
     source: InverseDynamicModel
@@ -47,25 +50,32 @@ class OperatorModel:
     motion: Mapping[str, Row]
     inputs: Mapping[str, Row]
     force: Mapping[str, PolyElement]
+    numbers: Mapping[sp.Symbol, sp.Rational] = field(default_factory=dict)
+
+    def element(self, expression: sp.Expr) -> Any:
+        """A known number, or an expression of ratios, as an element of the coefficient field."""
+        return self.ring.domain.from_sympy(sp.sympify(expression).xreplace(self.numbers))
 
     def functional(self, displacement: sp.Expr) -> dict[str, Any]:
         """A displacement as coefficients (elements of the ring's domain) of absolute displacements, by body."""
         axis, kinematics = self.source.axis, Kinematics(self.source.axis)
         relative = {
-            body.name: self.ring.domain.from_sympy(coefficient)
+            body.name: self.element(coefficient)
             for body in axis.free_bodies
             if (coefficient := displacement.coeff(kinematics.symbol(body))) != 0
         }
         return _relative_to_absolute(relative, _carriers(axis))
 
 
-def operator_model(model: InverseDynamicModel) -> OperatorModel:
+def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> OperatorModel:
     """Balances of the free bodies as operator rows in absolute coordinates.
 
     Parameters
     ----------
     model : InverseDynamicModel
         Lagrange's equations in the declared coordinates q.
+    numbers : sequence of str
+        Constants that stand in the coefficients as numbers, not as symbols.
 
     Returns
     -------
@@ -73,9 +83,10 @@ def operator_model(model: InverseDynamicModel) -> OperatorModel:
         With x = T q the absolute displacements, the balances are T^-T times Lagrange's equations.
     """
     axis, carriers = model.axis, _carriers(model.axis)
-    ring = _parameter_ring(model)
+    values = {sp.Symbol(name): exact(model.constants[name]) for name in numbers}
+    ring = _parameter_ring(model, numbers)
     lagrange = {
-        body.name: _split(balance, ring, model)
+        body.name: _split(balance.xreplace(values), ring, model)
         for body, balance in zip(axis.free_bodies, model.balances, strict=True)
     }
     motion: dict[str, Row] = {}
@@ -90,7 +101,7 @@ def operator_model(model: InverseDynamicModel) -> OperatorModel:
             str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance
         }
         force[body] = balance.get(axis.drive.signal, ring.zero)
-    return OperatorModel(model, ring, motion, inputs, force)
+    return OperatorModel(model, ring, motion, inputs, force, values)
 
 
 def add(row: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> dict[Any, Any]:
@@ -126,8 +137,8 @@ def _relative_to_absolute(relative: Mapping[str, Any], carriers: Mapping[str, st
     return absolute
 
 
-def _parameter_ring(model: InverseDynamicModel) -> PolyRing:
-    constants = [sp.Symbol(name) for name in model.constants]
+def _parameter_ring(model: InverseDynamicModel, numbers: Sequence[str]) -> PolyRing:
+    constants = [sp.Symbol(name) for name in model.constants if name not in numbers]
     domain = QQ.frac_field(*constants) if constants else QQ
     known = model.axis.known_parameters
     names = [name for name in model.axis.parameter_units if known.get(name) != 0]

@@ -100,11 +100,12 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     inverse = _branches(model, solution) if solution else ()
     axis = model.source.source.axis
     units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
-    known = {sp.Symbol(name): value for name, value in model.source.source.numbers.items()}
-    forward = {name: expression.subs(known) for name, expression in minimal.items()}
-    backward = [{name: expression.subs(known) for name, expression in b.items()} for b in inverse]
-    if len(inverse) > 1 and other_solutions_are_unphysical(forward, backward, units, axis.signed_parameters):
-        identifiability |= dict.fromkeys(several, "unique")
+    if len(inverse) > 1:
+        known = {sp.Symbol(name): value for name, value in model.source.source.numbers.items()}
+        forward = {name: expression.xreplace(known) for name, expression in minimal.items()}
+        backward = [{name: expression.xreplace(known) for name, expression in b.items()} for b in inverse]
+        if other_solutions_are_unphysical(forward, backward, units, axis.signed_parameters):
+            identifiability |= dict.fromkeys(several, "unique")
     symbols = {sp.Symbol(name) for name in undetermined}
     return ParameterMap(
         minimal=minimal,

@@ -189,3 +189,29 @@ def test_generate_keeps_modules_of_axis_files_beside_and_sets_asked_for(
     assert {"beside__q.py", "mine__q.py", "mine__q_a.py", "mine__a.py"} <= kept
     code, out, _ = run(capsys, "generate", "--check")
     assert (code, "are current" in out) == (0, True)
+
+
+def test_generate_writes_what_it_can_and_names_what_it_cannot(
+    project: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Coulomb friction on a load that only one set of sensors sees."""
+    text = """
+from symid import Axis, Between, Body, CoulombFriction, Drive, Position, Spring
+motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+nut = Spring("nut", Between(first=motor, second=load), stiffness="K")
+axis = Axis(
+    "mine",
+    (motor, load, nut, CoulombFriction(load, "Fs")),
+    Drive("F", motor),
+    (Position("qm", motor), Position("ql", load)),
+)
+"""
+    (project / "models" / "mine.py").write_text(text, encoding="utf-8")
+    code, out, err = run(capsys, "generate", "mine")
+    assert code == 1
+    assert "wrote mine__qm_ql.py" in out
+    assert err.startswith("symid: mine__qm.py cannot be derived: ")
+    assert "add a position or velocity sensor of 'load'" in err
+    assert [path.name for path in (project / "generated").glob("*.py")] == ["mine__qm_ql.py"]
+    code, out, _ = run(capsys, "generate", "mine", "--check", "--json", "-")
+    assert (code, list(json.loads(out)["refused"])) == (1, ["mine__qm.py"])

@@ -1,0 +1,258 @@
+"""Ratios of gears as units of coordinates: elimination without them.
+
+A ratio r that stands between two displacements can be made 1: measured in other units, x = r^k x', balances times
+powers of r and parameters p = r^w p' hold no r. Where all coefficients are numbers times powers of ratios, exponents
+solve a linear system, which has a solution for every tree of gears and springs. Polynomials over the numbers alone are
+what elimination is fast with. Ratios in a loop, and in sums such as 1 + r, cannot be taken out: there they are numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import prod
+from typing import Any
+
+from sympy import QQ
+from sympy.polys.fields import FracElement
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.rings import PolyElement, PolyRing
+
+from symid.symbolic.expressions import exact
+from symid.symbolic.kernel import EliminationRow
+from symid.symbolic.operators import OperatorModel, Row, add
+
+Exponents = tuple[int, ...]
+"""Of the ratios of a coefficient field, in their order."""
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Powers of the ratios by which balances, columns and parameters are multiplied.
+
+    Parameters
+    ----------
+    balances, columns, parameters : mapping of str to Exponents
+        By name; parameter p is the power of the ratios times that of the scaled axis.
+    plain : PolyRing
+        Ring of the scaled axis, over the numbers.
+    ring : PolyRing
+        Ring of the axis.
+    """
+
+    balances: Mapping[str, Exponents]
+    columns: Mapping[str, Exponents]
+    parameters: Mapping[str, Exponents]
+    plain: PolyRing
+    ring: PolyRing
+
+    def scaled(self, row: Row) -> Row:
+        """A row of the scaled axis."""
+        return {column: self._without_ratios(entry) for column, entry in row.items()}
+
+    def operators(self, operators: OperatorModel, rows: Mapping[str, Row]) -> OperatorModel:
+        """Forces and laws of the scaled axis; its motion is left out."""
+        inputs = {b: self.scaled(row) for b, row in _split_inputs(operators, rows).items()}
+        force = {balance: self._without_ratios(entry) for balance, entry in operators.force.items()}
+        return replace(operators, ring=self.plain, motion={}, inputs=inputs, force=force)
+
+    def restored(self, row: EliminationRow, ring: PolyRing, constants: Mapping[str, float]) -> EliminationRow:
+        """A combination of balances of the axis; its first multiplier begins with 1.
+
+        Parameters
+        ----------
+        row : EliminationRow
+            Of the scaled axis.
+        ring : PolyRing
+            That of the axis, in whose coefficients ratios are symbols or numbers.
+        constants : mapping of str to float
+            Values of the ratios.
+        """
+        powers = _Powers(self.ring.domain.symbols, ring, constants)
+        multipliers = {
+            b: self._with_ratios(e, self.balances[b], ring, powers) for b, e in row.multipliers.items()
+        }
+        scale = ring.domain.one / next(iter(multipliers.values())).LC
+        entries = {
+            c: self._with_ratios(e, tuple(-k for k in self.columns[c]), ring, powers)
+            for c, e in row.entries.items()
+        }
+        if scale == ring.domain.one:
+            return EliminationRow(multipliers, entries)
+        return EliminationRow(
+            {b: entry.mul_ground(scale) for b, entry in multipliers.items()},
+            {c: entry.mul_ground(scale) for c, entry in entries.items()},
+        )
+
+    def _without_ratios(self, entry: PolyElement) -> PolyElement:
+        return self.plain.from_dict({m: term_of(c)[0] for m, c in entry.terms()})
+
+    def _with_ratios(
+        self, entry: PolyElement, power: Exponents, ring: PolyRing, powers: _Powers
+    ) -> PolyElement:
+        """A polynomial in the parameters of the axis, times a power of the ratios."""
+        own = [self.parameters[str(symbol)] for symbol in self.ring.symbols[1:]]
+        places = range(len(power))
+        terms = {}
+        for m, c in entry.terms():
+            used = [(n, w) for n, w in zip(m[1:], own, strict=True) if n]
+            terms[m] = powers.times(c, tuple(power[k] - sum(n * w[k] for n, w in used) for k in places))
+        return ring.from_dict(terms)
+
+
+class _Powers:
+    """Products of powers of ratios as elements of a coefficient field, each made once."""
+
+    def __init__(self, symbols: Sequence[Any], ring: PolyRing, constants: Mapping[str, float]) -> None:
+        self.field = ring.domain
+        kept = () if self.field == QQ else self.field.symbols
+        self._bases = [
+            self.field(self.field.gens[kept.index(x)])
+            if x in kept
+            else self.field.from_sympy(exact(constants[str(x)]))
+            for x in symbols
+        ]
+        self._known: dict[Exponents, Any] = {}
+
+    def times(self, number: Any, exponents: Exponents) -> Any:
+        """A number times the ratios to the power of the exponents."""
+        if exponents not in self._known:
+            factors = (base**n for base, n in zip(self._bases, exponents, strict=True) if n)
+            self._known[exponents] = prod(factors, start=self.field.one)
+        power = self._known[exponents]
+        if isinstance(power, FracElement):
+            return power.raw_new(power.numer.mul_ground(number), power.denom)
+        return power * number
+
+
+def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | tuple[str, ...]:
+    """Scaling that takes all ratios out of rows, forces and laws; else the ratios that cannot be taken out.
+
+    Parameters
+    ----------
+    rows : mapping of str to Row
+        Rows of the motion, by balance.
+    operators : OperatorModel
+        Its coefficient field is that of the ratios.
+    """
+    ring = operators.ring
+    ratios = [str(symbol) for symbol in ring.domain.symbols]
+    terms = list(_terms(rows, operators))
+    mixed = {name for _, _, _, c in terms if term_of(c)[1] is None for name in _names_in(c)}
+    if mixed:
+        return tuple(name for name in ratios if name in mixed)
+    names = [str(symbol) for symbol in ring.symbols[1:]]
+    own = _constants_of_laws(operators, rows)
+    unknowns = {("balance", b): i for i, b in enumerate(dict.fromkeys(b for b, *_ in terms))}
+    for key in (
+        *(("column", c) for c in dict.fromkeys(c for _, c, *_ in terms)),
+        *(("parameter", p) for p in names),
+    ):
+        unknowns[key] = len(unknowns)
+    found = {key: [0] * len(ratios) for key in unknowns}
+    stuck = []
+    for k, ratio in enumerate(ratios):
+        if ratio in own:
+            continue
+        solved = _exponents(terms, names, unknowns, k)
+        if solved is None:
+            stuck.append(ratio)
+            continue
+        for key, i in unknowns.items():
+            found[key][k] = solved[i]
+    if stuck:
+        return tuple(stuck)
+    by_kind: dict[str, dict[str, Exponents]] = {"balance": {}, "column": {}, "parameter": {}}
+    for (kind, name), powers in found.items():
+        by_kind[kind][name] = tuple(powers)
+    plain = PolyRing(ring.symbols, QQ, ring.order)
+    return Scaling(by_kind["balance"], by_kind["column"], by_kind["parameter"], plain, ring)
+
+
+def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:
+    """Number and exponents of a coefficient that is a number times powers of ratios; None where it is not."""
+    if not isinstance(coefficient, FracElement):
+        return coefficient, ()
+    above, below = coefficient.numer, coefficient.denom
+    if not (above.is_term and below.is_term):
+        return coefficient, None
+    ((up, a),), ((down, b),) = above.terms(), below.terms()
+    return a / b, tuple(x - y for x, y in zip(up, down, strict=True))
+
+
+def _terms(
+    rows: Mapping[str, Row], operators: OperatorModel
+) -> Iterator[tuple[str, str, tuple[int, ...], Any]]:
+    """Balance, column, monomial and coefficient of every term; the force and the laws have columns of their own."""
+    inputs = _split_inputs(operators, rows)
+    for balance, row in rows.items():
+        columns = {
+            **row,
+            **inputs[balance],
+            operators.source.axis.drive.signal: operators.force[balance],
+        }
+        for column, entry in columns.items():
+            yield from ((balance, column, monomial, c) for monomial, c in entry.terms())
+
+
+def _constants_of_laws(operators: OperatorModel, rows: Mapping[str, Row]) -> set[str]:
+    """Constants that stand in laws alone, such as gravity: elimination does not meet them."""
+    entries = [*(entry for row in rows.values() for entry in row.values()), *operators.force.values()]
+    met = {name for entry in entries for c in entry.coeffs() for name in _names_in(c)}
+    return {str(symbol) for symbol in operators.ring.domain.symbols} - met
+
+
+def _split_inputs(operators: OperatorModel, rows: Mapping[str, Row]) -> dict[str, Row]:
+    """Laws by balance, with a column for each power of the constants that stand in laws alone."""
+    symbols = [str(symbol) for symbol in operators.ring.domain.symbols]
+    own = [symbols.index(name) for name in sorted(_constants_of_laws(operators, rows))]
+    split: dict[str, Row] = {}
+    for balance, row in operators.inputs.items():
+        parts: Row = {}
+        for column, entry in row.items():
+            for monomial, c in entry.terms():
+                exponents = term_of(c)[1]
+                power = "".join(f"*{symbols[k]}^{exponents[k]}" for k in own if exponents and exponents[k])
+                parts = add(parts, {column + power: operators.ring({monomial: c})}, operators.ring.one)
+        split[balance] = parts
+    return split
+
+
+def _names_in(coefficient: Any) -> set[str]:
+    parts = (coefficient.numer, coefficient.denom)
+    return {str(x) for part in parts for i, x in enumerate(part.ring.symbols) if part.degree(i) > 0}
+
+
+def _exponents(
+    terms: list[tuple[str, str, tuple[int, ...], Any]],
+    names: list[str],
+    unknowns: Mapping[tuple[str, str], int],
+    ratio: int,
+) -> list[int] | None:
+    """Exponents of one ratio that leave none in any term; None if there are no such whole numbers."""
+    equations: dict[tuple[tuple[int, int], ...], int] = {}
+    for balance, column, monomial, c in terms:
+        sums = {unknowns["balance", balance]: 1}
+        column_place = unknowns["column", column]
+        sums[column_place] = 1
+        for name, power in zip(names, monomial[1:], strict=True):
+            if power:
+                sums[unknowns["parameter", name]] = power
+        exponents = term_of(c)[1]
+        assert exponents is not None
+        key, value = tuple(sorted(sums.items())), -exponents[ratio]
+        if equations.setdefault(key, value) != value:
+            return None
+    width = len(unknowns)
+    matrix = [
+        [QQ(dict(key).get(i, 0)) for i in range(width)] + [QQ(value)] for key, value in equations.items()
+    ]
+    reduced, pivots = DomainMatrix(matrix, (len(matrix), width + 1), QQ).rref()
+    if width in pivots:
+        return None
+    solution = [0] * width
+    for row, pivot in zip(reduced.to_list(), pivots, strict=False):
+        if row[width].denominator != 1:
+            return None
+        solution[pivot] = int(row[width].numerator)
+    return solution
