@@ -182,7 +182,7 @@ def found_from(
             physical = (
                 constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical
             )
-    status, message = verdict(model, fit, physical, correlated)
+    status, message = verdict(model, fit, physical, correlated, has_start=nominal is not None)
     return Identification(
         model=model,
         logs=tuple(log.source for log in logs),

@@ -43,8 +43,13 @@ def verdict(
     fit: LeastSquares,
     physical: tuple[PhysicalEstimate, ...],
     correlated: CorrelatedCovariance | None = None,
+    *,
+    has_start: bool = False,
 ) -> tuple[Status, str]:
-    """Status of an identification, and a sentence that says what it means here and what to do."""
+    """Status of an identification, and a sentence that says what it means here and what to do.
+
+    `has_start` says whether nominal values were given as a start.
+    """
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
@@ -65,6 +70,14 @@ def verdict(
     if not physical and model.physical_parameters is not None:
         cause = "the inverse map leads to no finite values: the model, the filter, the timing or the log does not fit"
         return "no_physical_parameters", cause
+    if not physical and len(model.physical_units) > len(names):
+        few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"
+        return "no_physical_parameters", f"{few}: give what is known with --fix, or add a sensor"
+    if not physical and has_start:
+        return "no_physical_parameters", (
+            "no single solution was found from the nominal values: give what is known with --fix, add a sensor, or "
+            "correct the nominal values"
+        )
     if not physical:
         cure = "give --nominal P.json with nominal values as a start"
         return "no_physical_parameters", f"the inverse map has no closed form: {cure}"

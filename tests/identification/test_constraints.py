@@ -172,3 +172,21 @@ def test_a_fixed_stiffness_separates_what_one_frequency_does_not() -> None:
 def test_what_is_not_possible_is_refused(knowledge: dict[str, object], message: str) -> None:
     with pytest.raises(SettingError, match=message):
         plain(log_of(0), **knowledge)
+
+
+def test_a_start_that_was_given_is_not_asked_for_again() -> None:
+    """Two masses that move as one: fewer minimal than physical parameters."""
+    from symid import Axis, Body, Drive, Geared, Position, ViscousFriction
+
+    left = Body("left", mass="Ml")
+    right = Body("right", mass="Mr", geared=Geared(to=left, ratio=1.0))
+    axis = Axis("pair", (left, right, ViscousFriction(left, "Fv")), Drive("F", left), (Position("q", left),))
+    log = log_of(8)
+    nominal = {"Ml": 2.0, "Mr": 3.0, "Fv": 30.0}
+    found = identify(axis, log, preparation=RAW, nominal=nominal, examine=False)
+    assert found.status == "no_physical_parameters"
+    assert found.message == (
+        "2 minimal parameters do not determine 3 physical ones: give what is known with --fix, or add a sensor"
+    )
+    known = identify(axis, log, preparation=RAW, fixed={"Mr": 3.0}, examine=False)
+    assert list(known.physical_parameters) == ["Ml", "Fv"]
