@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections import Counter
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -50,4 +51,16 @@ def svg_of(figure: Figure, name: str) -> str:
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
         figure.savefig(text, format="svg", metadata=nothing)
-    return text.getvalue()[text.getvalue().index("<svg ") :]
+    return _once(text.getvalue()[text.getvalue().index("<svg ") :])
+
+
+def _once(svg: str) -> str:
+    """The element with each identifier once: signs of the same kind are numbered."""
+    seen: Counter[str] = Counter()
+
+    def numbered(match: re.Match[str]) -> str:
+        seen[match[1]] += 1
+        count = seen[match[1]]
+        return match[0] if count == 1 else f' id="{match[1]} {count}"'
+
+    return re.sub(r' id="([^"]*)"', numbered, svg)

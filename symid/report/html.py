@@ -34,6 +34,9 @@ MAPS = {
     "time": "Time",
 }
 
+_MOST_SHOWN = 8
+"""Alternatives that are shown at once; an effect that was accepted always is."""
+
 
 def html_path(file: str | Path) -> Path:
     """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist.
@@ -77,6 +80,9 @@ def _page(found: Diagnosis) -> str:
     from symid.report.schematic import schematic_svg
 
     record = diagnosis_record(found)
+    accepted = {(effect.effect, effect.at) for effect in found.effects}
+    ranked = list(enumerate(record["alternatives"], start=1))
+    shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in accepted]
     return (
         page_templates()
         .get_template("diagnosis.html")
@@ -85,7 +91,9 @@ def _page(found: Diagnosis) -> str:
             verdict=VERDICTS[found.verdict],
             scale=_scale(record),
             maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
-            accepted={(effect.effect, effect.at) for effect in found.effects},
+            accepted=accepted,
+            shown=shown,
+            more=[one for one in ranked if one not in shown],
             plots=plots_of(found),
             schematic=schematic_svg(found.axis),
             version=__version__,

@@ -74,7 +74,7 @@ def test_a_page_tells_verdict_gap_causes_parameters_and_next_step(kind, tmp_path
 def test_a_page_loads_nothing(kind, tmp_path):
     page = written(diagnosis_example(kind), tmp_path)
     content = Content(page)
-    assert content.addresses == []
+    assert [address for address in content.addresses if not address.startswith("#")] == []
     assert not set(content.tags) & {"link", "iframe", "object", "embed", "base", "form", "img"}
     style = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
     assert "url(" not in style
@@ -152,3 +152,26 @@ def test_the_page_holds_the_schematic_of_the_axis(tmp_path):
         assert f'id="body {body.name}"' in drawing
         assert f">{body.name}<" in drawing
     assert drawing == again
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pages_have_one_main_part_and_each_identifier_once(kind, tmp_path):
+    page = written(diagnosis_example(kind), tmp_path)
+    without_scripts = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+    names = re.findall(r'\sid="([^"]*)"', without_scripts)
+    assert len(names) == len(set(names))
+    assert without_scripts.count("<main>") == without_scripts.count("</main>") == 1
+    assert set(re.findall(r'href="#([^"]*)"', re.search("<nav.*?</nav>", page, re.DOTALL)[0])) <= set(names)
+
+
+def test_an_accepted_effect_is_never_among_those_that_are_folded_away(tmp_path):
+    found = diagnosis_example("effect")
+    last = found.alternatives[0]
+    others = tuple(replace(last, effect=f"other_{k}", probability=0.01) for k in range(12))
+    page = written(replace(found, alternatives=(*others, last)), tmp_path)
+    section = re.search('<section id="candidates">.*?</section>', page, re.DOTALL)[0]
+    before, folded = section.split("<details>")
+    assert "accepted" in before
+    assert "<td>13</td>" in before
+    assert "accepted" not in folded
+    assert "<summary>4 more</summary>" in folded

@@ -1,0 +1,174 @@
+"""The commands of README and docs run, one after the other, in a folder that holds the files they name."""
+
+import contextlib
+import io
+import json
+import re
+import shlex
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+import scipy.io
+from command_line import run
+from fleet_logs import write_log
+
+import symid
+from symid.simulation import multisine, plant_of, simulate, tuned_cascade
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+SPEC = spec_from_file_location("foreign_log", ROOT / "examples" / "foreign_log.py")
+assert SPEC is not None
+assert SPEC.loader is not None
+foreign_log = module_from_spec(SPEC)
+SPEC.loader.exec_module(foreign_log)
+CHANGING = ("diagnose", "generate")
+"""Commands whose figures the benchmarks measure, and one before which a page changes a file by hand."""
+ELSEWHERE = ("--scheduler tcp://10.0.0.1",)
+"""Commands that need more than a folder."""
+PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
+RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
+BENCH = {"Jm": 0.0049, "Fvm": 0.02, "Kt": 555, "Ft": 0.009, "Pt": 0, "Jl": 0.0049, "Fvl": 0.1}
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of a page, and what the page says it prints; None where it says nothing."""
+
+    text: str
+    printed: str | None
+
+    @property
+    def arguments(self) -> list[str]:
+        return shlex.split(self.text.partition("      #")[0])[1:]
+
+
+def commands_of(page: Path) -> list[Command]:
+    """Commands in the indented blocks of a page: lines that begin with symid, or with $ and then their output."""
+    text = re.sub(r"\\\n +", "", page.read_text(encoding="utf-8"))
+    text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+    found: list[Command] = []
+    for block in re.findall(r"(?:^ {4}.*\n)+", text, re.MULTILINE):
+        lines = [line[4:].rstrip() for line in block.splitlines()]
+        for place, line in enumerate(lines):
+            if line.startswith("symid "):
+                found.append(Command(line, None))
+            elif line.startswith("$ symid "):
+                rest = lines[place + 1 :]
+                until = next((i for i, other in enumerate(rest) if other.startswith("$ ")), len(rest))
+                found.append(Command(line[2:], "\n".join(rest[:until])))
+    return [command for command in found if not any(words in command.text for words in ELSEWHERE)]
+
+
+def by_random_motion(axis: str, values: dict[str, float], seed: int = 0) -> pl.DataFrame:
+    """A log of an axis that moves at random below 60 Hz for three seconds."""
+    declared = symid.load_axis(axis)
+    moved = multisine(
+        np.arange(1.0, 60.0), 0.5, sampling_period=1e-3, quantity="acceleration", seconds=1.0, periods=3
+    )
+    controller = tuned_cascade(plant_of(declared, values), declared.controlled)
+    log = simulate(declared, values, moved, controller, seed=seed).log
+    return pl.DataFrame({"t": log.time, **dict(log.signals)})
+
+
+def with_stribeck() -> pl.DataFrame:
+    """A rigid axis by hand whose friction falls with speed, which no file of symid declares."""
+    t = np.arange(8000) / 1000
+    q = 0.1 * np.sin(2 * t) + 0.01 * np.sin(11 * t)
+    v, a = 0.2 * np.cos(2 * t) + 0.11 * np.cos(11 * t), -0.4 * np.sin(2 * t) - 1.21 * np.sin(11 * t)
+    friction = np.sign(v) * (40.0 + 30.0 * np.exp(-((v / 0.03) ** 2)))
+    noise = np.random.default_rng(0).standard_normal(t.size)
+    return pl.DataFrame({"t": t, "q": q, "F": 100.0 * a + 80.0 * v + friction + noise})
+
+
+def paper_logs(folder: Path) -> None:
+    for k, name in enumerate(("run.csv", "run1.csv", "run2.csv", "run3.csv")):
+        by_random_motion("direct_2m1s", PAPER, k).write_csv(folder / name)
+    by_random_motion("direct_2m1s", PAPER).write_parquet(folder / "run.parquet")
+    bench = by_random_motion("motor_bench", BENCH)
+    scipy.io.savemat(folder / "bench.mat", {name: bench[name].to_numpy() for name in bench.columns})
+
+
+def foreign_logs(folder: Path) -> None:
+    log = foreign_log.recorded()
+    foreign_log.write_matlab(log, folder / "run.mat")
+    foreign_log.write_csv(log, folder / "run.csv")
+    foreign_log.write_trace(log, folder / "trace.csv")
+
+
+def emps_logs(folder: Path) -> None:
+    (folder / "logs").mkdir()
+    for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"):
+        (folder / "logs" / name).symlink_to(ROOT / "data" / "emps" / name)
+
+
+def results(folder: Path) -> None:
+    (folder / "rows").mkdir()
+    for seed in range(4):
+        write_log(folder / "rows" / f"{seed}.parquet", seed)
+    settings = symid.BatchSettings(joint=True)
+    symid.identify_batch(
+        "rigid_1m", folder / "rows", output=folder / "results.parquet", settings=settings, jobs=1
+    )
+
+
+def night(folder: Path) -> None:
+    log = symid.read_axis_log("emps", ROOT / "data" / "emps" / "DATA_EMPS.mat", columns={"q": "qm"})
+    pl.DataFrame({"t": log.time, **dict(log.signals)}).write_parquet(folder / "night.parquet")
+
+
+FILES: dict[str, Callable[[Path], None]] = {
+    "README.md": lambda folder: None,
+    "docs/batch.md": emps_logs,
+    "docs/diagnosis.md": paper_logs,
+    "docs/export.md": lambda folder: with_stribeck().write_csv(folder / "run.csv"),
+    "docs/fleet.md": results,
+    "docs/how_to/extend.md": lambda folder: None,
+    "docs/how_to/foreign_log.md": foreign_logs,
+    "docs/identification.md": lambda folder: None,
+    "docs/long_logs.md": night,
+    "docs/output_error.md": paper_logs,
+    "docs/simulation.md": lambda folder: None,
+    "docs/tuning.md": paper_logs,
+}
+"""What each page that has commands takes as given."""
+
+
+@pytest.mark.parametrize("page", FILES)
+def test_commands_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SYMID_TRACE", "1")
+    Path("data").symlink_to(ROOT / "data")
+    Path("P.json").write_text(json.dumps({**PAPER, **RIGID}), encoding="utf-8")
+    FILES[page](tmp_path)
+    for command in commands_of(ROOT / page):
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            code = run(*command.arguments)
+        assert code == 0, f"{command.text}: {said.getvalue()}"
+        if command.printed is not None and command.arguments[0] not in CHANGING:
+            assert follows(said.getvalue(), command.printed), f"{command.text} prints {said.getvalue()}"
+
+
+def follows(said: str, printed: str) -> bool:
+    """Whether a text is what a page prints, lines wrapped anew and ``...`` for anything."""
+    parts = [
+        r"\s+".join(map(re.escape, part.split()))
+        for part in re.split(r"^\.\.\.$", printed, flags=re.MULTILINE)
+    ]
+    return re.fullmatch(r"\s*" + r"[\s\S]*".join(parts) + r"\s*", said.strip()) is not None
+
+
+def test_every_page_with_commands_is_run() -> None:
+    assert {str(page.relative_to(ROOT)) for page in PAGES if commands_of(page)} == set(FILES)
+
+
+def test_what_a_page_prints_is_compared() -> None:
+    assert follows("a\n  b  c\nlast", "a b\nc\n...")
+    assert follows("one two 3", "one\n...\n3")
+    assert not follows("one two 4", "one\n...\n3")
