@@ -26,9 +26,9 @@ from symid.diagnosis.search import (
     Confirmed,
     Turn,
     confirmed_from,
-    least_taken,
     prefer_coulomb,
     ranked,
+    takes,
 )
 from symid.diagnosis.state import with_effects
 
@@ -126,7 +126,7 @@ def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Mem
         )  # what was dealt with goes to the end, so that the next one is the first
         own, before = whole.state.placed[at], _without(whole, at)
         found = _chosen(first, before, own, turn, library if i == 0 else ())
-        matters = before.mean_square - whole.mean_square > least_taken(first)
+        matters = takes(before, whole, first)
         if found is None and matters and i > 0:
             found = _chosen(first, before, own, turn, library)
         if found is None and matters:

@@ -51,6 +51,8 @@ _TIMING_FIRST = 0.6
 """Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
 like play, friction or compliance, and what there is of these is found after it."""
 LATE_READING = "sensor_delay"
+_SPOILED = 1.5
+"""Factor by which the mean square of no output may grow, nor exceed noise then: no effect worsens what others show."""
 _NOISE = 0.8
 """Mean square below which no effect takes a model: that of noise, whose level is known to some percent."""
 _MOST_EFFECTS = 4
@@ -120,19 +122,23 @@ class Turn:
         if not self.confirmed:
             return False
         best = self.confirmed[0]
-        closed = 1 - best.fit.mean_square / self.before.mean_square
+        closed = float(np.mean(1 - best.squares.sum(axis=1) / self.before.blocks.squares.sum(axis=1)))
         return best.worth > LEAST_WORTH and closed > LEAST_SHARE and best.certainty > LEAST_CERTAINTY
 
     def is_worth_another(self, first: Fit) -> bool:
         """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
         if not self.accepts:
             return False
-        return self.before.mean_square - self.confirmed[0].fit.mean_square > least_taken(first)
+        return takes(self.before, self.confirmed[0].fit, first)
 
 
-def least_taken(first: Fit) -> float:
-    """Mean square that an effect beside others must take away, where `first` was to be explained."""
-    return max(_LEAST_POWER, _LEAST_OF_FIRST * first.mean_square)
+def takes(before: Fit, after: Fit, first: Fit) -> bool:
+    """Whether an effect beside others takes away what counts, where `first` was to be explained.
+
+    More than noise lets a level doubt, and a share of what the first model leaves of each output, in the mean of these.
+    """
+    taken = before.squares - after.squares
+    return bool(np.mean(taken) > _LEAST_POWER and np.mean(taken / first.squares) > _LEAST_OF_FIRST)
 
 
 def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> tuple[Turn, ...]:
@@ -158,7 +164,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         if not turn.accepts:
             break
         current = refitted(settled(turn.confirmed[0].fit)).after(fit)
-        if current.mean_square - least_taken(fit) < _NOISE:
+        if current.mean_square - max(_LEAST_POWER, _LEAST_OF_FIRST * float(fit.squares.min())) < _NOISE:
             break
         if current.state.placed[-1].effect.name in LATE_FORCES:
             library = [effect for effect in library if effect.name not in LATE_FORCES]
@@ -331,5 +337,8 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
         return None
     n = found.n_rows
     own, before = blocks.squares, fit.blocks.squares
+    grown = own.sum(axis=1) > _SPOILED * before.sum(axis=1)
+    if np.any(grown & (found.squares > _SPOILED)):
+        return None
     gain = log_likelihood(own, n) - log_likelihood(before, n)
     return Confirmed(found, gain, certainty(before, own, n), own)
