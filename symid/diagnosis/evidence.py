@@ -26,6 +26,8 @@ _REMOVED_WIDTH = 0.02
 _COVERED = 0.5
 _COVERED_WIDTH = 0.12
 _HALF = 0.5
+_UNLIKELY = 0.1
+"""Probability, at most, of an effect that the validation data do not show."""
 _WHITE = 1.6
 _COLOURED = 6.0
 """Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
@@ -174,6 +176,11 @@ class Errors:
     stationary: bool = False
     relative: float = math.inf
 
+    @property
+    def no_excess(self) -> bool:
+        """Whether the re-identified model leaves no more than the floor, so that there is nothing to explain."""
+        return not math.isfinite(self.left) and self.reidentified <= NOISE_ALONE
+
 
 def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     """Probabilities of the verdicts.
@@ -190,8 +197,8 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(turns[0]) if turns else 0.0
-    if not upheld:
-        there = min(there, 0.1)
+    if not upheld or errors.no_excess:
+        there = min(there, _UNLIKELY)
     if errors.stationary and errors.reidentified < _COLOURED:
         there *= _covers(errors)  # of noise that wanders, some course in time or place explains a part
     holds = there * (1 - _in_vain(errors))
