@@ -36,8 +36,9 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "compare R.json P.json": ("--json",),
     "import foreign.csv --axis rigid_1m": ("--axis", "--rate", "--gain", "--rated", "--output", "--plot", "--json"),
     "simulate rigid_1m --parameters P.json --rate 500 --output out/s.csv --overwrite": (
-        "--parameters", "--trajectory", "--seconds", "--band", "--travel", "--speed", "--acceleration", "--jerk",
-        "--dwell", "--rate", "--bandwidth", "--controller-gain", "--force-limit", "--open-loop", "--log-rate",
+        "--parameters", "--trajectory", "--seconds", "--band", "--amplitude-of", "--travel", "--speed",
+        "--acceleration",
+        "--jerk", "--dwell", "--rate", "--bandwidth", "--controller-gain", "--force-limit", "--open-loop", "--log-rate",
         "--noise", "--resolution", "--delay", "--seed", "--output", "--json",
     ),
     "export rigid_1m --parameters R.json --to json": ("--parameters", "--to", "--measured", "--output", "--json"),

@@ -47,6 +47,10 @@ from symid.simulation import (
 
 _UNIT = 1e-3
 """Amplitude of a trial trajectory, SI."""
+_LONGEST_PERIOD = 500_000
+"""Samples of a multisine's period; frequencies of longer ones are no short fractions."""
+_FADES = 10
+"""A multisine is faded in and out in a tenth of its time each."""
 
 trajectory_options = shared(
     click.option(
@@ -65,6 +69,13 @@ trajectory_options = shared(
         show_default=True,
         metavar="HZ,HZ",
         help="Frequencies of a chirp or multisine.",
+    ),
+    click.option(
+        "--amplitude-of",
+        type=click.Choice(["position", "velocity", "acceleration"]),
+        default="velocity",
+        show_default=True,
+        help="What a chirp keeps constant over its frequencies; acceleration travels farthest, position least.",
     ),
     click.option(
         "--travel",
@@ -163,11 +174,14 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         "sampling_frequency_hz": run.log.sampling_frequency,
         "signals": {name: str(unit) for name, unit in declared.signal_units.items()},
         "largest_force": float(abs(run.forces).max()),
+        "reference": {"seconds": trajectory.duration, **_reached(trajectory)},
     }
     if json_file:
         write_json(record, json_file)
     if json_file != "-":
-        duration = run.log.n_samples * run.log.sampling_period
+        duration = trajectory.duration
+        if options["trajectory"] in ("chirp", "multisine") and not options["open_loop"]:
+            say(_said_reach(declared, trajectory, options))
         say(
             f"wrote {output}: {run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz, {duration:g} s"
         )
@@ -220,13 +234,16 @@ def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:
     low, high = band_of(options["band"])
     seconds = options["seconds"]
     if kind == "chirp":
-        return _within(options, lambda size: chirp(low, high, seconds, size, sampling_period=period))
-    if kind == "multisine":
-        lines = np.unique(np.round(np.linspace(low, high, 21) * seconds).clip(1)) / seconds  # whole cycles
-        amplitude = partial(
-            multisine, lines, sampling_period=period, quantity="acceleration", seconds=seconds
+        of_size = partial(
+            chirp,
+            *(low, high, seconds),
+            sampling_period=period,
+            quantity=options["amplitude_of"],
+            sweep="logarithmic",
         )
-        return _within(options, amplitude)
+        return _within(options, of_size)
+    if kind == "multisine":
+        return _within(options, partial(_multisine, (low, high), seconds, options["rate"]))
     if Path(kind).suffix:
         unit = axis.signal_units[axis.sensors[0].signal]
         return from_log(read_log(kind, expected={"reference": unit}))
@@ -235,12 +252,52 @@ def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:
     )
 
 
+def _multisine(band: tuple[float, float], seconds: float, rate: float, size: float) -> Trajectory:
+    """Up to 21 lines of equal acceleration in whole periods, faded in and out within the time."""
+    total = round(seconds * rate)
+    periods = -(-total // _LONGEST_PERIOD)
+    period = max((total - 2 * (total // _FADES)) // periods, 1)
+    cycles = np.unique(np.round(np.linspace(*band, 21) * period / rate).clip(1))
+    fade = (total - periods * period) // 2
+    return multisine(
+        cycles * rate / period,
+        size,
+        sampling_period=1.0 / rate,
+        quantity="acceleration",
+        seconds=periods * period / rate,
+        fade=fade / rate,
+    )
+
+
 def _within(options: dict[str, Any], make: Callable[[float], Trajectory]) -> Trajectory:
-    """The trajectory with the amplitude that uses nine tenths of the tightest limit; all of it scales with that."""
-    found = make(_UNIT).extremes
-    reached = {"travel": max(abs(found.lowest), abs(found.highest)), "speed": found.speed}
-    reached["acceleration"] = found.acceleration
-    return make(0.9 * _UNIT * min(options[name] / value for name, value in reached.items()))
+    """The trajectory with the amplitude that reaches the tightest limit; all of it scales with that."""
+    reached = _reached(make(_UNIT))
+    return make(_UNIT * min(options[name] / value for name, value in reached.items()))
+
+
+def _reached(trajectory: Trajectory) -> dict[str, float]:
+    """Greatest distance from zero, speed and acceleration of a trajectory, by the options that limit them."""
+    found = trajectory.extremes
+    travel = max(abs(found.lowest), abs(found.highest))
+    return {"travel": travel, "speed": found.speed, "acceleration": found.acceleration}
+
+
+def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> str:
+    """What a trajectory reaches of what was asked for, and what kept it from the travel."""
+    unit = axis.signal_units[axis.sensors[0].signal]
+    reached = _reached(trajectory)
+    units = (str(unit), f"{unit}/s", f"{unit}/s^2")
+    parts = [
+        f"{name} {value:.3g} of {options[name]:g} {unit}"
+        for (name, value), unit in zip(reached.items(), units, strict=True)
+    ]
+    tightest = max(reached, key=lambda name: reached[name] / options[name])
+    hint = ""
+    if tightest != "travel":
+        cure = ", or --amplitude-of acceleration" if options["amplitude_of"] != "acceleration" else ""
+        cure = cure if options["trajectory"] == "chirp" else ""
+        hint = f"; {tightest} is the limit: for more travel raise it, lower --band{cure}"
+    return f"the reference reaches {', '.join(parts)}{hint}"
 
 
 def band_of(text: str) -> tuple[float, float]:

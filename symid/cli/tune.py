@@ -200,9 +200,10 @@ def _tracked(frequencies: Sequence[float]) -> Iterator[float]:
 
 
 def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
-    """Controller and trajectory; a chirp has constant velocity here, as the velocity loop of the paper gets."""
+    """Controller and trajectory; a chirp of constant velocity is the one that the paper's velocity loop gets."""
     low, high = excited_band(plant) if options["band"] == "modes" else band_of(options["band"])
-    if options["trajectory"] != "chirp" or options["open_loop"]:
+    is_velocity = options["trajectory"] == "chirp" and options["amplitude_of"] == "velocity"
+    if not is_velocity or options["open_loop"]:
         return run_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
     limits = {name: options[name] for name in ("travel", "speed", "acceleration")}
     reference = tuning_chirp(plant, options["rate"], options["seconds"], (low, high), **limits)

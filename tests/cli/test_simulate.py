@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import numpy as np
+import polars as pl
 import pytest
 from axes.shipped import VALUES, write_parameters
 from command_line import run
@@ -66,6 +68,39 @@ def test_a_log_leads_and_its_force_drives(folder: Path) -> None:
     assert run("simulate", *common, "--open-loop", "run.csv", "-o", "open.csv") == 0
     first, again = ((folder / name).read_text().splitlines() for name in ("run.csv", "open.csv"))
     assert len(first) == len(again)
+
+
+@pytest.mark.parametrize("seconds", ["10", "3.3"])
+@pytest.mark.parametrize("trajectory", ["chirp", "multisine"])
+def test_the_reference_lasts_as_asked_and_its_reach_is_said(
+    folder: Path, trajectory: str, seconds: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    common = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "--rate", "2000", "--travel", "0.2"]
+    common += ["--trajectory", trajectory, "--seconds", seconds, "-o", "run.csv", "--overwrite"]
+    assert run(*common) == 0
+    said = capsys.readouterr().out
+    log = pl.read_csv(folder / "run.csv")
+    assert log["t"][-1] - log["t"][0] == pytest.approx(float(seconds), abs=1.1 / 2000)
+    reach = log["reference"].abs().max()
+    assert f"travel {reach:.3g} of 0.2 m" in said
+    assert "acceleration is the limit" in said
+    acceleration = np.diff(log["reference"].to_numpy(), 2) * 2000**2
+    assert np.abs(acceleration).max() == pytest.approx(5.0, rel=0.01)
+
+
+def test_a_chirp_reaches_the_travel_that_its_limits_allow(folder: Path) -> None:
+    common = ["simulate", "rigid_1m", "--parameters", "rigid_1m.json", "--rate", "2000", "--travel", "0.2"]
+    loose = ["--trajectory", "chirp", "--speed", "9", "--acceleration", "900", "--band", "1,10"]
+    reach, speed = {}, {}
+    for quantity in ("position", "velocity", "acceleration"):
+        file = f"{quantity}.csv"
+        assert run(*common, *loose, "--amplitude-of", quantity, "-o", file) == 0
+        reference = pl.read_csv(folder / file)["reference"].to_numpy()
+        reach[quantity], speed[quantity] = np.abs(reference).max(), np.abs(np.diff(reference)).max() * 2000
+    assert reach["velocity"] == pytest.approx(0.2, rel=1e-6)
+    assert reach["acceleration"] == pytest.approx(0.2, rel=1e-6)
+    assert speed["position"] == pytest.approx(9, rel=1e-3)  # the speed is the limit
+    assert reach["position"] < 0.19
 
 
 @pytest.mark.parametrize(
