@@ -123,6 +123,7 @@ FILES: dict[str, Callable[[Path], None]] = {
     "docs/batch.md": emps_logs,
     "docs/export.md": lambda folder: with_stribeck().write_csv(folder / "run.csv"),
     "docs/fleet.md": results,
+    "docs/how_to/excitation.md": lambda folder: None,
     "docs/how_to/extend.md": lambda folder: None,
     "docs/how_to/foreign_log.md": foreign_logs,
     "docs/identification.md": lambda folder: None,

@@ -17,6 +17,7 @@ COMMANDS = {
     "import": "Look at a foreign log: guess its columns, units and sampling, write the mapping.",
     "show": "Equations, regressor and parameter maps of an axis.",
     "generate": "Write the generated modules of axes.",
+    "excite": "The reference that identifies an axis best, within limits.",
     "simulate": "A log of an axis under its controller.",
     "identify": "Parameters and their deviations from logs.",
     "batch": "Many logs, one row each: parameters, deviations, verdicts.",

@@ -284,7 +284,7 @@ def _reached(trajectory: Trajectory) -> dict[str, float]:
 
 def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> str:
     """What a trajectory reaches of what was asked for, and what kept it from the travel."""
-    unit = axis.signal_units[axis.sensors[0].signal]
+    unit = axis.signal_units[axis.controlled]
     reached = _reached(trajectory)
     units = (str(unit), f"{unit}/s", f"{unit}/s^2")
     parts = [

@@ -1,0 +1,68 @@
+"""`design`: the reference of a few dozen that promises the smallest worst relative deviation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from symid.errors import SettingError
+from symid.excitation.expectation import Expectation, Experiment
+from symid.excitation.references import DEFAULTS, references
+from symid.simulation import Trajectory, plant_of
+
+
+@dataclass(frozen=True)
+class Design:
+    """The reference that was chosen, beside those of `symid simulate` within the same limits and time.
+
+    Parameters
+    ----------
+    best : Expectation
+        Of the reference that was chosen.
+    defaults : dict of str to (Expectation or None)
+        Of the default trapezoids and the default chirp; None if they do not determine the parameters.
+    tried : int
+        References that were simulated.
+    """
+
+    best: Expectation
+    defaults: dict[str, Expectation | None]
+    tried: int
+
+
+def design(
+    experiment: Experiment,
+    seconds: float,
+    rate: float,
+    *,
+    seeds: int = 2,
+    track: Callable[[Sequence[Trajectory]], Iterable[Trajectory]] = iter,
+) -> Design:
+    """Choose the reference whose largest relative deviation of a physical parameter is smallest.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        Axis, noise, controller and limits.
+    seconds, rate : float
+        Duration, s, and samples per second of controller and log, Hz.
+    seeds : int
+        Multisines with random phases, for each band.
+    track : callable, optional
+        Passes on the references that are tried, and may show how far it is.
+
+    Raises
+    ------
+    SettingError
+        If no reference determines the parameters within the limits.
+    """
+    mode = plant_of(experiment.axis, experiment.parameters).highest_mode
+    tried = references(experiment.limits, seconds, rate, mode, seeds)
+    found = {trajectory.name: experiment.expectation(trajectory) for trajectory in track(tried)}
+    best = min((one for one in found.values() if one), key=lambda one: one.worst, default=None)
+    if best is None:
+        raise SettingError(
+            f"none of {len(tried)} references within the limits determines the parameters of axis "
+            f"{experiment.axis.name!r}: allow more travel, speed, force or --seconds, or lower the noise"
+        )
+    return Design(best, {name: found[name] for name in DEFAULTS}, len(tried))

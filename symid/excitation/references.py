@@ -1,0 +1,206 @@
+"""References to choose from: moves, chirps and multisines of one duration, each as large as limits allow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+from symid.simulation import Limits, Trajectory, chirp, multisine, trapezoids
+from symid.simulation.multisine import Quantity
+
+DEFAULTS = ("default trapezoids", "default chirp")
+"""Names of the references that `symid simulate` makes of the same limits."""
+_USED = 0.95
+"""Share of a limit that a reference takes, so that the axis may overshoot."""
+_BAND = (0.5, 20.0)
+_BEYOND_MODES = 1.25
+_DWELL = 0.2
+_WAYS = (1.0, 0.3, 0.1, 0.03)
+_SPEEDS = ((1.0,), (0.05, 0.3, 1.0))
+_JERK_TIME = 0.01
+"""Seconds in which acceleration builds up where no jerk is given."""
+_FADE = 0.1
+_LINES = 21
+_LONGEST_PERIOD = 500_000
+_CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
+_Maker = Callable[[float], Trajectory]
+
+
+def references(
+    limits: Limits, seconds: float, rate: float, highest_mode: float, seeds: int = 2
+) -> list[Trajectory]:
+    """References from rest to rest, the two defaults first.
+
+    Parameters
+    ----------
+    limits : Limits
+        The length of its travel, speed, acceleration and jerk. References begin at 0 and span that length at most.
+    seconds : float
+        Duration of each; what moves leave of it is rest.
+    rate : float
+        Samples per second, Hz.
+    highest_mode : float
+        Highest natural frequency of the axis, Hz; 0 if it has none.
+    seeds : int
+        Multisines with random phases, for each band.
+
+    Examples
+    --------
+    >>> found = references(Limits((-0.2, 0.2), 1.0, 8.0, 500.0), 4.0, 1000.0, 0.0)
+    >>> found[0].name, found[1].name, {round(one.duration, 6) for one in found}
+    ('default trapezoids', 'default chirp', {4.0})
+    >>> max(float(np.ptp(one.position)) for one in found) <= 0.4
+    True
+    """
+    whole, half = _shakings(limits, rate, seconds, highest_mode, seeds), seconds / 2
+    moves = list(_moves(limits, rate, half))
+    halves = _shakings(limits, rate, half, highest_mode, 0)
+    found = [_default_moves(limits, rate, seconds), replace(next(whole), name=DEFAULTS[1])]
+    found += [*_moves(limits, rate, seconds), *whole]
+    found += [_named(one.then(other)) for one, other in product(moves[1::2], halves)]
+    count = round(seconds * rate) + 1
+    return [_lasting(one, count) for one in found]
+
+
+def scaled(trajectory: Trajectory, share: float) -> Trajectory:
+    """The same motion, smaller.
+
+    Examples
+    --------
+    >>> ramp = Trajectory([0.0, 1.0], [1.0, 1.0], [0.0, 0.0], sampling_period=1.0, name="ramp")
+    >>> scaled(ramp, 0.5).position.tolist()
+    [0.0, 0.5]
+    """
+    return Trajectory(
+        share * trajectory.position,
+        share * trajectory.velocity,
+        share * trajectory.acceleration,
+        trajectory.sampling_period,
+        trajectory.name,
+    )
+
+
+def _default_moves(limits: Limits, rate: float, seconds: float) -> Trajectory:
+    """Trapezoids of `symid simulate`; shorter ones where those take too long."""
+    way, speeds = _stroke(limits), [limits.speed / 5, limits.speed / 2, limits.speed]
+    made = _trapezoids(limits, rate, way, speeds, _DWELL)
+    while made.duration > seconds:
+        way /= 1.2
+        made = _trapezoids(limits, rate, way, speeds, _DWELL)
+        if way * rate < limits.speed * 1e-3:
+            raise SettingError(f"{seconds:g} s are too short for moves to and fro: give more --seconds")
+    return replace(made, name=DEFAULTS[0])
+
+
+def _moves(limits: Limits, rate: float, seconds: float) -> Iterator[Trajectory]:
+    """Moves of several lengths at one speed or at three, as often as fits."""
+    for share, speeds in product(_WAYS, _SPEEDS):
+        way = share * _stroke(limits)
+        top = _USED * min(limits.speed, float(np.sqrt(way * limits.acceleration)))
+        once = _trapezoids(limits, rate, way, [part * top for part in speeds], 0.0)
+        times = int(seconds // once.duration)
+        if times:
+            moved = _repeated(once, times)
+            kind = "one speed" if len(speeds) == 1 else f"{len(speeds)} speeds"
+            yield replace(moved, name=f"moves over {way:.3g} at {kind} up to {top:.3g}")
+
+
+def _trapezoids(limits: Limits, rate: float, way: float, speeds: list[float], dwell: float) -> Trajectory:
+    jerk = limits.jerk if np.isfinite(limits.jerk) else limits.acceleration / _JERK_TIME
+    return trapezoids(
+        way,
+        speeds,
+        acceleration=_USED * limits.acceleration,
+        jerk=_USED * jerk,
+        dwell=dwell,
+        sampling_period=1.0 / rate,
+    )
+
+
+def _repeated(once: Trajectory, times: int) -> Trajectory:
+    """The same motion, from rest to rest, several times."""
+
+    def tiled(part: FloatArray) -> FloatArray:
+        return np.append(np.tile(part[:-1], times), part[-1])
+
+    return Trajectory(
+        tiled(once.position),
+        tiled(once.velocity),
+        tiled(once.acceleration),
+        once.sampling_period,
+        once.name,
+    )
+
+
+def _shakings(
+    limits: Limits, rate: float, seconds: float, highest_mode: float, seeds: int
+) -> Iterator[Trajectory]:
+    """Chirps, the one that is the default of `symid simulate` first, and multisines."""
+    top = max(_BAND[1], _BEYOND_MODES * highest_mode)
+    tops = sorted({_BAND[1], 5.0, top})
+    bands = [(max(0.2, 2 / seconds), high) for high in tops]
+    for (low, high), quantity in product(dict.fromkeys([_BAND, *bands]), _CONSTANT):
+        made = partial(
+            chirp, *(low, high, seconds), sampling_period=1 / rate, quantity=quantity, sweep="logarithmic"
+        )
+        name = f"chirp of constant {quantity}, {low:g} to {high:.3g} Hz"
+        yield replace(_largest(limits, made), name=name)
+    for (low, high), seed in product(bands, [None, *range(seeds)]):
+        phases = "Schroeder's phases" if seed is None else f"phases of seed {seed}"
+        waves = _largest(limits, partial(_multisine, (low, high), seconds, rate, seed))
+        yield replace(waves, name=f"multisine, {low:g} to {high:.3g} Hz, {phases}")
+
+
+def _multisine(
+    band: tuple[float, float], seconds: float, rate: float, seed: int | None, size: float
+) -> Trajectory:
+    """Lines of equal velocity, more of them at low frequencies, in whole periods between two fades."""
+    total = round(seconds * rate)
+    periods = -(-total // _LONGEST_PERIOD)
+    period = (total - 2 * round(_FADE * total)) // periods
+    cycles = np.unique(np.round(np.geomspace(*band, _LINES) * period / rate).clip(1))
+    return multisine(
+        cycles * rate / period,
+        size,
+        sampling_period=1 / rate,
+        seconds=periods * period / rate,
+        fade=(total - periods * period) // 2 / rate,
+        rng=None if seed is None else np.random.default_rng(seed),
+    )
+
+
+def _largest(limits: Limits, made: _Maker) -> Trajectory:
+    """The size that takes its share of the tightest limit; everything is proportional to it."""
+    motion = made(1.0)
+    trial = motion.extremes
+    reached = (trial.highest - trial.lowest, trial.speed, trial.acceleration, trial.jerk)
+    allowed = (_stroke(limits) / _USED, limits.speed, limits.acceleration, limits.jerk)
+    return scaled(motion, _USED * min(a / r for a, r in zip(allowed, reached, strict=True)))
+
+
+def _stroke(limits: Limits) -> float:
+    return _USED * (limits.travel[1] - limits.travel[0])
+
+
+def _named(motion: Trajectory) -> Trajectory:
+    return replace(
+        motion, name=motion.name.replace(", chirp", ", then chirp").replace(", multi", ", then multi")
+    )
+
+
+def _lasting(motion: Trajectory, count: int) -> Trajectory:
+    """With so many samples: at rest after its end."""
+    still = np.zeros(max(count - motion.n_samples, 0))
+    return Trajectory(
+        np.append(motion.position, still + motion.position[-1])[:count],
+        np.append(motion.velocity, still)[:count],
+        np.append(motion.acceleration, still)[:count],
+        motion.sampling_period,
+        motion.name,
+    )

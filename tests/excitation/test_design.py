@@ -1,0 +1,83 @@
+"""Design of references: limits hold on the simulated axis, expected deviations are those that identifications have."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy
+
+from symid.axis import load_axis
+from symid.codegen import load_generated
+from symid.errors import SettingError
+from symid.excitation import Experiment, design, references
+from symid.identification import Preparation, identify
+from symid.simulation import Limits, plant_of, simulate, tuned_cascade
+
+TRUTH = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
+LIMITS = Limits((-0.1, 0.1), speed=0.5, acceleration=5.0)
+SECONDS, RATE, RUNS = 4.0, 1000.0, 12
+
+
+def experiment_of(force: float = math.inf) -> Experiment:
+    axis = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=3.0)
+    controller = tuned_cascade(plant_of(axis, TRUTH), "q", 10.0)
+    return Experiment(axis, load_generated("rigid_1m"), TRUTH, controller, LIMITS, force)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return design(experiment_of(), SECONDS, RATE, seeds=1)
+
+
+def test_it_is_better_than_the_defaults(found):
+    assert all(found.best.worst <= one.worst for one in found.defaults.values())
+    assert found.best.worst < 0.5 * found.defaults["default chirp"].worst
+    assert found.best.trajectory.duration == pytest.approx(SECONDS)
+
+
+def test_expected_deviations_are_those_of_a_dozen_identifications(found):
+    experiment = experiment_of()
+    values = []
+    for seed in range(100, 100 + RUNS):
+        log = simulate(experiment.axis, TRUTH, found.best.trajectory, experiment.controller, seed=seed).log
+        one = identify(experiment.model, log, preparation=Preparation(held=True), examine=False)
+        values.append([one.physical_parameters[name] for name in TRUTH])
+    spread = np.std(values, axis=0, ddof=1)
+    low, high = np.sqrt(scipy.stats.chi2.ppf([1e-3, 1 - 1e-3], RUNS - 1) / (RUNS - 1))
+    for name, deviation in zip(TRUTH, spread, strict=True):
+        assert low < deviation / found.best.deviations[name] < high, name
+
+
+def test_the_simulated_axis_keeps_its_limits():
+    free, force = experiment_of(), 0.8 * TRUTH["M"] * LIMITS.acceleration
+    bound = experiment_of(force)
+    for trajectory in references(LIMITS, SECONDS, RATE, 0.0, 1)[:12:3]:
+        kept, run = bound.within_limits(trajectory)
+        assert np.abs(run.forces).max() <= force
+        n = run.states.shape[1] // 2
+        assert np.ptp(run.states[:, :n]) <= 0.2
+        speed = np.abs(run.states[:, n:])
+        assert speed.max() <= 0.5
+        assert np.abs(np.diff(speed, axis=0)).max() * RATE <= 5.0 * (1 + 1e-9)
+        assert np.ptp(kept.position) < np.ptp(trajectory.position)
+    assert free.force == math.inf
+
+
+def test_references_are_from_rest_to_rest_and_derivatives_belong_together():
+    for one in references(LIMITS, SECONDS, RATE, 45.0, 2):
+        assert one.position[0] == one.velocity[0] == 0.0
+        assert one.velocity[-1] == pytest.approx(0.0, abs=1e-9)
+        assert np.ptp(one.position) <= 0.2
+        moved = scipy.integrate.cumulative_simpson(one.velocity, dx=1 / RATE, initial=0)
+        assert np.abs(moved - one.position).max() < 2e-4 * np.ptp(one.position), one.name
+
+
+def test_names_tell_references_apart():
+    names = [one.name for one in references(LIMITS, SECONDS, RATE, 45.0, 2)]
+    assert len(set(names)) == len(names)
+    assert 24 <= len(names) <= 100
+
+
+def test_limits_that_nothing_can_keep_are_said():
+    with pytest.raises(SettingError, match=r"none of .* references within the limits determines"):
+        design(experiment_of(force=1.0), 2.0, 500.0, seeds=0)
