@@ -52,7 +52,8 @@ _TIMING_FIRST = 0.6
 like play, friction or compliance, and what there is of these is found after it."""
 LATE_READING = "sensor_delay"
 _SPOILED = 1.5
-"""Factor by which the mean square of no output may grow, nor exceed noise then: no effect worsens what others show."""
+"""Factor by which the mean square of an output grows, and exceeds noise, where a candidate goes after those that spoil
+none."""
 _NOISE = 0.8
 """Mean square below which no effect takes a model: that of noise, whose level is known to some percent."""
 _MOST_EFFECTS = 4
@@ -75,12 +76,15 @@ class Confirmed:
         Probability that it predicts such blocks better than the model without it.
     squares : array of shape (n_outputs, n_blocks)
         Sums of squares of its errors of each of these blocks.
+    spoils : bool
+        Whether it makes the error of another output grow by much.
     """
 
     fit: Fit
     gain: float
     certainty: float
     squares: FloatArray
+    spoils: bool = False
 
     @property
     def worth(self) -> float:
@@ -122,7 +126,7 @@ class Turn:
         if not self.confirmed:
             return False
         best = self.confirmed[0]
-        closed = float(np.mean(1 - best.squares.sum(axis=1) / self.before.blocks.squares.sum(axis=1)))
+        closed = _taken(self.before, best.fit, self.before)
         return best.worth > LEAST_WORTH and closed > LEAST_SHARE and best.certainty > LEAST_CERTAINTY
 
     def is_worth_another(self, first: Fit) -> bool:
@@ -133,12 +137,18 @@ class Turn:
 
 
 def takes(before: Fit, after: Fit, first: Fit) -> bool:
-    """Whether an effect beside others takes away what counts, where `first` was to be explained.
+    """Whether an effect beside others takes away what counts, where `first` was to be explained."""
+    most = float(np.max(before.squares - after.squares)) / before.squares.size
+    return most > _LEAST_POWER and _taken(before, after, first) > _LEAST_OF_FIRST
 
-    More than noise lets a level doubt, and a share of what the first model leaves of each output, in the mean of these.
+
+def _taken(before: Fit, after: Fit, first: Fit) -> float:
+    """Share of what a first model leaves that an effect takes away: in the mean of the outputs, or of their shares.
+
+    Errors of one output may be thousands of times those of another in multiples of the noise, and hide what is taken.
     """
     taken = before.squares - after.squares
-    return bool(np.mean(taken) > _LEAST_POWER and np.mean(taken / first.squares) > _LEAST_OF_FIRST)
+    return float(max(np.mean(taken / first.squares), np.mean(taken) / first.mean_square))
 
 
 def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> tuple[Turn, ...]:
@@ -188,15 +198,16 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
 def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     """Candidates, the best first: one whose values the log does not determine is none.
 
-    Timing goes before what it looks like, and where places cannot be told apart, the driven body goes first.
+    What spoils another output goes last. Timing goes before what it looks like, and where places cannot be told apart,
+    the driven body goes first.
     """
     candidates = list(confirmed)
     driven = getattr(before.state.scene.axis.drive.at, "name", None)
     most = max((c.worth for c in candidates), default=0.0)
 
-    def order(own: Confirmed) -> tuple[bool, float]:
+    def order(own: Confirmed) -> tuple[bool, bool, float]:
         timing = own.key[0] == LATE_READING and own.worth > _TIMING_FIRST * most
-        return not timing, -own.worth - _TIE * (own.key[1] == driven)
+        return own.spoils, not timing, -own.worth - _TIE * (own.key[1] == driven)
 
     found = sorted(candidates, key=order)
     while found and not _is_certain(found[0].fit):
@@ -337,8 +348,6 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
         return None
     n = found.n_rows
     own, before = blocks.squares, fit.blocks.squares
-    grown = own.sum(axis=1) > _SPOILED * before.sum(axis=1)
-    if np.any(grown & (found.squares > _SPOILED)):
-        return None
+    grown = (own.sum(axis=1) > _SPOILED * before.sum(axis=1)) & (found.squares > _SPOILED)
     gain = log_likelihood(own, n) - log_likelihood(before, n)
-    return Confirmed(found, gain, certainty(before, own, n), own)
+    return Confirmed(found, gain, certainty(before, own, n), own, spoils=bool(grown.any()))
