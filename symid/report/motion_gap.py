@@ -91,11 +91,11 @@ def motion_line(motion: dict[str, Any]) -> str:
         As `motion_record` makes it.
     """
     gains = ", ".join(f"{name} {value:.4g}" for name, value in motion["gains"].items())
-    explains = (
-        f", which explains {share(motion['share'])} of the force"
-        if motion["share"] == motion["share"]
-        else ""
-    )
+    explains = ""
+    if motion["share"] < 0:  # gains so high that errors of the readings alone make more force than there is
+        explains = ", from which the force does not follow by the readings alone"
+    elif motion["share"] == motion["share"]:
+        explains = f", which explains {share(motion['share'])} of the force"
     line = f"motion: {_DRIVERS[motion['driver']]} ({gains}){explains}"
     if motion["tracking_rms"] == motion["tracking_rms"]:
         size = significant(_MICRO * motion["tracking_rms"], 3)
