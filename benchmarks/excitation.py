@@ -1,0 +1,71 @@
+"""Designed references: what `symid excite` expects, beside the spread of a dozen identifications.
+
+Usage: python benchmarks/excitation.py [AXIS ...]
+
+For each axis the worst relative deviations of the designed reference and of the default ones, within 0.4 m, 1 m/s,
+8 m/s^2 and 20 kN in 10 s at 4 kHz with noise of 0.1 um and 1 N, and for each parameter the standard deviation of
+identifications of simulated logs with other noise along the designed reference over the expected one.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from symid.axis import load_axis
+from symid.codegen import model_of
+from symid.excitation import Experiment, design
+from symid.simulation import Limits, plant_of, simulate, tuned_cascade
+
+VALUES = {
+    "rigid_1m": {"M": 100.0, "Fv": 80.0, "Fs": 40.0},
+    "direct_2m1s": {"Ms": 1700.0, "Fvs": 24000.0, "Ks": 1.3e8, "Mm": 460.0, "Fvm": 104.0, "Fsm": 98.0},
+}
+LIMITS, FORCE = Limits((-0.2, 0.2), speed=1.0, acceleration=8.0), 20e3
+SECONDS, RATE, RUNS = 10.0, 4000.0, 12
+
+
+def experiment_of(name: str) -> Experiment:
+    """An axis with noise of its force and of the position that is controlled."""
+    axis, values = load_axis(name), VALUES[name]
+    axis = axis.with_signal(axis.controlled, noise=1e-7).with_signal(axis.drive.signal, noise=1.0)
+    controller = tuned_cascade(plant_of(axis, values), axis.controlled, 20.0)
+    return Experiment(axis, model_of(name), values, controller, LIMITS, FORCE)
+
+
+def spread(experiment: Experiment, found: dict[int, tuple[dict[str, float], dict[str, float]]]) -> None:
+    """Print the standard deviation of estimates over the mean of their expected deviations, and their bias."""
+    for name, truth in experiment.parameters.items():
+        values = np.array([one[0][name] for one in found.values()])
+        expected = np.sqrt(np.mean([one[1][name] ** 2 for one in found.values()]))
+        ratio, bias = values.std(ddof=1) / expected, (values.mean() - truth) / expected
+        print(
+            f"  {name:>4}: spread {ratio:.2f} of the expected deviation, mean {bias:+.2f} of it off the truth"
+        )
+
+
+def main(names: list[str]) -> None:
+    """Print both for each axis."""
+    for name in names:
+        experiment = experiment_of(name)
+        best = design(experiment, SECONDS, RATE)
+        others = ", ".join(f"{kind} {one.worst:.3%}" for kind, one in best.defaults.items() if one)
+        print(f"{name}: designed {best.best.worst:.3%}, {others}: {best.best.trajectory.name}", flush=True)
+        found = {}
+        for seed in range(100, 100 + RUNS):
+            trajectory = best.best.trajectory
+            run = simulate(
+                experiment.axis, experiment.parameters, trajectory, experiment.controller, seed=seed
+            )
+            if one := experiment.identified(run):
+                found[seed] = one
+        spread(experiment, found)
+        own = [
+            found[seed][1][key] / best.best.deviations[key] for seed in found for key in experiment.parameters
+        ]
+        print(f"  deviations of {len(found)} runs over that of the design: {min(own):.2f} to {max(own):.2f}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or list(VALUES))
