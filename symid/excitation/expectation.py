@@ -21,8 +21,8 @@ from symid.simulation import Controller, Limits, Simulation, Trajectory, plant_o
 
 _TRIES = 4
 _MARGIN = 0.99
-_CHANCE = 3.0
-"""Deviations up to which a difference from the truth is chance."""
+_CHANCE = 2.0
+"""Deviations of a mean up to which its difference from the truth is chance."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Expectation:
     deviations : dict of str to float
         Standard deviations of the physical parameters, SI.
     relative : dict of str to float
-        The same relative to the values, with the systematic error beyond three deviations added in squares; of
-        parameters that are not zero.
+        The same relative to the values, with the systematic error beyond two deviations of its mean added in
+        squares; of parameters that are not zero.
     reached : dict of str to float
         Travel, speed, acceleration and force of the simulated axis, jerk of the reference, SI.
     """
@@ -126,17 +126,34 @@ class Experiment:
         values = found.physical_parameters
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
 
-    def expectation(self, trajectory: Trajectory, seed: int = 0) -> Expectation | None:
-        """What to expect along a trajectory; None if limits do not allow it or it does not tell the parameters."""
-        kept = self.within_limits(trajectory, seed)
-        found = self.identified(kept[1]) if kept else None
-        if kept is None or found is None:
+    def expectation(self, trajectory: Trajectory, runs: int = 1) -> Expectation | None:
+        """What to expect along a trajectory; None if limits do not allow it or it does not tell the parameters.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            The reference; it is made smaller if the axis goes beyond its limits.
+        runs : int
+            Simulations with other noise each: the more, the smaller a systematic error that is seen.
+        """
+        kept = self.within_limits(trajectory)
+        if kept is None:
             return None
-        values, deviations = found
+        motion = kept[0]
+        every = [kept[1]]
+        every += [
+            simulate(self.axis, self.parameters, motion, self.controller, seed=seed)
+            for seed in range(1, runs)
+        ]
+        found = [one for run in every if (one := self.identified(run))]
+        if len(found) < runs:
+            return None
+        deviations = {name: math.sqrt(sum(one[1][name] ** 2 for one in found) / runs) for name in found[0][0]}
         relative = {}
         for name, deviation in deviations.items():
             truth = self.parameters[name]
             if truth and math.isfinite(deviation):
-                beyond = max(abs(values[name] - truth) - _CHANCE * deviation, 0.0)
+                error = abs(sum(one[0][name] for one in found) / runs - truth)
+                beyond = max(error - _CHANCE * deviation / math.sqrt(runs), 0.0)
                 relative[name] = math.hypot(deviation, beyond) / abs(truth)
-        return Expectation(kept[0], deviations, relative, self.reached(*kept))
+        return Expectation(motion, deviations, relative, self.reached(*kept))
