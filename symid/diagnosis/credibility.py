@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from symid.axis import Spring
 from symid.diagnosis.blocks import Blocks
 from symid.diagnosis.effects import DriveEffect, JointEffect, LinearEffect, Placed
 from symid.diagnosis.fit import Fit, keeps_inertia
@@ -17,6 +18,8 @@ _DEVIATIONS = 2.0
 _LARGEST_FORCE = 5.0
 """Rms of a missing force, relative to the largest force of the drive: a spring that holds it may carry more."""
 _OF_MASSES = ("flexible_mode", "payload_change")
+_RUN_AWAY = 1e4
+"""Factor by which a stiffness is beyond what any effect had hidden of it."""
 _LEAST_ACTING = 0.5
 """Share of the logged force that must act on the axis: with less, the drive has been explained away."""
 
@@ -28,9 +31,17 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
-    if force_share(found) > _LARGEST_FORCE:
+    if _springs_ran_away(fit, found) or force_share(found) > _LARGEST_FORCE:
         return False
     return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
+
+
+def _springs_ran_away(fit: Fit, found: Fit) -> bool:
+    """Whether a stiffness has left the one without the effect by far: the spring has become rigid, or nothing."""
+    springs = [e.stiffness for e in fit.state.scene.axis.elements if isinstance(e, Spring)]
+    names = [name for name in springs if isinstance(name, str) and name in fit.parameters]
+    pairs = [(fit.parameters[name], found.parameters[name]) for name in names]
+    return any(abs(after) > _RUN_AWAY * abs(before) > 0 for before, after in pairs)
 
 
 def force_share(fit: Fit) -> float:

@@ -29,8 +29,9 @@ from symid.diagnosis.declared import ExplainedAxis
 from symid.diagnosis.joined import Joined
 from symid.diagnosis.record import Record
 from symid.diagnosis.state import State
+from symid.errors import SettingError
 from symid.instrumental.controller import cascade_of_log
-from symid.simulation import Cascade, Replay, Trajectory, plant_of, simulate
+from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
 
 _LEAST_RATE = 1000.0
 """Rate of the simulated controller at least, Hz."""
@@ -45,6 +46,8 @@ _AT_REST = 0.01
 _ENDS = 8
 _HIGHEST = 0.4
 """Of the sampling frequency, up to which signals are differentiated."""
+_STIFFEST = 50.0
+"""Radians in a sample of the log up to which an axis is simulated: a stiffer one would take thousands of steps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,16 +205,29 @@ def _share_explained(cascade: Cascade, parts: Sequence[Part]) -> float:
     return 1.0 - left / whole if whole else math.nan
 
 
+def fastest(plant: Plant) -> float:
+    """Largest magnitude of the eigenvalues of a plant without its laws, rad/s."""
+    n = len(plant.bodies)
+    returning = np.linalg.solve(plant.mass, np.hstack([plant.stiffness, plant.damping]))
+    system = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), -returning])
+    return float(np.abs(np.linalg.eigvals(system)).max())
+
+
 def simulated_position(explained: ExplainedAxis, part: Part, driver: Driver) -> FloatArray:
     """Position that the sensor of a simulated axis reads at the samples of a log, without noise."""
     signal = part.record.signals[0]
+    plant = plant_of(explained.axis, explained.values)
+    if fastest(plant) * part.log.sampling_period > _STIFFEST:
+        raise SettingError(
+            f"the axis with these values swings at {fastest(plant) / math.tau:.3g} Hz, too fast for the log's samples"
+        )
     loop = replace(driver.cascade, acceleration_feedforward=0.0, velocity_feedforward=0.0)
     run = simulate(
         without_noise(explained.axis),
         explained.values,
         part.path,
         Replay(part.forces, loop),
-        start=plant_of(explained.axis, explained.values).follows(signal, *part.start),
+        start=plant.follows(signal, *part.start),
     )
     return np.asarray(run.log[signal][:: part.factor])
 

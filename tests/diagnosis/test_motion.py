@@ -1,6 +1,7 @@
 """The gap in the motion: the replayed loop beside the closed loop itself, an observer, another simulator, failures."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,10 @@ from benchmarks.diagnosis.motion import cases, emps_log, row_of
 from symid import CoulombFriction, Log, load_axis
 from symid.codegen import model_of
 from symid.diagnosis import diagnose, diagnose_against
+from symid.diagnosis.declared import ExplainedAxis
 from symid.diagnosis.effects import effects_of
+from symid.diagnosis.replayed import fastest, simulated_position
+from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record
 from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids
 
@@ -152,3 +156,14 @@ def test_the_reference_of_emps_goes_with_its_log() -> None:
     log = emps_log(load_axis("emps"), "DATA_EMPS")
     error = log["reference"] - log["q"]
     assert np.sqrt(np.mean(error**2)) < 0.01 * np.ptp(log["q"])
+
+
+def test_an_axis_too_stiff_for_the_log_is_not_simulated(logs) -> None:
+    axis, log = load_axis("direct_2m1s"), logs[0]
+    values = {"Ms": 900.0, "Fvs": 0.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 0.0, "Fsm": 0.0}
+    assert fastest(plant_of(axis, values)) == pytest.approx(
+        np.sqrt(4e7 / 900.0)
+    )  # nothing joins the motor to it
+    stiff = ExplainedAxis(axis, values | {"Ks": 4e16}, ())
+    with pytest.raises(SettingError, match="too fast for the log's samples"):
+        simulated_position(stiff, SimpleNamespace(log=log, record=SimpleNamespace(signals=("q2",))), None)
