@@ -17,7 +17,6 @@ from command_line import run
 from fleet_logs import write_log
 
 import symid
-from symid.simulation import multisine, plant_of, simulate, tuned_cascade
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -28,8 +27,8 @@ foreign_log = module_from_spec(SPEC)
 SPEC.loader.exec_module(foreign_log)
 CHANGING = ("diagnose", "generate")
 """Commands whose figures the benchmarks measure, and one before which a page changes a file by hand."""
-LONG = ("docs/diagnosis.md", "docs/output_error.md")
-"""Pages whose commands take many minutes; what they do is tested with the diagnosis and with output error."""
+LONG = ("docs/diagnosis.md", "docs/output_error.md", "docs/tuning.md")
+"""Pages whose commands take a minute or many; what they do is tested with the diagnosis, output error and tuning."""
 ELSEWHERE = ("--scheduler tcp://10.0.0.1", "diagnose emps")
 """Commands that need more than a folder, or minutes: the diagnosis of EMPS is run by the Python code of its pages."""
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
@@ -65,17 +64,6 @@ def commands_of(page: Path) -> list[Command]:
     return [command for command in found if not any(words in command.text for words in ELSEWHERE)]
 
 
-def by_random_motion(axis: str, values: dict[str, float], seed: int = 0) -> pl.DataFrame:
-    """A log of an axis that moves at random below 60 Hz for three seconds."""
-    declared = symid.load_axis(axis)
-    moved = multisine(
-        np.arange(1.0, 60.0), 0.5, sampling_period=1e-3, quantity="acceleration", seconds=1.0, periods=3
-    )
-    controller = tuned_cascade(plant_of(declared, values), declared.controlled, bandwidth_hz=6.0)
-    log = simulate(declared, values, moved, controller, seed=seed).log
-    return pl.DataFrame({"t": log.time, **dict(log.signals)})
-
-
 def with_stribeck() -> pl.DataFrame:
     """A rigid axis by hand whose friction falls with speed, which no file of symid declares."""
     t = np.arange(8000) / 1000
@@ -84,10 +72,6 @@ def with_stribeck() -> pl.DataFrame:
     friction = np.sign(v) * (40.0 + 30.0 * np.exp(-((v / 0.03) ** 2)))
     noise = np.random.default_rng(0).standard_normal(t.size)
     return pl.DataFrame({"t": t, "q": q, "F": 100.0 * a + 80.0 * v + friction + noise})
-
-
-def paper_log(folder: Path) -> None:
-    by_random_motion("direct_2m1s", PAPER).write_parquet(folder / "run.parquet")
 
 
 def foreign_logs(folder: Path) -> None:
@@ -129,7 +113,6 @@ FILES: dict[str, Callable[[Path], None]] = {
     "docs/identification.md": lambda folder: None,
     "docs/long_logs.md": night,
     "docs/simulation.md": lambda folder: None,
-    "docs/tuning.md": paper_log,
 }
 """What each page that has commands takes as given."""
 
