@@ -131,6 +131,10 @@ class Axis(Shown):
         numbers |= {name: float(value) for name, value in self.known.items()}
         return {name: numbers[name] for name in self.parameter_units if name in numbers}
 
+    def with_known_values(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Values of parameters and those that the axis knows, which go first, SI."""
+        return {**parameters, **self.known_parameters}
+
     @property
     def parameter_units(self) -> dict[str, Unit]:
         """Physical parameters, unknown and known, with their units, in the order of the declaration."""

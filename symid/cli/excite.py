@@ -13,6 +13,7 @@ from symid.cli.knowledge import quantity
 from symid.cli.numbers import POSITIVE
 from symid.cli.options import (
     assignments,
+    bandwidth_option,
     gain_option,
     json_option,
     measured_option,
@@ -42,13 +43,7 @@ _run_options = shared(
     click.option(
         "--rate", type=POSITIVE, default=4000.0, show_default=True, help="Rate of controller and log, in Hz."
     ),
-    click.option(
-        "--bandwidth",
-        type=POSITIVE,
-        default=20.0,
-        show_default=True,
-        help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
-    ),
+    bandwidth_option,
     gain_option,
     click.option(
         "--seeds",

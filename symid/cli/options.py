@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis
+from symid.cli.numbers import POSITIVE
 from symid.cli.outputs import Output
 from symid.errors import SettingError
 from symid.files import is_finite_number, read_json, shortened, write_whole
@@ -44,6 +45,14 @@ gain_option = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
+)
+
+bandwidth_option = click.option(
+    "--bandwidth",
+    type=POSITIVE,
+    default=20.0,
+    show_default=True,
+    help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
 )
 
 _LARGEST = 1e50

@@ -15,6 +15,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.numbers import LIMIT, NOT_NEGATIVE, POSITIVE
 from symid.cli.options import (
     assignments,
+    bandwidth_option,
     cascade_gains,
     gain_option,
     json_option,
@@ -110,13 +111,7 @@ controller_options = shared(
     click.option(
         "--rate", type=POSITIVE, default=8000.0, show_default=True, help="Rate of the controller, in Hz."
     ),
-    click.option(
-        "--bandwidth",
-        type=POSITIVE,
-        default=20.0,
-        show_default=True,
-        help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
-    ),
+    bandwidth_option,
     gain_option,
     click.option("--force-limit", type=LIMIT, default=math.inf, show_default=True, help="Largest force."),
     click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from symid.arrays import BoolArray, FloatArray
 from symid.diagnosis.applied import applied, errors_of
@@ -16,6 +15,7 @@ from symid.diagnosis.fit import Fit
 from symid.diagnosis.gap import Gap, Level, Removed, Reversal
 from symid.diagnosis.record import Record
 from symid.diagnosis.result import Signals, Spectrum
+from symid.diagnosis.reversal import SLOW, near
 from symid.diagnosis.shares import closed_fraction, closed_interval, removed_share
 from symid.diagnosis.state import State
 from symid.diagnosis.weighting import Weighting
@@ -23,8 +23,6 @@ from symid.diagnosis.weighting import Weighting
 _SEGMENT = 1024
 _USED = 0.65
 _UNEVEN = 2.0
-_SLOW = 0.002
-_AROUND_REVERSAL = 0.05
 _FEW = 8
 _NO_EXCESS = 0.05
 """Excess relative to the square of the floor below which there is nothing to explain."""
@@ -174,12 +172,9 @@ class Comparison:
         record = self.record
         velocity = record.rows(1j * record.omega * record.motion)
         inside = record.row_time < record.duration
-        slow = np.abs(velocity) < _SLOW * np.abs(velocity[inside]).max(initial=0.0)
+        slow = np.abs(velocity) < SLOW * np.abs(velocity[inside]).max(initial=0.0)
         turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
-        far = scipy.ndimage.distance_transform_edt(~(turns & inside)) if turns.any() else np.inf
-        return np.asarray((far / self.row_rate <= _AROUND_REVERSAL) & self.weighting.kept)[
-            self.weighting.kept
-        ]
+        return near(turns & inside, self.row_rate)[self.weighting.kept]
 
     @cached_property
     def is_stationary(self) -> bool:

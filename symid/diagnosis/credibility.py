@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from symid.axis import Spring
 from symid.diagnosis.blocks import Blocks
 from symid.diagnosis.effects import DriveEffect, JointEffect, LinearEffect, Placed
-from symid.diagnosis.fit import Fit, keeps_inertia
+from symid.diagnosis.fit import Fit, keeps_inertia, stiffnesses
 
 _SEEN = 1e-8
 """Share of a column, squared, that others must leave of it."""
@@ -38,10 +37,8 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
 
 def _springs_ran_away(fit: Fit, found: Fit) -> bool:
     """Whether a stiffness has left the one without the effect by far: the spring has become rigid, or nothing."""
-    springs = [e.stiffness for e in fit.state.scene.axis.elements if isinstance(e, Spring)]
-    names = [name for name in springs if isinstance(name, str) and name in fit.parameters]
-    pairs = [(fit.parameters[name], found.parameters[name]) for name in names]
-    return any(abs(after) > _RUN_AWAY * abs(before) > 0 for before, after in pairs)
+    names = stiffnesses(fit.state.scene.axis)
+    return any(abs(found.parameters[n]) > _RUN_AWAY * abs(fit.parameters[n]) > 0 for n in names)
 
 
 def force_share(fit: Fit) -> float:

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.diagnosis.blocks import deviation
-from symid.diagnosis.effects import Placed
 from symid.diagnosis.priors import DOUBT, prior, temperature
 from symid.diagnosis.result import Verdict
 from symid.diagnosis.screening import PRICE
@@ -28,7 +27,7 @@ _COVERED_WIDTH = 0.12
 _HALF = 0.5
 _UNLIKELY = 0.1
 """Probability, at most, of an effect that the validation data do not show."""
-_WHITE = 1.6
+WHITE = 1.6
 _COLOURED = 6.0
 """Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
 high frequencies, and a wandering record has several times of it at low ones."""
@@ -57,7 +56,9 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     worth = _worths(turn)
     least = min(worth.values(), default=0.0)
     for candidate in turn.screened:
-        if not _holds_the_best(candidate.placed, turn):
+        if not (
+            turn.confirmed and candidate.placed.contains(turn.confirmed[0].key)
+        ):  # put aside for the best
             worth.setdefault(candidate.placed.key, min(candidate.worth, least))
     if not worth:
         return {}
@@ -74,14 +75,6 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
 
 
-def _holds_the_best(item: Placed, turn: Turn) -> bool:
-    """Whether an effect contains the best one and was put aside for it: where it is there, the best one is too."""
-    if not turn.confirmed:
-        return False
-    name, place = turn.confirmed[0].key
-    return item.at == place and name in item.effect.imitates
-
-
 def _worths(turn: Turn) -> dict[Key, float]:
     """Worth of each candidate that was fitted.
 
@@ -90,11 +83,9 @@ def _worths(turn: Turn) -> dict[Key, float]:
     """
     worth = {c.key: c.worth for c in turn.confirmed}
     for own in turn.confirmed:
-        item = own.fit.state.placed[-1]
         for other in turn.confirmed:
-            name, place = other.key
-            if not item.shape and place == item.at and name in item.effect.imitates:
-                further = item.n_free - other.fit.state.placed[-1].n_free
+            if not own.placed.shape and own.placed.contains(other.key):
+                further = own.placed.n_free - other.placed.n_free
                 worth[own.key] = max(worth[own.key], other.worth - PRICE * further)
     return worth
 
@@ -207,7 +198,7 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
         good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
-    most = _COLOURED if errors.stationary else _WHITE
+    most = _COLOURED if errors.stationary else WHITE
     excess = min(errors.reidentified / most, errors.relative / _NEGLIGIBLE)
     fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
     # What was found and does not hold says nothing against a model that leaves hardly more than noise.

@@ -111,7 +111,7 @@ def shifted_channels(log: Log, force: str, accepted: Sequence[Turn]) -> tuple[st
     """
     found = []
     for turn in accepted:
-        item = turn.confirmed[0].fit.state.placed[-1]
+        item = turn.confirmed[0].placed
         if item.effect.name == "delay":
             samples = item.shape[0] / log.sampling_period
             whole = abs(samples - round(samples)) < _WHOLE_SAMPLE and round(samples) != 0

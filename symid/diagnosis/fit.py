@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Axis, Spring
 from symid.diagnosis.blocks import Blocks, blocks_of, log_likelihood
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.sensitivity import derivatives
@@ -202,6 +203,12 @@ def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
     """
     low, high = min(plain) / LEAST_INERTIA, max(plain) * LEAST_INERTIA
     return low / (1 + doubt) < found.inertia < high * (1 + doubt)
+
+
+def stiffnesses(axis: Axis) -> list[str]:
+    """Unknown stiffnesses of the springs."""
+    names = (element.named("stiffness") for element in axis.elements if isinstance(element, Spring))
+    return [name for name in names if name in axis.physical_parameters]
 
 
 def cost_of(state: State, weighting: Weighting) -> float:

@@ -132,15 +132,10 @@ def can_march(scene: Scene, item: Placed) -> bool:
 
 
 def _placed(effect: Effect, scene: Scene, spring: Spring) -> Iterable[Placed]:
-    place, stiffness = place_of(spring), _value(scene, spring.named("stiffness"))
+    place, values = place_of(spring), scene.axis.with_known_values(scene.parameters)
     if isinstance(effect, JointEffect) and place in effect.places(scene):
-        for shape, amplitudes in effect.strong(scene, place, stiffness):
+        for shape, amplitudes in effect.strong(scene, place, values[spring.named("stiffness")]):
             yield Placed(effect, place, shape, amplitudes, marched=True)
-
-
-def _value(scene: Scene, name: str) -> float:
-    """Value of a parameter, found or known."""
-    return {**scene.parameters, **scene.axis.known_parameters}[name]
 
 
 def _left(start: Start) -> float:

@@ -189,7 +189,7 @@ def _fitted(model: State, truth: State, weighting: Weighting) -> float:
 
 
 def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -> float:
-    own, other = (rivals.pair[i].fit.state.placed[-1].n_free for i in (right, 1 - right))
+    own, other = (rivals.pair[i].placed.n_free for i in (right, 1 - right))
     return (over_other - PRICE * (own - other)) / temperature(over_none - PRICE * own)
 
 

@@ -145,7 +145,7 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
     if library:
         late = any(item.effect.name in LATE_FORCES for item in before.state.placed)
         wanted = [effect for effect in library if not (late and effect.name in LATE_FORCES)]
-        rivals = {c.key: c.fit.state.placed[-1] for c in turn.confirmed[1 : 1 + _RIVALS]}
+        rivals = {c.key: c.placed for c in turn.confirmed[1 : 1 + _RIVALS]}
         rivals |= {c.placed.key: c.placed for c in screened(before, wanted)[:_RIVALS]}
         starts += [Start.of(before, item) for item in rivals.values()]
     found: dict[tuple[str, str], Confirmed] = {}
@@ -169,7 +169,7 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     A refinement of it, as presliding is one of Coulomb friction, takes its place only where more than errors speaks
     for it.
     """
-    if own.key[0] in best.effect.imitates and own.key[1] == best.key[1]:
+    if best.placed.contains(own.key):
         likelier = prior(best.fit.state, first.nominal) - prior(own.fit.state, first.nominal)
         return likelier > 0
     doubt = deviation(own.squares, best.squares, own.fit.n_rows)

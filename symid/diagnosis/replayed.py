@@ -28,6 +28,7 @@ from symid.data import REFERENCE, Log, LowPass, derivatives
 from symid.diagnosis.declared import ExplainedAxis
 from symid.diagnosis.joined import Joined
 from symid.diagnosis.record import Record
+from symid.diagnosis.reversal import SLOW, near
 from symid.diagnosis.state import State
 from symid.errors import SettingError
 from symid.instrumental.controller import cascade_of_log
@@ -39,8 +40,6 @@ _OBSERVER_HZ = 2.0
 """An observer pulls a free mass to the measured position with two poles at half this frequency."""
 _EXPLAINED = 0.9
 """Share of the force's variance that a cascade read from a log explains, to be taken for its controller."""
-_AROUND_REVERSAL = 0.05
-_SLOW = 0.002
 _AT_REST = 0.01
 """Speed at the beginning, relative to the highest, below which the axis begins at rest."""
 _ENDS = 8
@@ -95,12 +94,8 @@ class Part:
     def near_reversal(self) -> BoolArray:
         """Samples within some time of the moment at which the axis stops, starts or turns."""
         course = self.speed_of(self.reference) if self.has_reference else self.speed
-        direction = np.where(np.abs(course) < _SLOW * np.abs(course).max(), 0.0, np.sign(course))
-        turns = np.diff(direction, prepend=direction[0]) != 0
-        if not turns.any():
-            return np.zeros(turns.size, dtype=bool)
-        far = scipy.ndimage.distance_transform_edt(~turns) * self.log.sampling_period
-        return np.asarray(far <= _AROUND_REVERSAL)
+        direction = np.where(np.abs(course) < SLOW * np.abs(course).max(), 0.0, np.sign(course))
+        return near(np.diff(direction, prepend=direction[0]) != 0, self.log.sampling_frequency)
 
     @cached_property
     def factor(self) -> int:

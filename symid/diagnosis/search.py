@@ -89,17 +89,22 @@ class Confirmed:
     @property
     def worth(self) -> float:
         """The gain, less what its free values would gain in noise."""
-        return self.gain - PRICE * self.fit.state.placed[-1].n_free
+        return self.gain - PRICE * self.placed.n_free
+
+    @property
+    def placed(self) -> Placed:
+        """What was added, with its place and values."""
+        return self.fit.state.placed[-1]
 
     @property
     def effect(self) -> Effect:
         """What was added."""
-        return self.fit.state.placed[-1].effect
+        return self.placed.effect
 
     @property
     def key(self) -> tuple[str, str]:
         """Names of effect and place."""
-        return self.fit.state.placed[-1].key
+        return self.placed.key
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +222,7 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
 
 def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     """Whether what contains the best candidate and explains as much is likelier than it by what else is known."""
-    if best.key[0] not in own.effect.imitates or best.key[1] != own.key[1]:
+    if not own.placed.contains(best.key):
         return False
     doubt = temperature(best.worth) + DOUBT * deviation(best.squares, own.squares, before.n_rows)
     odds = prior(own.fit.state, before.nominal) - prior(best.fit.state, before.nominal)
@@ -243,21 +248,19 @@ def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str],
 
 def _simpler(key: tuple[str, str], confirmed: Mapping[tuple[str, str], Confirmed]) -> bool:
     """Whether a candidate is a simpler effect than one of those confirmed, which may imitate it."""
-    name, place = key
-    imitated = any(own.key[1] == place and name in own.effect.imitates for own in confirmed.values())
-    return imitated and key not in confirmed
+    return key not in confirmed and any(own.placed.contains(key) for own in confirmed.values())
 
 
 def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
     """Drop what explains hardly more than the Coulomb friction that it contains: the next turn finds the rest."""
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
-        if plain is None or _COULOMB not in more.effect.imitates:
+        if plain is None or not more.placed.contains(plain.key):
             continue
         doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
         clearly = more.worth - plain.worth > max(_HARDLY_MORE * plain.worth, doubt)
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
-        if not clearly or _is_nearly_constant(more.fit.state.scene, more.fit.state.placed[-1]):
+        if not clearly or _is_nearly_constant(more.fit.state.scene, more.placed):
             del confirmed[name, place]
 
 

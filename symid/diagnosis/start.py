@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from symid.axis import Axis, Spring
+from symid.axis import Axis
 from symid.codegen import load_generated
-from symid.diagnosis.fit import Fit, converged, fitted
+from symid.diagnosis.fit import Fit, converged, fitted, stiffnesses
 from symid.diagnosis.record import Record
 from symid.diagnosis.state import State, first_state
 from symid.diagnosis.weighting import Weighting
@@ -62,7 +62,7 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
         Of the errors.
     """
     first = converged(state, weighting)
-    springs, values = _stiffnesses(state.scene.axis), state.scene.parameters
+    springs, values = stiffnesses(state.scene.axis), state.scene.parameters
     if not springs or first.mean_square < NOISE_ALONE:
         return first
     astray, others = _ran_away(first, values), []
@@ -76,16 +76,10 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     return best if best.mean_square < NOISE_ALONE or astray else first
 
 
-def _stiffnesses(axis: Axis) -> list[str]:
-    """Unknown stiffnesses of the springs."""
-    names = (element.named("stiffness") for element in axis.elements if isinstance(element, Spring))
-    return [name for name in names if name in axis.physical_parameters]
-
-
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
     axis = fit.state.scene.axis
     inertias = [body.inertial for body in axis.free_bodies if body.inertial in axis.physical_parameters]
-    for name in (*_stiffnesses(axis), *inertias):
+    for name in (*stiffnesses(axis), *inertias):
         low, high = sorted((start[name] / _RUN_AWAY, start[name] * _RUN_AWAY))
         if not low < fit.parameters[name] < high:
             return True

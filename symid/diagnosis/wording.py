@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
+from symid.diagnosis.evidence import WHITE
 from symid.diagnosis.gap import Gap, Motion
 from symid.diagnosis.result import Alternative, Diagnosis, FoundEffect, Simulator, Verdict
 
@@ -24,10 +25,6 @@ _ADVICE = {
 _ADVICE |= {
     effect.name: effect.advice for effect in LIBRARY if isinstance(effect, LawEffect) and effect.advice
 }
-
-
-MORE_THAN_NOISE = 1.6
-"""Error, in multiples of the floor, from which on white noise alone does not explain it."""
 
 
 def spoken(effect: str, at: str = "") -> str:
@@ -54,7 +51,7 @@ def sentence(
         return f"There is no gap: the model leaves {before}."
     if verdict == "parameters":
         nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
-        if gap.reidentified.rms > MORE_THAN_NOISE * gap.noise_floor.rms:
+        if gap.reidentified.rms > WHITE * gap.noise_floor.rms:
             rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
         values = "The structure is right and only parameter values were off"

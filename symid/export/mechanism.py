@@ -146,7 +146,7 @@ class _Collector:
     """Goes through the elements of an axis once."""
 
     def __init__(self, axis: Axis, values: Mapping[str, float]) -> None:
-        self.axis, self.values = axis, {**values, **axis.known_parameters}
+        self.axis, self.values = axis, axis.with_known_values(values)
         self.kinematics = Kinematics(axis)
         self.paths: dict[Path, Properties] = {}
         self.plays: list[Play] = []

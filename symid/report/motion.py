@@ -168,7 +168,7 @@ def response_of(
 
 def has_response(axis: Axis, values: Mapping[str, float]) -> bool:
     """Whether an axis is known well enough for its frequency response: finite values, masses above 0."""
-    values = {**values, **axis.known_parameters}
+    values = axis.with_known_values(values)
     masses = [values.get(b.inertial, 0.0) for b in axis.bodies]
     return bool(values) and bool(np.isfinite(list(values.values())).all()) and min(masses) > 0
 

@@ -122,7 +122,7 @@ class ForwardDynamics:
             raise SettingError(
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
-        every = {**parameters, **self.axis.known_parameters}
+        every = self.axis.with_known_values(parameters)
         values = np.array([float(every[name]) for name in self.generators])
         stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
         if not np.all(np.linalg.eigvalsh(mass) > 0):

@@ -194,7 +194,7 @@ def tune(
             raise SettingError(f"a bound of {bound:g} % is not possible: give a positive number of percent")
     tuned = axis if keep_jumps else without_jumps(axis)
     left_out = tuple(name for name in axis.physical_parameters if name not in tuned.physical_parameters)
-    parameters = {**parameters, **axis.known_parameters}
+    parameters = axis.with_known_values(parameters)
     run = noise_free_run(tuned, parameters, trajectory, controller)
     low_pass = LowPassErrors(standard_model(tuned), run, parameters, CUTOFF_DATA_HZ, order, filter_force)
     cutoff = lowest_within(low_pass.errors, low_pass.scan(_CUTOFFS), max_lowpass_error, track)

@@ -171,6 +171,11 @@ class Placed:
         """Names of effect and place."""
         return self.effect.name, self.at
 
+    def contains(self, key: tuple[str, str]) -> bool:
+        """Whether it is a refinement of the effect and place named, as presliding is one of Coulomb friction."""
+        name, place = key
+        return self.at == place and name in self.effect.imitates
+
     @property
     def n_free(self) -> int:
         """Free values."""

@@ -124,7 +124,7 @@ def _level(scene: Scene, place: str, kind: type[Law]) -> float:
     laws = (
         law for law in scene.axis.laws if isinstance(law, kind) and getattr(law.at, "name", None) == place
     )
-    values = {**scene.parameters, **scene.axis.known_parameters}
+    values = scene.axis.with_known_values(scene.parameters)
     return sum(abs(values[term.parameter]) for law in laws for term in law.terms())
 
 

@@ -1,0 +1,33 @@
+"""Which samples lie near a reversal or a standstill, where friction and play show."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray
+
+SLOW = 0.002
+"""Speed, relative to the highest, below which an axis stands."""
+_AROUND = 0.05
+"""Seconds before and after that count."""
+
+
+def near(turns: BoolArray, rate: float) -> BoolArray:
+    """Samples within some time of those at which the axis turns or stands.
+
+    Parameters
+    ----------
+    turns : bool array of shape (n,)
+        Samples at which it does.
+    rate : float
+        Samples a second, Hz.
+
+    Examples
+    --------
+    >>> near(np.array([True, False, False, False]), 20.0).tolist()
+    [True, True, False, False]
+    """
+    if not turns.any():
+        return np.zeros(turns.size, dtype=bool)
+    return np.asarray(scipy.ndimage.distance_transform_edt(~turns) / rate <= _AROUND)
