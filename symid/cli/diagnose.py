@@ -21,6 +21,7 @@ from symid.cli.options import (
     measured_option,
     number,
     parameter_file,
+    reference_file,
     write_json,
 )
 from symid.cli.outputs import Command, Output, overwrite_option
@@ -103,7 +104,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both say what the simulation is: give one of them")
     limits = _limits(options["limits"])
-    experiment = _reference_file(options["experiment"]) if options["experiment"] else None
+    experiment = reference_file(options["experiment"]) if options["experiment"] else None
     if options["report"]:
         from symid.report.html import html_path, write_html  # jinja2 is loaded only where a page is written
 
@@ -151,14 +152,6 @@ def _limits(values: tuple[str, ...]) -> dict[str, float]:
     if unknown := [name for name in given if name not in _LIMITS]:
         raise SettingError(f"--limit {unknown[0]} is not known: choose from {', '.join(_LIMITS)}")
     return {name: number(text, f"--limit {name}") for name, text in given.items()}
-
-
-def _reference_file(file: str) -> Path:
-    """Where the reference goes; refused before a long diagnosis if it is of no known kind."""
-    path = Path(file)
-    if path.suffix not in (".csv", ".parquet"):
-        raise SettingError(f"reference {file!r} is of no known kind: end its name with .csv or .parquet")
-    return path
 
 
 def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> Diagnosis:

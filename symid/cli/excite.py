@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import click
@@ -17,8 +16,8 @@ from symid.cli.options import (
     gain_option,
     json_option,
     measured_option,
-    number,
     parameter_file,
+    reference_file,
     shared,
     signal_list,
     write_json,
@@ -26,7 +25,7 @@ from symid.cli.options import (
 from symid.cli.outputs import Command, Output, overwrite_option
 from symid.cli.progress import tracked
 from symid.cli.saying import say
-from symid.cli.simulate import cascade_of
+from symid.cli.simulate import cascade_of, with_imperfections
 from symid.codegen import model_of
 from symid.data import write_log
 from symid.errors import SettingError
@@ -89,9 +88,8 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     sensors, and identified; the one with the smallest worst relative deviation is written. Travel, speed, acceleration
     and force are those of the simulated axis, jerk is that of the reference.
     """
-    if Path(output).suffix not in (".csv", ".parquet"):
-        raise SettingError(f"reference {output!r} is of no known kind: end its name with .csv or .parquet")
-    declared = _noisy(load_axis(axis), options["noise"])
+    reference_file(output)
+    declared = with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared)
     limits, force = _limits(options["limits_text"], declared)
     controller = cascade_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
@@ -109,16 +107,6 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         write_json(_record(found, experiment, output), json_file)
     if json_file != "-":
         _print(found, experiment, output)
-
-
-def _noisy(axis: Axis, values: tuple[str, ...]) -> Axis:
-    for signal, text in assignments(values, "--noise").items():
-        if signal not in axis.signal_units:
-            raise SettingError(
-                f"axis {axis.name!r} has no signal {signal!r}: choose from {', '.join(axis.signal_units)}"
-            )
-        axis = axis.with_signal(signal, noise=number(text, f"--noise {signal}"))
-    return axis
 
 
 def _limits(text: str, axis: Axis) -> tuple[Limits, float]:

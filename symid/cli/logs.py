@@ -15,6 +15,7 @@ from symid.cli.options import (
     held_option,
     late_option,
     number,
+    require_signals,
     seconds_of,
     shared,
     signal_list,
@@ -150,10 +151,7 @@ def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparati
 def known_late(declared: Axis, options: dict[str, Any]) -> dict[str, float]:
     """Seconds by which signals of an axis were recorded late, as given."""
     late = late_of(options)
-    if unknown := [name for name in late if name not in declared.signal_units]:
-        raise SettingError(
-            f"axis {declared.name!r} has no signal {unknown[0]!r}: choose from {', '.join(declared.signal_units)}"
-        )
+    require_signals(declared, late)
     return late
 
 

@@ -6,7 +6,8 @@ import json
 import math
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 import click
@@ -122,6 +123,34 @@ def bytes_of(text: str, what: str) -> int:
     if not 1 <= size * factor < 1e18:
         raise SettingError(f"{what} {text!r} is not possible: give a size such as 512MB")
     return int(size * factor)
+
+
+def require_signals(axis: Axis, names: Iterable[str]) -> None:
+    """Refuse names that are no signals of an axis.
+
+    Raises
+    ------
+    SettingError
+        If there is one.
+    """
+    if unknown := [name for name in names if name not in axis.signal_units]:
+        raise SettingError(
+            f"axis {axis.name!r} has no signal {unknown[0]!r}: choose from {', '.join(axis.signal_units)}"
+        )
+
+
+def reference_file(file: str) -> Path:
+    """Where a reference goes; refused before long work if it is of no known kind.
+
+    Raises
+    ------
+    SettingError
+        If its name ends otherwise.
+    """
+    path = Path(file)
+    if path.suffix not in (".csv", ".parquet"):
+        raise SettingError(f"reference {file!r} is of no known kind: end its name with .csv or .parquet")
+    return path
 
 
 def signal_list(text: str | None) -> tuple[str, ...] | None:

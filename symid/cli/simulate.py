@@ -21,6 +21,7 @@ from symid.cli.options import (
     json_option,
     number,
     parameter_file,
+    require_signals,
     seconds_of,
     shared,
     write_json,
@@ -148,7 +149,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     """Simulate AXIS under its controller along a trajectory and write the log."""
     if Path(output).suffix not in (".csv", ".parquet"):
         raise SettingError(f"log {output!r} is of no known kind: end its name with .csv or .parquet")
-    declared = _with_imperfections(load_axis(axis), options)
+    declared = with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared)
     plant = plant_of(declared, parameters)
     controller, trajectory = run_of(declared, plant, options)
@@ -182,15 +183,14 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         )
 
 
-def _with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
+def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
+    """The axis with noise, resolution and delay of its signals as the options of these names say."""
     noise, resolution, delay = (
-        assignments(options[name], f"--{name}") for name in ("noise", "resolution", "delay")
+        assignments(options.get(name, ()), f"--{name}") for name in ("noise", "resolution", "delay")
     )
-    for signal in {**noise, **resolution, **delay}:
-        if signal not in axis.signal_units:
-            raise SettingError(
-                f"axis {axis.name!r} has no signal {signal!r}: choose from {', '.join(axis.signal_units)}"
-            )
+    signals = {**noise, **resolution, **delay}
+    require_signals(axis, signals)
+    for signal in signals:
         axis = axis.with_signal(
             signal,
             noise=number(noise.get(signal, "0"), f"--noise {signal}"),
