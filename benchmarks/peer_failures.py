@@ -7,7 +7,7 @@ the same logs unshifted, drawn anew each time. All truths come from the simulato
 nothing with symid and integrates at 160 kHz. What the source does not give is chosen here: damping (2 %), friction
 values, controller, motion, and 4 kHz for the first.
 
-Usage: python -m benchmarks.peer_failures [--draws N]   (needs numba; 100 draws take some minutes)
+Usage: python -m benchmarks.peer_failures [--draws N]   (100 draws take some minutes)
 """
 
 from __future__ import annotations

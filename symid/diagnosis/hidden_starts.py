@@ -93,8 +93,8 @@ def twins(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
         if not isinstance(item.effect, JointEffect):
             continue
         for place in item.effect.places(scene):
-            moved = replace(item, at=place, marched=True)
-            if moved != item and can_march(scene, moved):
+            moved = replace(item, at=place, integrated=True)
+            if moved != item and can_integrate(scene, moved):
                 state = with_effects(other.state, fit.weighting, fit.state.placed)
                 yield Start(state, fit.weighting, moved)
 
@@ -118,12 +118,12 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
                 Start(near, nominal.weighting, placed)
                 for near in grid
                 for placed in _placed(effect, near.scene, spring)
-                if can_march(near.scene, placed)
+                if can_integrate(near.scene, placed)
             ]
             yield from sorted(starts, key=_left)[:_KEPT]
 
 
-def can_march(scene: Scene, item: Placed) -> bool:
+def can_integrate(scene: Scene, item: Placed) -> bool:
     """Whether an effect acts on hidden motion, and its force is known point by point."""
     effect = item.effect
     if not isinstance(effect, JointEffect) or not is_hidden(scene, effect.joint(scene, item.at)):
@@ -135,7 +135,7 @@ def _placed(effect: Effect, scene: Scene, spring: Spring) -> Iterable[Placed]:
     place, values = place_of(spring), scene.axis.with_known_values(scene.parameters)
     if isinstance(effect, JointEffect) and place in effect.places(scene):
         for shape, amplitudes in effect.strong(scene, place, values[spring.named("stiffness")]):
-            yield Placed(effect, place, shape, amplitudes, marched=True)
+            yield Placed(effect, place, shape, amplitudes, integrated=True)
 
 
 def _left(start: Start) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, IntArray
 from symid.axis import Axis, Between, Body, Spring
-from symid.diagnosis.march import Pointwise, marched
+from symid.diagnosis.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.record import Record
 from symid.diagnosis.response import Response, noise_weights, response_of
 
@@ -116,7 +116,7 @@ class Scene:
         Forces of effects on the bodies.
     density : array of shape (n_outputs, n_bins)
         Weights of the outputs over frequency.
-    marched : array of shape (n_bins, n_bodies), optional
+    of_integrated : array of shape (n_bins, n_bodies), optional
         Forces of effects that were integrated with the hidden motion; `displacements` are then those of the
         integration, and the response is that of the axis with equivalent springs and dampers in their place.
     impedances : tuple of Impedance
@@ -132,7 +132,7 @@ class Scene:
     observed: ComplexArray
     forces: ComplexArray
     density: FloatArray
-    marched: ComplexArray | None = None
+    of_integrated: ComplexArray | None = None
     impedances: tuple[Impedance, ...] = ()
     levels: tuple[float, ...] = ()
 
@@ -176,8 +176,8 @@ class Scene:
     @cached_property
     def predicted(self) -> ComplexArray:
         """Drive force and further readings without effects of the drive and of sensors, shape (n_outputs, n_bins)."""
-        if self.marched is not None:
-            return self._from_motion(self.law_forces + self.forces + self.marched)
+        if self.of_integrated is not None:
+            return self._from_motion(self.law_forces + self.forces + self.of_integrated)
         of_motion = self.response.of_position * self.record.motion
         return of_motion + self.response.of_forces(self.law_forces + self.forces)
 
@@ -270,7 +270,7 @@ def scene_of(
     before: Scene | None = None,
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
-    marching: Sequence[tuple[FloatArray, Pointwise]] = (),
+    integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
 ) -> Scene:
     """The axis under a record.
 
@@ -287,7 +287,7 @@ def scene_of(
         Forces of effects on the bodies.
     impedances : sequence of Impedance
         What hangs on the axis besides.
-    marching : sequence of (array, callable)
+    integrated : sequence of (array, callable)
         Direction and force of laws in hidden joints that are integrated with their motion.
     """
     response = response_of(record, parameters, impedances)
@@ -296,9 +296,9 @@ def scene_of(
     weights = noise_weights(record, response, levels)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     acting = of_effects if before is None else of_effects + before.law_forces
-    if marching:
-        moved, pushes = marched(record, response.plant, acting, marching)
-        own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, marching, strict=True))
+    if integrated:
+        moved, pushes = integrated_motion(record, response.plant, acting, integrated)
+        own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
         return Scene(
             record,
             parameters,

@@ -15,7 +15,7 @@ from symid.diagnosis.credibility import is_credible
 from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.effects import Effect, LawEffect, Placed
 from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, refitted, settled
-from symid.diagnosis.hidden_starts import Start, can_march, of_grid, twins
+from symid.diagnosis.hidden_starts import Start, can_integrate, of_grid, twins
 from symid.diagnosis.priors import DOUBT, prior, temperature
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.screening import PRICE, Candidate, screened
@@ -31,7 +31,7 @@ _LEAST_POWER = 0.06
 _LEAST_OF_FIRST = 0.006
 """Share of the mean square of the first model that a further effect must take away."""
 _EXPLAINED = 1.4
-_MARCHED = 2
+_INTEGRATED = 2
 _TWINS = 3
 _COULOMB = "coulomb_friction"
 LATE_FORCES = ("delay", "actuator_lag")
@@ -58,7 +58,7 @@ _NOISE = 0.8
 """Mean square below which no effect takes a model: that of noise, whose level is known to some percent."""
 _MOST_EFFECTS = 4
 _DIRECT = (4, 4, 3)
-_MARCHING = (4, 8, 8)
+_INTEGRATION = (4, 8, 8)
 """Iterations at most: before a hopeless fit is given up, after that, and with the weights of the values found."""
 
 
@@ -295,8 +295,8 @@ def _stages(
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
     if _least_left(confirmed) < _HARDLY * fit.mean_square:
         return
-    hidden = [replace(s, placed=replace(s.placed, marched=True)) for s in other]
-    yield [s for s in hidden if can_march(nominal.state.scene, s.placed)][:_MARCHED]
+    hidden = [replace(s, placed=replace(s.placed, integrated=True)) for s in other]
+    yield [s for s in hidden if can_integrate(nominal.state.scene, s.placed)][:_INTEGRATED]
     best = sorted(confirmed.values(), key=lambda c: -c.worth)
     yield islice(twins(fit, [c.fit for c in best]), _TWINS)
     if _least_left(confirmed) > _HARDLY * fit.mean_square:
@@ -333,7 +333,7 @@ def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed 
             state = start.best_state()
             if state is None:
                 return None
-            first, further, then = _MARCHING if start.placed.marched else _DIRECT
+            first, further, then = _INTEGRATION if start.placed.integrated else _DIRECT
             found = fitted(state, start.weighting, first)
             if found.mean_square < most:
                 found = refitted(fitted(found.state, start.weighting, further), then)

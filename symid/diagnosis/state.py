@@ -150,7 +150,7 @@ def _acted_on(before: Scene, parameters: Mapping[str, float], placed: tuple[Plac
     """The scene that follows when effects act as the motion and the forces of another one ask for."""
     record = before.record
     forces = np.zeros_like(before.forces)
-    impedances, marching = [], []
+    impedances, integrated = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             continue
@@ -160,14 +160,14 @@ def _acted_on(before: Scene, parameters: Mapping[str, float], placed: tuple[Plac
             impedances.append((joint.direction, stiffness))
             continue
         force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
-        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.marched else None
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
         if law is None:
             forces -= np.multiply.outer(force, joint.direction)
         else:
             impedances.append((joint.direction, _equivalent(force, joint)))
-            marching.append((joint.direction, law))
+            integrated.append((joint.direction, law))
     return scene_of(
-        record, parameters, before=before, forces=forces, impedances=impedances, marching=marching
+        record, parameters, before=before, forces=forces, impedances=impedances, integrated=integrated
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis.axis import length_unit
-from symid.diagnosis.march import Pointwise
+from symid.diagnosis.hidden_motion import Pointwise
 from symid.diagnosis.record import Record
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
@@ -156,7 +156,7 @@ class Placed:
         Where it sits.
     shape, amplitudes : tuple of float
         Values.
-    marched : bool
+    integrated : bool
         Whether a hidden joint is integrated with its force.
     """
 
@@ -164,7 +164,7 @@ class Placed:
     at: str
     shape: Shape
     amplitudes: tuple[float, ...]
-    marched: bool = False
+    integrated: bool = False
 
     @property
     def key(self) -> tuple[str, str]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 import numpy as np
+import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
@@ -13,10 +13,12 @@ from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.base import JointEffect, Placed, Pull, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
-from symid.diagnosis.march import Pointwise
+from symid.diagnosis.hidden_motion import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.units import Unit
 
+_SPEED, _COURSE, _STATE, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z amplitude viscous")
+_DRIFTING = _COURSE * (_AMPLITUDE * sp.sign(_SPEED) + _VISCOUS * _SPEED)
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
@@ -46,17 +48,7 @@ class PreslidingFriction(JointEffect):
         return sampled(scene, state - np.sign(joint.v) if declared else state, joint=joint)
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        (level,), (reach,) = amplitudes, shape
-        state, before = 0.0, 0.0
-
-        def force(k: int, q: float, v: float) -> float:
-            nonlocal state, before
-            decay = math.exp(-abs(q - before) / reach)
-            state = 1 - (1 - state) * decay if q >= before else (1 + state) * decay - 1
-            before = q
-            return level * state
-
-        return Pointwise(force)
+        return Pointwise(_AMPLITUDE * _STATE, {"amplitude": amplitudes[0]}, reach=shape[0])
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
@@ -112,8 +104,8 @@ class LoadDependentFriction(JointEffect):
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         (coefficient,) = amplitudes
-        levels = np.abs(coefficient * scene.record.fine(scene.predicted[0])).tolist()
-        return Pointwise(lambda k, q, v: levels[k], dry=True)
+        level = np.abs(coefficient * scene.record.fine(scene.predicted[0]))
+        return Pointwise(_COURSE, {}, level, dry=True)
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         return ("1",)
@@ -182,10 +174,11 @@ class FrictionDrift(JointEffect):
         return sampled(scene, *(part * fading for part in parts), joint=joint)
 
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        fading = self.course(scene, shape).tolist()
-        level = amplitudes[0] if self.coulomb else 0.0
-        viscous = amplitudes[-1] if self.viscous else 0.0
-        return Pointwise(lambda k, q, v: fading[k] * (math.copysign(1.0, v) * level + viscous * v))
+        values = {
+            "amplitude": amplitudes[0] if self.coulomb else 0.0,
+            "viscous": amplitudes[-1] if self.viscous else 0.0,
+        }
+        return Pointwise(_DRIFTING, values, self.course(scene, shape))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)

@@ -14,9 +14,9 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
 from symid.axis.elements import Joint as Place
 from symid.diagnosis.effects.base import JointEffect, LinearEffect, Placed, Pull, Shape, joint_units, sampled
-from symid.diagnosis.march import Pointwise
+from symid.diagnosis.hidden_motion import Pointwise
 from symid.diagnosis.scene import Joint, Scene
-from symid.simulation.law_functions import array_function, law_function
+from symid.simulation.law_functions import array_function
 from symid.symbolic.expressions import is_smooth, law_expression
 from symid.units import Unit
 
@@ -97,14 +97,12 @@ class LawEffect(JointEffect):
 
     def point_by_point(self, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         """The force for numbers; of dry friction the level, which does not fall below 0 along the stroke."""
-        functions, values = self.functions, (*shape, *amplitudes)
+        functions, numbers = self.functions, (*shape, *amplitudes)
+        values = dict(zip(functions.names, numbers, strict=True))
         if functions.level is None:
-            force = functions.scalar
-            return Pointwise(lambda k, q, v: force(q, v, *values))
-        level = functions.level
-        if not self.varies_along_stroke:
-            return Pointwise(lambda k, q, v: level(q, v, *values), dry=True)
-        return Pointwise(lambda k, q, v: max(level(q, v, *values), 0.0), dry=True)
+            return Pointwise(functions.force, values)
+        level = sp.Max(functions.level, 0) if self.varies_along_stroke else functions.level
+        return Pointwise(level, values, dry=True)
 
     @property
     def varies_along_stroke(self) -> bool:
@@ -123,7 +121,7 @@ class LawEffect(JointEffect):
         largest = max(map(abs, scene.springs[place].range))
         if self.shape_names:
             return [((x * largest,), (stiffness,)) for x in _STRONG]
-        unit = abs(self.functions.scalar(largest, 0.0, 1.0))
+        (unit,) = np.abs(self.functions.arrays[0](np.array([largest]), np.zeros(1)))
         return [((), (x * stiffness * largest / unit,)) for x in _STRONG]
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
@@ -168,17 +166,20 @@ class LawFunctions:
     ----------
     arrays : tuple of callable
         Each term for arrays and a unit amplitude.
-    scalar : callable
-        The whole force for numbers.
-    level : callable, optional
-        Of dry friction what stands beside sign(v), for numbers.
+    force : sympy expression
+        The whole force, in q, v and `names`.
+    names : tuple of str
+        Names of shape parameters and amplitudes.
+    level : sympy expression, optional
+        Of dry friction what stands beside sign(v).
     jumps : tuple of bool
         Whether each term jumps where the velocity changes its sign.
     """
 
     arrays: tuple[Callable[..., FloatArray], ...]
-    scalar: Callable[..., float]
-    level: Callable[..., float] | None
+    force: sp.Expr
+    names: tuple[str, ...]
+    level: sp.Expr | None
     jumps: tuple[bool, ...]
 
 
@@ -189,13 +190,14 @@ def _functions(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFuncti
     levels = [term / sp.sign(sp.Symbol("v")) for term in terms]
     is_dry = not any(level.has(sp.sign) for level in levels) and all(term.has(sp.sign) for term in terms)
 
-    def whole(parts: list[sp.Expr]) -> Callable[..., float]:
-        total = sp.Add(*(sp.Symbol(a) * part for a, part in zip(amplitudes, parts, strict=True)))
-        return law_function(total, (*numbers, *amplitudes))
+    def whole(parts: list[sp.Expr]) -> sp.Expr:
+        return sp.Add(*(sp.Symbol(a) * part for a, part in zip(amplitudes, parts, strict=True)))
 
     arrays = tuple(array_function(term, numbers) for term in terms)
     jumps = tuple(not is_smooth(term) for term in terms)
-    return LawFunctions(arrays, whole(terms), whole(levels) if is_dry else None, jumps)
+    return LawFunctions(
+        arrays, whole(terms), (*numbers, *amplitudes), whole(levels) if is_dry else None, jumps
+    )
 
 
 def effects_of(law: type[Law], kind: type[LawEffect] = LawEffect) -> tuple[LawEffect, ...]:

@@ -9,15 +9,18 @@ hidden coordinate is treated, which two bodies and a measured drive have.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import scipy
+import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.record import Record
 from symid.simulation import Plant
+from symid.simulation.postfix import Program, program
 
 _POINTS_PER_ROW = 2
 """Of the integration: the band ends at a quarter of that rate."""
@@ -25,19 +28,39 @@ _POINTS_PER_ROW = 2
 
 @dataclass(frozen=True, eq=False)
 class Pointwise:
-    """A law point by point.
+    """A law point by point: the force that opposes a joint; of dry friction its level.
+
+    The sign of dry friction follows from the motion, and it holds the joint where it can.
 
     Parameters
     ----------
-    force : callable
-        For a point of the fine grid, displacement and velocity of the joint: the force that opposes it; of dry
-        friction the level, whose sign the motion sets and which holds the joint where it can.
+    force : sympy expression
+        In displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, and `values`.
+    values : mapping of str to float
+        Numbers by their names in `force`.
+    course : array of shape (n_fine,), optional
+        A factor that follows the time, on the fine grid.
+    reach : float, optional
+        Displacement over which Dahl's state z(1) = (v - abs(v) z) / reach builds up.
     dry : bool
         Whether it is dry friction.
     """
 
-    force: Callable[[int, float, float], float]
+    force: sp.Expr
+    values: Mapping[str, float]
+    course: FloatArray | None = None
+    reach: float = math.inf
     dry: bool = False
+
+    @property
+    def program(self) -> Program:
+        """The force as a program of q, v, course, z and the values in their order."""
+        return _program(self.force, tuple(self.values))
+
+
+@cache
+def _program(force: sp.Expr, names: tuple[str, ...]) -> Program:
+    return program(force, ("q", "v", "_course", "_z", *names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +93,7 @@ def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
     return HiddenMotion(free, carried, balance)
 
 
-def marched(
+def integrated_motion(
     record: Record,
     plant: Plant,
     known: ComplexArray,
@@ -86,7 +109,7 @@ def marched(
         The linear part of the axis: two bodies.
     known : array of shape (n_bins, 2)
         Spectra of other forces on the bodies.
-    laws : sequence of (array, callable)
+    laws : sequence of (array, Pointwise)
         Direction of the joint and force of each law.
 
     Returns
@@ -110,7 +133,7 @@ def marched(
         (float(d @ hidden.carried), float(d @ hidden.free), float(hidden.balance @ d), law) for d, law in laws
     ]
     step = record.period / n_points
-    z, forces = _integrated(
+    z, forces = _periodic(
         (mass, damping, stiffness), pushed, q, v, joints, step, math.ceil(record.duration / step), stride
     )
     displacement = np.multiply.outer(hidden.carried, record.motion) + np.multiply.outer(
@@ -119,7 +142,7 @@ def marched(
     return displacement, tuple(record.from_grid(f) for f in forces)
 
 
-def _integrated(
+def _periodic(
     coefficients: tuple[float, float, float],
     pushed: FloatArray,
     q: FloatArray,
@@ -131,25 +154,64 @@ def _integrated(
 ) -> tuple[FloatArray, list[FloatArray]]:
     """Hidden coordinate and forces on the fine grid; the way back from end to beginning is run twice, so that the
     course is periodic."""
-    mass, damping, stiffness = coefficients
-    transition, first, second = _discretised(mass, damping, stiffness, step)
-    after = np.roll(pushed, -1)
-    given = (np.outer(pushed, first) + np.outer(after, second)).T.tolist()
-    moved = [((c * q).tolist(), (c * v).tolist(), h, w, law) for c, h, w, law in joints]
-    order = [*range(n_log, q.size), *range(n_log), *range(n_log, q.size)]
-    z, forces = np.zeros(q.size), [np.zeros(q.size) for _ in joints]
-    try:
-        place, states, pushes = _loop(transition, first + second, second, given, moved, order, stride)
-    except ValueError as error:  # a sine of what has grown without bound
-        raise OverflowError("the hidden motion grows without bound") from error
+    transition, first, second = _discretised(*coefficients, step)
+    given = np.outer(first, pushed) + np.outer(second, np.roll(pushed, -1))
+    order = np.concatenate([np.arange(n_log, q.size), np.arange(q.size)])
+    states, courses = _stepped(transition, first + second, second, given, q, v, joints, order, stride)
+    if not np.isfinite(states).all():
+        raise OverflowError("the hidden motion grows without bound")
     back = q.size - n_log
-    z[place[back : back + n_log]] = states[back : back + n_log]
     blend = np.linspace(0, 1, back)
-    z[n_log:] = (1 - blend) * states[back + n_log :] + blend * states[:back]
-    for force, course in zip(forces, pushes, strict=True):
-        force[:n_log] = course[back : back + n_log]
-        force[n_log:] = (1 - blend) * course[back + n_log :] + blend * course[:back]
-    return z, forces
+
+    def closed(course: FloatArray) -> FloatArray:
+        last = (1 - blend) * course[q.size :] + blend * course[:back]
+        return np.concatenate([course[back : q.size], last])
+
+    return closed(states), [closed(course) for course in courses]
+
+
+def _stepped(
+    transition: FloatArray,
+    whole: FloatArray,
+    second: FloatArray,
+    given: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    joints: Sequence[tuple[float, float, float, Pointwise]],
+    order: np.ndarray[tuple[int], np.dtype[np.int64]],
+    stride: int,
+) -> tuple[FloatArray, list[FloatArray]]:
+    """States and forces in the order of the points, each `stride` points of the fine grid from the last."""
+    from symid.diagnosis.hidden_steps import steps  # numba takes 0.3 s to import, and most axes need none
+
+    carried, hidden, balance, laws = zip(*joints, strict=True)
+    programs = [law.program for law in laws]
+    arguments = np.zeros((len(laws), 4 + max(len(law.values) for law in laws)))
+    courses = np.ones((len(laws), q.size))
+    for i, law in enumerate(laws):
+        arguments[i, 4 : 4 + len(law.values)] = list(law.values.values())
+        if law.course is not None:
+            courses[i] = law.course[::stride]
+    states, forces = steps(
+        transition,
+        np.stack([whole, second]),
+        given,
+        np.multiply.outer(carried, q),
+        np.multiply.outer(carried, v),
+        courses,
+        np.array([hidden, balance, [law.reach for law in laws]]),
+        np.array([law.dry for law in laws]),
+        np.concatenate([p.operations for p in programs]),
+        np.concatenate([p.operands for p in programs]),
+        np.cumsum([0, *(p.operations.size for p in programs)]),
+        arguments,
+        np.zeros(max(p.depth for p in programs)),
+        order,
+    )
+    for force, law in zip(forces, laws, strict=True):
+        if law.dry:
+            force[:] = (force + np.append(force[1:], 0.0)) / 2
+    return states, list(forces)
 
 
 def _discretised(
@@ -163,55 +225,3 @@ def _discretised(
     whole = scipy.linalg.expm(system * step)
     held, ramp = whole[:2, 2], whole[:2, 3]
     return whole[:2, :2], held - ramp, ramp
-
-
-def _loop(
-    transition: FloatArray,
-    whole: FloatArray,
-    second: FloatArray,
-    given: list[list[float]],
-    moved: Sequence[tuple[list[float], list[float], float, float, Pointwise]],
-    order: Sequence[int],
-    stride: int,
-) -> tuple[list[int], FloatArray, list[FloatArray]]:
-    """States and forces in the order of the points, each `stride` points of the fine grid from the last.
-
-    Smooth forces by Heun's rule, dry friction held over each step.
-    """
-    (a00, a01), (a10, a11) = transition.tolist()
-    (b0, b1), (c0, c1) = whole.tolist(), second.tolist()
-    g0, g1 = given
-    x = rate = force = 0.0
-    last = order[0]
-    states: list[float] = []
-    pushes: list[list[float]] = [[] for _ in moved]
-    smooth = [(*m[:4], m[4].force, p) for m, p in zip(moved, pushes, strict=True) if not m[4].dry]
-    dry = [(*m[:4], m[4].force, p) for m, p in zip(moved, pushes, strict=True) if m[4].dry]
-    for k in order:
-        if states:
-            x, rate = (
-                a00 * x + a01 * rate + g0[last] - b0 * force,
-                a10 * x + a11 * rate + g1[last] - b1 * force,
-            )
-        total = 0.0
-        for qs, vs, h, w, law, pushed in smooth:
-            own = law(k * stride, qs[k] + h * x, vs[k] + h * rate)
-            pushed.append(own)
-            total += w * own
-        x -= c0 * (total - force)
-        rate -= c1 * (total - force)
-        for qs, vs, h, w, law, pushed in dry:
-            speed = vs[k] + h * rate
-            level = law(k * stride, qs[k] + h * x, speed)
-            own = speed / (h * b1 * w)
-            own = level if own > level else -level if own < -level else own
-            pushed.append(own)
-            x -= b0 * w * own
-            rate -= b1 * w * own
-        force, last = total, k
-        states.append(x)
-    courses = [np.array(course) for course in pushes]
-    for i, m in enumerate(moved):
-        if m[4].dry:
-            courses[i] = (courses[i] + np.append(courses[i][1:], 0.0)) / 2
-    return list(order), np.array(states), courses

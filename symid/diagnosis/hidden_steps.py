@@ -1,0 +1,99 @@
+"""The steps of a hidden motion, compiled."""
+
+import numpy as np
+
+from symid.compiled import compiled
+from symid.simulation.postfix import evaluate
+
+
+@compiled
+def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
+    transition,
+    inputs,
+    given,
+    q,
+    v,
+    courses,
+    joints,
+    dry,
+    operations,
+    operands,
+    ends,
+    arguments,
+    stack,
+    order,
+):
+    """States of shape (n,) and forces of shape (n_laws, n) in the order of the points.
+
+    Smooth forces by Heun's rule, dry friction held over each step.
+
+    Parameters
+    ----------
+    transition : array of shape (2, 2)
+        Of the hidden coordinate and its rate over a step without forces.
+    inputs : array of shape (2, 2)
+        What a force that is held over the step does, and one that rises to 1 over it.
+    given : array of shape (2, n_points)
+        What all other forces do over each step.
+    q, v : arrays of shape (n_laws, n_points)
+        Displacement and velocity of each joint without the hidden coordinate.
+    courses : array of shape (n_laws, n_points)
+        Factors that follow the time.
+    joints : array of shape (3, n_laws)
+        Displacement for a unit of the hidden coordinate, share of the force that acts on it, reach of Dahl's state.
+    dry : bool array of shape (n_laws,)
+        Which are dry friction.
+    operations, operands, ends : arrays
+        Programs of the laws, one behind the other; where each ends, from 0 on.
+    arguments : array of shape (n_laws, 4 + n_values)
+        Of the programs; the first four are written by the steps.
+    stack : array
+        Space for the programs.
+    order : int array of shape (n,)
+        Points, one after the other.
+    """
+    n_laws = dry.size
+    states, forces = np.zeros(order.size), np.zeros((n_laws, order.size))
+    before = np.zeros(n_laws)
+    x, rate, force = 0.0, 0.0, 0.0
+    for i in range(order.size):
+        k = order[i]
+        if i:
+            last = order[i - 1]
+            ahead = transition[0, 0] * x + transition[0, 1] * rate + given[0, last] - inputs[0, 0] * force
+            rate = transition[1, 0] * x + transition[1, 1] * rate + given[1, last] - inputs[0, 1] * force
+            x = ahead
+        total = 0.0
+        for j in range(n_laws):
+            if dry[j]:
+                continue
+            place = q[j, k] + joints[0, j] * x
+            arguments[j, 0], arguments[j, 1] = place, v[j, k] + joints[0, j] * rate
+            arguments[j, 2] = courses[j, k]
+            if np.isfinite(joints[2, j]):
+                decay = np.exp(-abs(place - before[j]) / joints[2, j])
+                z = arguments[j, 3]
+                arguments[j, 3] = 1 - (1 - z) * decay if place >= before[j] else (1 + z) * decay - 1
+                before[j] = place
+            begin, end = ends[j], ends[j + 1]
+            own = evaluate(operations[begin:end], operands[begin:end], arguments[j], stack)
+            forces[j, i] = own
+            total += joints[1, j] * own
+        x -= inputs[1, 0] * (total - force)
+        rate -= inputs[1, 1] * (total - force)
+        for j in range(n_laws):
+            if not dry[j]:
+                continue
+            speed = v[j, k] + joints[0, j] * rate
+            arguments[j, 0], arguments[j, 1] = q[j, k] + joints[0, j] * x, speed
+            arguments[j, 2] = courses[j, k]
+            begin, end = ends[j], ends[j + 1]
+            level = evaluate(operations[begin:end], operands[begin:end], arguments[j], stack)
+            own = speed / (joints[0, j] * inputs[0, 1] * joints[1, j])
+            own = level if own > level else -level if own < -level else own
+            forces[j, i] = own
+            x -= inputs[0, 0] * joints[1, j] * own
+            rate -= inputs[0, 1] * joints[1, j] * own
+        force = total
+        states[i] = x
+    return states, forces

@@ -1,0 +1,133 @@
+"""Law expressions as programs in postfix notation, which one compiled function evaluates for numbers.
+
+A law is known when the program runs, so that its own code would have to be compiled for every formula and every
+process. A program is data: the loop that integrates a motion is compiled once for all laws, and kept on disk by numba.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+
+from symid.arrays import FloatArray
+from symid.compiled import compiled
+from symid.errors import SymidError
+from symid.symbolic.expressions import positive
+
+_FUNCTIONS = (sp.Abs, sp.sign, positive, sp.sin, sp.cos, sp.exp)
+CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MAXIMUM, FUNCTION = range(7)
+"""Operations; from `FUNCTION` on they are those of `_FUNCTIONS`, in that order."""
+_BINARY = {sp.Add: ADD, sp.Mul: MULTIPLY, sp.Pow: POWER, sp.Max: MAXIMUM}
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """An expression in postfix notation.
+
+    Parameters
+    ----------
+    operations : int array of shape (n,)
+        What is done, one after the other.
+    operands : array of shape (n,)
+        The number that a constant puts on the stack, or the index of an argument.
+    depth : int
+        Height of the stack.
+    """
+
+    operations: np.ndarray[tuple[int], np.dtype[np.int64]]
+    operands: FloatArray
+    depth: int
+
+
+def program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
+    """The program of an expression in the law language.
+
+    Parameters
+    ----------
+    expression : sympy expression
+        In symbols whose names are those of the arguments.
+    arguments : tuple of str
+        Names, in the order in which `evaluate` takes their values.
+
+    Raises
+    ------
+    SymidError
+        If the expression holds what the law language does not.
+
+    Examples
+    --------
+    >>> short = program(sp.sympify("v*abs(q)/2"), ("q", "v"))
+    >>> evaluate(short.operations, short.operands, np.array([-3.0, 4.0]), np.zeros(short.depth))
+    6.0
+    """
+    steps: list[tuple[int, float]] = []
+    depth = _append(sp.sympify(expression), arguments, steps)
+    operations, operands = zip(*steps, strict=True)
+    return Program(np.array(operations, dtype=np.int64), np.array(operands, dtype=np.float64), depth)
+
+
+def _append(expression: sp.Expr, arguments: tuple[str, ...], steps: list[tuple[int, float]]) -> int:
+    """Write the steps of an expression behind others; the height of the stack that it needs."""
+    if expression.is_Symbol and str(expression) in arguments:
+        steps.append((ARGUMENT, float(arguments.index(str(expression)))))
+        return 1
+    if not expression.free_symbols and expression.is_number:
+        steps.append((CONSTANT, float(expression)))
+        return 1
+    if expression.func in _FUNCTIONS:
+        height = _append(expression.args[0], arguments, steps)
+        steps.append((FUNCTION + _FUNCTIONS.index(expression.func), 0.0))
+        return height
+    if expression.func not in _BINARY:
+        raise SymidError(f"{expression} is not of the law language: use q, v, numbers and its functions")
+    height = _append(expression.args[0], arguments, steps)
+    for other in expression.args[1:]:
+        height = max(height, 1 + _append(other, arguments, steps))
+        steps.append((_BINARY[expression.func], 0.0))
+    return height
+
+
+@compiled
+def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped-def]  # compiled for arrays
+    """Value of a program; `stack` is space of at least its depth."""
+    top = -1
+    for i in range(operations.size):
+        operation = operations[i]
+        if operation == CONSTANT:
+            top += 1
+            stack[top] = operands[i]
+        elif operation == ARGUMENT:
+            top += 1
+            stack[top] = arguments[int(operands[i])]
+        elif operation == ADD:
+            top -= 1
+            stack[top] += stack[top + 1]
+        elif operation == MULTIPLY:
+            top -= 1
+            stack[top] *= stack[top + 1]
+        elif operation == POWER:
+            top -= 1
+            stack[top] = stack[top] ** stack[top + 1]
+        elif operation == MAXIMUM:
+            top -= 1
+            stack[top] = max(stack[top], stack[top + 1])
+        else:
+            stack[top] = _function(operation - FUNCTION, stack[top])
+    return stack[0]
+
+
+@compiled
+def _function(which, x):  # type: ignore[no-untyped-def]  # compiled for numbers
+    if which == 0:
+        return abs(x)
+    if which == 1:
+        return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
+    if which == 2:
+        return 1.0 if x > 0.0 else 0.0
+    if which == 3:
+        return np.sin(x)
+    if which == 4:
+        return np.cos(x)
+    return np.exp(x)

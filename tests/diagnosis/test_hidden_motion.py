@@ -1,0 +1,95 @@
+"""Hidden motion, step by step, against an integrator of scipy."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import scipy
+import sympy as sp
+
+from symid.arrays import FloatArray
+from symid.diagnosis.effects.friction import dahl_state
+from symid.diagnosis.hidden_motion import Pointwise, _discretised, _stepped
+
+MASS, DAMPING, STIFFNESS = 2.0, 3.0, 4000.0
+STEP, N = 2e-4, 8000
+TIME = np.arange(N) * STEP
+PUSH = 60 * np.sin(2 * np.pi * 3 * TIME) + 25 * np.sin(2 * np.pi * 7.3 * TIME)
+Q, V, SPEED, COURSE, Z, NUMBER = sp.symbols("q v speed _course _z number")
+
+
+def stepped(law: Pointwise, n: int = N) -> tuple[FloatArray, FloatArray]:
+    """Motion and force of a mass on a spring to the ground under a push, with one law more."""
+    transition, first, second = _discretised(MASS, DAMPING, STIFFNESS, STEP)
+    given = np.outer(first, PUSH) + np.outer(second, np.roll(PUSH, -1))
+    still = np.zeros(N)
+    states, (force,) = _stepped(
+        transition, first + second, second, given, still, still, [(0.0, 1.0, 1.0, law)], np.arange(n), 1
+    )
+    return states, force
+
+
+def integrated(force: Callable[[float, float, float], float]) -> FloatArray:
+    """The same by a Runge-Kutta method of order 8."""
+
+    def rate(t: float, y: FloatArray) -> list[float]:
+        push = 60 * np.sin(2 * np.pi * 3 * t) + 25 * np.sin(2 * np.pi * 7.3 * t)
+        return [y[1], (push - STIFFNESS * y[0] - DAMPING * y[1] - force(t, y[0], y[1])) / MASS]
+
+    found = scipy.integrate.solve_ivp(
+        rate, (0, TIME[-1]), [0.0, 0.0], method="DOP853", t_eval=TIME, rtol=1e-9, atol=1e-12, max_step=1e-3
+    )
+    return np.asarray(found.y[0])
+
+
+@pytest.mark.parametrize(
+    ("expression", "values", "force"),
+    [
+        (NUMBER * Q**3, {"number": 2e7}, lambda t, q, v: 2e7 * q**3),
+        (NUMBER * V * sp.Abs(V), {"number": 40.0}, lambda t, q, v: 40 * v * abs(v)),
+        (NUMBER * sp.sin(Q / SPEED), {"number": 9.0, "speed": 3e-3}, lambda t, q, v: 9 * np.sin(q / 3e-3)),
+        (
+            NUMBER * V * sp.exp(-((V / SPEED) ** 2)),
+            {"number": 30.0, "speed": 0.1},
+            lambda t, q, v: 30 * v * np.exp(-((v / 0.1) ** 2)),
+        ),
+    ],
+    ids=["cubic", "drag", "cogging", "stribeck"],
+)
+def test_smooth_forces_are_integrated(expression, values, force):
+    states, _ = stepped(Pointwise(expression, values))
+    expected = integrated(force)
+    assert np.abs(states - expected).max() < 2e-4 * np.abs(expected).max()
+
+
+def test_a_factor_follows_the_time():
+    course = np.exp(-TIME / 0.5)
+    states, _ = stepped(Pointwise(NUMBER * V * COURSE, {"number": 100.0}, course))
+    expected = integrated(lambda t, q, v: 100 * v * np.exp(-t / 0.5))
+    assert np.abs(states - expected).max() < 2e-4 * np.abs(expected).max()
+
+
+def test_dry_friction_holds_and_lets_go():
+    level = 20.0
+    states, force = stepped(Pointwise(NUMBER, {"number": level}, dry=True))
+    expected = integrated(lambda t, q, v: level * np.tanh(v / 2e-5))
+    assert np.abs(states - expected).max() < 5e-3 * np.abs(expected).max()
+    assert np.abs(force).max() <= level
+    held = np.abs(force[1:-1]) < 0.99 * level
+    assert 0.005 < held.mean() < 0.5, "it rests at its reversals and moves in between"
+    speed = np.abs(np.gradient(states, STEP))
+    assert speed[1:-1][held].max() < 0.05 * speed.max()
+
+
+def test_the_state_of_presliding_friction_is_that_of_the_course():
+    states, force = stepped(Pointwise(NUMBER * Z, {"number": 20.0}, reach=2e-3))
+    known = 20 * dahl_state(states, 2e-3)
+    assert np.abs(force - known).max() < 0.2, "Heun's rule evaluates the force at the predicted place"
+
+
+def test_a_level_that_varies_does_not_fall_below_zero():
+    _, force = stepped(Pointwise(sp.Max(NUMBER * Q, 0), {"number": 1e3}, dry=True))
+    states, _ = stepped(Pointwise(sp.Max(NUMBER * Q, 0), {"number": 1e3}, dry=True))
+    below = states[1:-1] < -1e-4
+    assert np.abs(force[1:-1][below]).max() < 0.2
+    assert np.abs(force).max() > 5
