@@ -8,13 +8,12 @@ job as one would write it down with numpy and scipy, with cutoff and decimation 
 "cluster" is a Dask LocalCluster of two workers, if Dask is installed. All runs alternate; ratios are medians over the
 rounds.
 
-Usage: python benchmarks/batch.py [--logs 1000] [--rounds 3]
+Usage: python -m benchmarks.batch [--logs 1000] [--rounds 3]
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -30,9 +29,7 @@ import polars as pl
 from threadpoolctl import threadpool_limits
 
 import symid
-
-sys.path.insert(0, str(Path(__file__).parent))
-from identify_speed import JOBS, simulate_emps
+from benchmarks.identify_speed import JOBS, simulate_emps
 
 SAMPLES = 40_000
 AIM_TWO_CORES, AIM_SCRIPT, AIM_PASSES = 1.8, 3.0, 2.0

@@ -6,7 +6,7 @@ come. In the third, `symid batch` on all cores is killed with its process group 
 journal, and the same command is given again. Printed are logs lost, logs twice, rows that differ from the undisturbed
 ones, and rows that the second command did not make anew. The exit code is 1 if a log is lost, twice or another.
 
-Usage: python benchmarks/batch_kills.py [--logs 1000]
+Usage: python -m benchmarks.batch_kills [--logs 1000]
 """
 
 from __future__ import annotations
@@ -27,10 +27,8 @@ import polars as pl
 from distributed import LocalCluster
 
 import symid
+from benchmarks.batch import write_logs
 from symid.fleet import read_journal
-
-sys.path.insert(0, str(Path(__file__).parent))
-from batch import write_logs
 
 VOLATILE = ("seconds", "finished", "log")
 JOURNAL = "results.parquet.journal"

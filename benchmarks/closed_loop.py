@@ -6,7 +6,7 @@ samples, fails here. Known are the gains of the controller and its rate. Its ref
 splines, or the exact one (a trajectory given in Python). Table 10 of the paper: Ms 24 %, Ks 92 %. Noise of the force
 sensor and of the encoder; parameters' errors and standard deviations in %. Takes 4 to 8 minutes.
 
-Usage: python benchmarks/closed_loop.py [--quick]
+Usage: python -m benchmarks.closed_loop [--quick]
 """
 
 from __future__ import annotations

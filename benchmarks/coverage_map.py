@@ -13,7 +13,7 @@ Then the force of the same logs is moved by one sample: how often that is seen, 
 coverage before and after the remedy that the result names. Last, least squares and instrumental variables on a flexible
 axis whose encoders are noisy.
 
-Usage: python benchmarks/coverage_map.py [--runs 200] [--quick]
+Usage: python -m benchmarks.coverage_map [--runs 200] [--quick]
 OPENBLAS_NUM_THREADS=1 halves the time: the matrices are far too small for threads.
 """
 

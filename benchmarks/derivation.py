@@ -4,7 +4,7 @@ Every chain nM-(n-1)S has viscous friction in every joint, Coulomb friction in t
 motor only. Each process imports, declares, derives, eliminates, inverts the parameter map, and writes its modules
 into a temporary folder. "within" is the derivation and the text of the modules alone, without starting Python.
 
-Usage: python benchmarks/derivation.py
+Usage: python -m benchmarks.derivation
 """
 
 from __future__ import annotations

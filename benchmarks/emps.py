@@ -3,7 +3,7 @@
 Published: Janot, Gautier, Brunot, "Data Set and Reference Models of EMPS" (2019), sections 3.4, 3.5 and 4.2; their
 recipe filters the motion only and subtracts 1 from the rows in the residual's deviation.
 
-Usage: python benchmarks/emps.py
+Usage: python -m benchmarks.emps
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Designed references: what `symid excite` expects, beside the spread of a dozen identifications.
 
-Usage: python benchmarks/excitation.py [AXIS ...]
+Usage: python -m benchmarks.excitation [AXIS ...]
 
 For each axis the worst relative deviations of the designed reference and of the default ones, within 0.4 m, 1 m/s,
 8 m/s^2 and 20 kN in 10 s at 4 kHz with noise of 0.1 um and 1 N, and for each parameter the standard deviation of

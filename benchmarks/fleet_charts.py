@@ -5,7 +5,7 @@ that are always the same is said to differ; how often a chart shows a change whe
 a drift, is found, the run of the step to one, and how often the 95 % intervals of place and size hold the truth. Sizes
 are in standard deviations of one run; promised deviations of the runs differ up to threefold.
 
-Usage: python benchmarks/fleet_charts.py [--draws 300]
+Usage: python -m benchmarks.fleet_charts [--draws 300]
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ there is decimation, the decimation filter of each column of W (constants aside)
 as one would write it down with numpy and scipy. "unexamined" is identify without its examination of timing and bias.
 Every run has a process of its own, whose peak memory is counted beyond the log itself; the runs alternate.
 
-Usage: python benchmarks/identify_speed.py [--samples 10000000] [--rounds 3]
+Usage: python -m benchmarks.identify_speed [--samples 10000000] [--rounds 3]
 """
 
 from __future__ import annotations
@@ -170,7 +170,16 @@ def child(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> None:
 
 def run(job: str, axis: str, folder: Path, settings: dict[str, Any]) -> dict[str, Any]:
     """Costs and results of one job in a process of its own."""
-    command = [sys.executable, __file__, "--child", job, axis, str(folder), json.dumps(settings)]
+    command = [
+        sys.executable,
+        "-m",
+        "benchmarks.identify_speed",
+        "--child",
+        job,
+        axis,
+        str(folder),
+        json.dumps(settings),
+    ]
     result: dict[str, Any] = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     return result
 
@@ -234,7 +243,15 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for axis in AXES:
-            command = [sys.executable, __file__, "--simulate", axis, str(folder), str(options.samples)]
+            command = [
+                sys.executable,
+                "-m",
+                "benchmarks.identify_speed",
+                "--simulate",
+                axis,
+                str(folder),
+                str(options.samples),
+            ]
             subprocess.run(command, check=True)
             for decimation in (None, 1):
                 compare(axis, folder, decimation, options.rounds)

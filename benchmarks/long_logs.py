@@ -5,7 +5,7 @@ memory as a whole. Every log is identified in a process of its own, in blocks an
 well; the two must agree. Printed are wall time, samples per second, the process' peak memory beyond what an imported
 symid takes, and the slope of log(seconds) over log(samples): 1 is linear.
 
-Usage: python benchmarks/long_logs.py [--largest 1e7] [--whole 1e7] [--kind parquet] [--folder FOLDER]
+Usage: python -m benchmarks.long_logs [--largest 1e7] [--whole 1e7] [--kind parquet] [--folder FOLDER]
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 import polars as pl
-from identify_speed import RATE, FloatArray, simulate_emps
 
 import symid
+from benchmarks.identify_speed import RATE, FloatArray, simulate_emps
 from symid.data import MEMORY
 from symid.identification import open_axis_log
 
@@ -81,7 +81,14 @@ def identified(file: str, blocks: bool) -> dict[str, Any]:
 
 def in_own_process(file: Path, blocks: bool) -> dict[str, Any]:
     """What `identified` gives, in a process of its own."""
-    command = [sys.executable, __file__, "--identify", str(file), *(["--blocks"] if blocks else [])]
+    command = [
+        sys.executable,
+        "-m",
+        "benchmarks.long_logs",
+        "--identify",
+        str(file),
+        *(["--blocks"] if blocks else []),
+    ]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     return dict(json.loads(done.stdout))
 

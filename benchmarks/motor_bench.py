@@ -8,7 +8,7 @@ B's parameter less A's in percent of A's (aim 3 %); "antires" and "res" are sqrt
 (aim 10 %). An independent route: the frequency responses of both encoders to the current, averaged over
 periods, and a nonlinear fit of both with their delays.
 
-Usage: python benchmarks/motor_bench.py
+Usage: python -m benchmarks.motor_bench
 """
 
 from __future__ import annotations

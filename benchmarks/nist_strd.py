@@ -4,7 +4,7 @@ Ours next to numpy.linalg.lstsq on columns of unit norm. The figure is the log r
 value, -log10 |x - c|/|c| (-log10 |x| where the certified c is 0), 15 digits at most.
 The data lie in `benchmarks/nist`; `exact_solution` recomputes their certified values in rational arithmetic.
 
-Usage: python benchmarks/nist_strd.py
+Usage: python -m benchmarks.nist_strd
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ others where the first draw ended. (c) Smoother trapezoids: what fades. (d) The 
 every n-th sample kept: motor encoder alone and both encoders, the current as point samples and as mean over the new
 interval, as a drive might log it. (e) Rough starts.
 
-Usage: python benchmarks/output_error.py [--quick]
+Usage: python -m benchmarks.output_error [--quick]
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ The paper leaves open what follows; it is chosen once, in `Setup`, and `--vary` 
   that jump; smoother ones hardly move the structure. At 250 Hz the cutoff is 100 Hz, since 164.42 Hz is beyond Nyquist.
 - Integration: exact between two samples of the controller (matrix exponential); there is no integration step.
 
-Usage: python benchmarks/paper_tables.py [--vary]
+Usage: python -m benchmarks.paper_tables [--vary]
 """
 
 from __future__ import annotations

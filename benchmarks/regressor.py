@@ -1,6 +1,6 @@
 """The generated `regressor` against copying an array of the same size and layout: ratio of times, aim 1.5.
 
-Usage: python benchmarks/regressor.py [--samples 10000000] [--repetitions 9]
+Usage: python -m benchmarks.regressor [--samples 10000000] [--repetitions 9]
 """
 
 from __future__ import annotations

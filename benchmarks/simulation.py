@@ -7,7 +7,7 @@ controller in a Python loop and once without one, in its own loop in C. It is le
 Times are medians of alternating repetitions. Then the same as whole processes, from start to
 end, and loops that are simulated sample by sample.
 
-Run: python benchmarks/simulation.py
+Usage: python -m benchmarks.simulation
 """
 
 from __future__ import annotations
@@ -25,9 +25,7 @@ from statistics import median
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulation_peers import Loop, Machine, by_mujoco, by_solve_ivp, direct, rigid, rolled_out
+from benchmarks.simulation_peers import Loop, Machine, by_mujoco, by_solve_ivp, direct, rigid, rolled_out
 
 RATE = 4000.0
 """Rate of the controller where solve_ivp takes part, Hz."""
@@ -157,12 +155,12 @@ def whole_processes(case: Case) -> dict[str, float]:
             velocity=loop.velocity,
             period=loop.period,
         )
-        commands = {"symid": [__file__, case.axis]}
+        commands = {"symid": ["benchmarks.simulation", case.axis]}
         if has_mujoco():
-            commands["mujoco"] = [str(Path(__file__).with_name("simulation_peers.py")), str(file)]
+            commands["mujoco"] = ["benchmarks.simulation_peers", str(file)]
         return seconds(
             {
-                name: partial(subprocess.run, [sys.executable, *command], check=True)
+                name: partial(subprocess.run, [sys.executable, "-m", *command], check=True)
                 for name, command in commands.items()
             }
         )

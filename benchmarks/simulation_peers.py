@@ -1,7 +1,7 @@
-"""Closed loops of two axes with Coulomb friction by solve_ivp and by MuJoCo; run by `benchmarks/simulation.py`.
+"""Closed loops of two axes with Coulomb friction by solve_ivp and by MuJoCo; run by `benchmarks.simulation`.
 
 Written by hand from the equations of motion; nothing of symid is used. As a process of its own,
-`python benchmarks/simulation_peers.py REFERENCE.npz` simulates the loop in it by MuJoCo, start-up included.
+`python -m benchmarks.simulation_peers REFERENCE.npz` simulates the loop in it by MuJoCo, start-up included.
 """
 
 from __future__ import annotations

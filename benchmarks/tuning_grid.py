@@ -10,7 +10,7 @@ constant 50 Hz, as other tools have.
 The axis runs along trapezoids under a cascade of 30 Hz, of which the tuning knows nothing, and whose force is held
 between its samples; the noise is that of the record, the controller does not feel it.
 
-Usage: python benchmarks/tuning_grid.py [--quick]
+Usage: python -m benchmarks.tuning_grid [--quick]
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Array types that all rooms of the numeric half share."""
+"""Array types of the numeric packages."""
 
 from typing import Any, TypeVar
 
