@@ -6,9 +6,12 @@ numbers of the declaration, since no regressor holds them: derivation and least 
 
 from __future__ import annotations
 
+import math
+import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
+from typing import ClassVar
 
 from symid.axis.elements import Body, Joint
 from symid.axis.laws.base import is_finite
@@ -31,10 +34,38 @@ __all__ = [
     "PreslidingFriction",
 ]
 
+_PLACES = ("at", "body", "signal")
+"""Fields that are no number."""
+_TURN = repr(math.tau)
+
 
 @dataclass(frozen=True)
 class Imperfection(ABC):
-    """Base of what acts beyond the regressor."""
+    """Base of what acts beyond the regressor.
+
+    Simulation and exports read what it does from `law` and `rate`, in the names of the fields, q and v (displacement
+    and velocity of its joint), t (time), F (force of the drive), y (reading) and z (what it remembers).
+    """
+
+    law: ClassVar[str] = ""
+    """Force against the motion of its joint; or the force that acts, or the reading, in place of F or y."""
+    rate: ClassVar[str] = ""
+    """z(1), linear in z, of what remembers; z is 0 in the beginning."""
+
+    def in_numbers(self, text: str) -> str:
+        """`law` or `rate` with the numbers of the declaration in place of the fields.
+
+        Examples
+        --------
+        >>> limit = ForceLimit(25.0)
+        >>> limit.in_numbers(limit.law)
+        'min(max(F, -(25.0)), (25.0))'
+        """
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _PLACES}
+        numbers = {
+            name: f"({value if isinstance(value, int) else float(value)!r})" for name, value in values.items()
+        }
+        return re.sub(r"[a-z_]+", lambda found: numbers.get(found[0], found[0]), text)
 
     @property
     @abstractmethod
@@ -46,7 +77,7 @@ class Imperfection(ABC):
         positive = ("seconds", "force", "pitch", "frequency", "time_constant", "reach", "level", "time")
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name in ("at", "body", "signal"):
+            if field.name in _PLACES:
                 continue
             if not is_finite(value):
                 yield f"{field.name} is {value!r}: it must be a finite number"
@@ -106,6 +137,8 @@ class ActuatorLag(DriveImperfection):
     """
 
     seconds: float
+    law: ClassVar = "z"
+    rate: ClassVar = "(F - z)/seconds"
 
     @property
     def formula(self) -> str:
@@ -124,6 +157,7 @@ class ForceLimit(DriveImperfection):
     """
 
     force: float
+    law: ClassVar = "min(max(F, -force), force)"
 
     @property
     def formula(self) -> str:
@@ -145,6 +179,7 @@ class GainNonlinearity(DriveImperfection):
 
     bend: float
     power: int
+    law: ClassVar = "F - bend*F*abs(F)**(power - 1)"
 
     @property
     def formula(self) -> str:
@@ -163,11 +198,25 @@ class GainAsymmetry(DriveImperfection):
     """
 
     difference: float
+    law: ClassVar = "F - difference*abs(F)"
 
     @property
     def formula(self) -> str:
         """What it does."""
         return f"f = F - {self.difference:.4g} abs(F)"
+
+
+def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
+    """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay.
+
+    Examples
+    --------
+    >>> [type(item).__name__ for item in in_order([ActuatorLag(1e-3), ForceLimit(9.0), GainAsymmetry(0.1)])]
+    ['GainAsymmetry', 'ForceLimit', 'ActuatorLag']
+    """
+    kinds = (GainNonlinearity, GainAsymmetry, ForceLimit, ActuatorLag, ActuatorDelay)
+    items = tuple(drive)
+    return tuple(item for kind in (kinds[:2], *kinds[2:]) for item in items if isinstance(item, kind))
 
 
 @dataclass(frozen=True)
@@ -188,6 +237,7 @@ class EncoderRipple(Imperfection):
     sine: float
     cosine: float
     pitch: float
+    law: ClassVar = f"y + sine*sin({_TURN}*y/pitch) + cosine*cos({_TURN}*y/pitch)"
 
     @property
     def formula(self) -> str:
@@ -237,6 +287,7 @@ class PeriodicForce(JointImperfection):
     sine: float
     cosine: float
     frequency: float
+    law: ClassVar = f"sine*sin({_TURN}*frequency*t) + cosine*cos({_TURN}*frequency*t)"
 
     @property
     def formula(self) -> str:
@@ -262,6 +313,7 @@ class FrictionDrift(JointImperfection):
     coulomb: float
     viscous: float
     time_constant: float
+    law: ClassVar = "exp(-t/time_constant)*(coulomb*sign(v) + viscous*v)"
 
     @property
     def formula(self) -> str:
@@ -283,6 +335,7 @@ class FrictionTrend(JointImperfection):
 
     coulomb: float
     viscous: float
+    law: ClassVar = "t*(coulomb*sign(v) + viscous*v)"
 
     @property
     def formula(self) -> str:
@@ -308,6 +361,8 @@ class PreslidingFriction(JointImperfection):
 
     level: float
     reach: float
+    law: ClassVar = "level*(z - sign(v))"
+    rate: ClassVar = "(v - abs(v)*z)/reach"
 
     @property
     def formula(self) -> str:
@@ -328,6 +383,7 @@ class LoadDependentFriction(JointImperfection):
     """
 
     coefficient: float
+    law: ClassVar = "coefficient*abs(F)*sign(v)"
 
     @property
     def formula(self) -> str:

@@ -31,6 +31,7 @@ _RESERVED = {
         "joints",
         "inverse",
     ),
+    *("way", "late", "before", "note", "noted", "followed"),
     *("sweep", "sweeps", "moved", "moving", "speed", "own", "wanted", "change", "now", "has_jump"),
 }
 """Words of C and names that the functions use themselves."""

@@ -5,19 +5,26 @@ Plain functions of numbers and arrays, without allocation, state or any library 
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 
 import sympy as sp
 
+from symid.axis import Axis
 from symid.codegen.lowering import PolynomialLowering, as_factor, signal_names
 from symid.codegen.module import model_signals
 from symid.export.c_code import assignments, c_code, c_name
+from symid.export.c_motion import derivative, lines, members, readings, renamed
 from symid.export.c_step import step_function
-from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics, symbolic_dynamics
+from symid.export.c_way import SHORTEST_STEP, way_words
+from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported
 from symid.export.losses import losses_of_signals
+from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
+
+_LONGEST, _STEPS_A_RADIAN = 2e-5, 100
 
 _HEADER = """\
 /* Axis {name}, exported by symid. {measured_line}
@@ -29,6 +36,7 @@ _HEADER = """\
 
 enum {{
     {name}_bodies = {bodies},         /* displacements in a state x: all displacements, then all velocities */
+    {name}_states = {n_state},{memory}
     {name}_signals = {n_signals},
     {name}_equations = {equations},
     {name}_minimal = {n_minimal},
@@ -61,7 +69,7 @@ void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}
 /* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
 
-#endif
+{way_header}#endif
 """
 
 _SOURCE = """\
@@ -114,7 +122,7 @@ void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], doubl
 {{
 {readings}
 }}
-"""
+{way_source}"""
 
 _REST = (
     "Friction at rest: the derivative takes sign(0) = 0 and seeks no event, so that a fixed-step solver chatters "
@@ -146,10 +154,16 @@ def c_source(model: DerivedModel, values: Mapping[str, float], header: str | Non
     losses = (
         *((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()),
         *losses_of_signals(model.axis),
-        *_imperfections(model),
+        *(f"{s.signal}: the noise of the reading is left out." for s in model.axis.sensors if s.noise),
     )
     words = _words(model, dynamics, values, losses) | {"header": f"{header or model.axis.name}.h"}
     return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
+
+
+def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
+    """Step that follows the motion, s: a hundredth of the fastest mode's radian, 20 us at most."""
+    fastest = 2 * math.pi * plant_of(axis, values).highest_mode  # rad/s
+    return float(f"{min(_LONGEST, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0))):.2g}")
 
 
 def _words(
@@ -165,15 +179,18 @@ def _words(
         "measured_line": f"Measured: {', '.join(model.measured)}.",
         "notes": _comment([*minimal.written, *(f"Lost: {loss}" for loss in losses)]),
         "bodies": len(dynamics.bodies),
-        "n_state": 2 * len(dynamics.bodies),
-        "state": ", ".join([*(f"x_{b}" for b in dynamics.bodies), *(f"v_{b}" for b in dynamics.bodies)]),
+        "n_state": dynamics.n_states,
+        "memory": "  /* and what imperfections remember */" * bool(dynamics.imperfect.states),
+        "state": ", ".join(
+            [*(f"{kind}_{b}" for kind in "xv" for b in dynamics.bodies), *dynamics.imperfect.states]
+        ),
         "n_signals": len(signals),
         "signals": ", ".join(signals),
         "equations": len(minimal.output),
         "n_minimal": len(minimal.parameters),
         "minimal": ", ".join(p.name for p in minimal.parameters),
-        "members": _lines(f"double {c_name(n)};  /* {unit or '1'} */" for n, unit in parameters.items()),
-        "values": _lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
+        "members": lines(f"double {c_name(n)};  /* {unit or '1'} */" for n, unit in parameters.items()),
+        "values": lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
         "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in constants.items())
         + ("\n" if constants else ""),
         "force": c_name(axis.drive.signal),
@@ -182,11 +199,10 @@ def _words(
         "regressor": _regressor(model, signals),
         "output": _output(model, signals),
         "forward": _forward(model),
-        "derivative": _derivative(dynamics),
-        "step": step_function(
-            dynamics, lambda names: _lines(_members(names)), _renamed, c_name(axis.drive.signal)
-        ),
-        "readings": _readings(dynamics),
+        "derivative": derivative(dynamics),
+        "step": step_function(dynamics),
+        "readings": readings(dynamics),
+        **way_words(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
     }
 
 
@@ -206,8 +222,8 @@ def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
     used = set(signal_names(list(entries.values())))
     read = [f"const double {c_name(s)} = signals[{i}];" for i, s in enumerate(signals) if s in used]
     unused = [] if read else ["(void)signals;"]
-    return _lines(
-        [*read, *unused, *assignments(list(entries), [_renamed(e) for e in entries.values()], signals)]
+    return lines(
+        [*read, *unused, *assignments(list(entries), [renamed(e) for e in entries.values()], signals)]
     )
 
 
@@ -221,105 +237,15 @@ def _forward(model: DerivedModel) -> str:
         below = lowering.lower(parameter.function.denominator)
         results.append(above if below == "1.0" else f"{as_factor(above)}/{as_factor(below)}")
     used = {name for p in model.minimal.parameters for name in p.function.names}
-    return _lines(
+    return lines(
         [
-            *_members(name for name in model.axis.physical_parameters if name in used),
+            *members(name for name in model.axis.physical_parameters if name in used),
             *(f"const double {name} = {text};" for name, text in lowering.assignments),
             *(f"X[{i}] = {text};" for i, text in enumerate(results)),
         ]
     )
 
 
-def _derivative(dynamics: SymbolicDynamics) -> str:
-    """Velocities, forces of the laws in each joint, then the accelerations that balance them."""
-    n, axis = len(dynamics.bodies), dynamics.axis
-    x = [sp.Symbol(f"x[{i}]") for i in range(n)]
-    v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
-    force = (
-        dynamics.drive * sp.Symbol(axis.drive.signal)
-        + dynamics.constant
-        - dynamics.damping * sp.Matrix(v)
-        - dynamics.stiffness * sp.Matrix(x)
-    )
-    lines, taken = [], {*axis.physical_parameters, *dynamics.constants, axis.drive.signal}
-    for joint in dynamics.joints:
-        symbol, written, effect = _joint(joint, dynamics, x, v)
-        lines += written
-        taken.add(str(symbol))
-        force -= effect * symbol
-    balance = sp.Matrix([sp.Symbol(f"r{i}_") for i in range(n)])
-    motion = [_renamed(f) for f in force]
-    lines += [
-        f"const double r{i}_ = {c_code(f)};  /* {body} */"
-        for i, (body, f) in enumerate(zip(dynamics.bodies, motion, strict=True))
-    ]
-    accelerations = [_renamed(a) for a in dynamics.mass.LUsolve(balance)]
-    lines += [f"dx[{i}] = x[{n + i}];" for i in range(n)]
-    lines += assignments([f"dx[{n + i}]" for i in range(n)], accelerations, {*map(c_name, taken)})
-    return _lines([*_members(_used(dynamics)), *lines])
-
-
-def _joint(
-    joint: LawJoint, dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
-) -> tuple[sp.Symbol, list[str], sp.Matrix]:
-    """Symbol of a joint's force, the statements that compute it, and its effect on each body."""
-    row = [joint.displacement.get(body, sp.Integer(0)) for body in dynamics.bodies]
-    symbol = sp.Symbol(f"f_{joint.name}_")
-    q, velocity = (sp.Symbol(f"{letter}_{joint.name}_") for letter in "qv")
-    law = joint.force.xreplace({DISPLACEMENT: q, VELOCITY: velocity})
-    statements = {q: sp.Add(*map(sp.Mul, row, x)), velocity: sp.Add(*map(sp.Mul, row, v)), symbol: law}
-    needed = law.free_symbols | {symbol}
-    lines = [
-        f"const double {name} = {c_code(_renamed(value))};"
-        for name, value in statements.items()
-        if name in needed
-    ]
-    return symbol, lines, sp.Matrix(row)
-
-
-def _readings(dynamics: SymbolicDynamics) -> str:
-    n, lines = len(dynamics.bodies), []
-    for i, (signal, (row, order)) in enumerate(dynamics.sensors.items()):
-        array, first = ("x", "x", "dx")[order], (0, n, n)[order]
-        places = {body: sp.Symbol(f"{array}[{first + k}]") for k, body in enumerate(dynamics.bodies)}
-        reading = sp.Add(*(factor * places[body] for body, factor in row.items()))
-        lines.append(f"y[{i}] = {c_code(reading)};  /* {signal} */")
-    orders = {order for _, order in dynamics.sensors.values()}
-    unused = [*([] if orders & {0, 1} else ["(void)x;"]), *([] if 2 in orders else ["(void)dx;"])]
-    return _lines([*unused, *lines])
-
-
-def _used(dynamics: SymbolicDynamics) -> list[str]:
-    """Parameters that the dynamics depend on, in the order of the declaration."""
-    matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
-    symbols = set().union(
-        *(m.free_symbols for m in matrices), *(j.force.free_symbols for j in dynamics.joints)
-    )
-    return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]
-
-
-def _imperfections(model: DerivedModel) -> tuple[str, ...]:
-    """Declared imperfections of signals that the equations leave out."""
-    return tuple(
-        f"{sensor.signal}: noise, resolution and delay of the reading are not in the equations."
-        for sensor in model.axis.sensors
-        if sensor.noise or sensor.resolution or sensor.delay
-    )
-
-
-def _members(names: Iterable[str]) -> list[str]:
-    return [f"const double {c_name(name)} = p->{c_name(name)};" for name in names]
-
-
-def _renamed(expression: sp.Expr) -> sp.Expr:
-    """An expression with names that C leaves free."""
-    return expression.xreplace({s: sp.Symbol(c_name(str(s))) for s in expression.free_symbols})
-
-
 def _comment(lines: Iterable[str]) -> str:
     wrapped = (part for line in lines for part in textwrap.wrap(line, 105, subsequent_indent="    "))
     return "\n".join(f" * {line}" for line in wrapped)
-
-
-def _lines(lines: Iterable[str]) -> str:
-    return textwrap.indent("\n".join(lines), "    ")

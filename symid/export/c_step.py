@@ -7,20 +7,22 @@ impulses are found by projected Gauss-Seidel iteration, exact in one sweep for o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 
 import sympy as sp
 
-from symid.export.c_code import c_code
-from symid.export.dynamics import SymbolicDynamics
+from symid.export.c_code import c_code, c_name
+from symid.export.c_motion import acts_otherwise, clock, lines, members, renamed, smooth_force
+from symid.export.dynamics import VELOCITY, SymbolicDynamics
+from symid.export.imperfect import ACTING, NOW, Memory, sent
 
 _LAW = """\
 /* Force of the laws in a joint against its motion. */
-static double {name}_law(const {name}_parameters *p, int joint, double joint_q_, double joint_v_)
+static double {name}_law(const {name}_parameters *p, int joint, double joint_q_, double joint_v_{arguments})
 {{
 {members}
     (void)joint_q_;
-    (void)joint_v_;
+    (void)joint_v_;{unused}
     switch (joint) {{
 {cases}
     default: return 0.0;
@@ -29,8 +31,17 @@ static double {name}_law(const {name}_parameters *p, int joint, double joint_q_,
 
 """
 
+_FOLLOWED = """\
+/* What has followed z(1) = gain - decay z for a time h. */
+static double followed(double z, double gain, double decay, double h)
+{
+    return decay > 0.0 ? z - (gain/decay - z)*expm1(-decay*h) : z + gain*h;
+}
+
+"""
+
 _STEP = """\
-{law}void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}, double h)
+{followed}{law}void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}, double h)
 {{
     enum {{ n = {n} }};
 {members}
@@ -49,7 +60,7 @@ _STEP = """\
         x[i] += h*v[i];
         x[n + i] = v[i];
     }}
-}}
+{after}}}
 """
 
 _JOINTS = """\
@@ -66,9 +77,9 @@ _JOINTS = """\
             response[j][i] = 0.0;
             for (int k = 0; k < n; k++) response[j][i] += inverse[i][k]*d[j][k];
         }}
-        const double now = {name}_law(p, j, q, speed), moving = fabs(speed) + 1e-300;
-        low[j] = h*{name}_law(p, j, q, -moving);
-        high[j] = h*{name}_law(p, j, q, moving);
+        const double now = {name}_law(p, j, q, speed{beyond}), moving = fabs(speed) + 1e-300;
+        low[j] = h*{name}_law(p, j, q, -moving{beyond});
+        high[j] = h*{name}_law(p, j, q, moving{beyond});
         if (!has_jump[j] || low[j] > high[j]) low[j] = high[j] = h*now;
         impulse[j] = 0.0;
     }}
@@ -91,52 +102,91 @@ _JOINTS = """\
 """
 
 
-def step_function(
-    dynamics: SymbolicDynamics,
-    members: Callable[[list[str]], str],
-    renamed: Callable[[sp.Expr], sp.Expr],
-    force: str,
-) -> str:
-    """Text of the function `<axis>_step`.
-
-    Parameters
-    ----------
-    dynamics : SymbolicDynamics
-        What moves.
-    members : callable
-        Statements that read parameters.
-    renamed : callable
-        An expression with names that C leaves free.
-    force : str
-        Name of the drive's force.
-    """
+def step_function(dynamics: SymbolicDynamics) -> str:
+    """Text of the function `<axis>_step`, and of those that it calls."""
     n, name = len(dynamics.bodies), dynamics.axis.name
-    x = sp.Matrix([sp.Symbol(f"x[{i}]") for i in range(n)])
-    v = sp.Matrix([sp.Symbol(f"x[{n + i}]") for i in range(n)])
-    drive = dynamics.drive * sp.Symbol(dynamics.axis.drive.signal)
-    smooth = drive + dynamics.constant - dynamics.damping * v - dynamics.stiffness * x
+    x = [sp.Symbol(f"x[{i}]") for i in range(n)]
+    v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
+    smooth = smooth_force(dynamics, x, v)
     inverse = dynamics.mass.inv(method="LU")
     used = _parameters(dynamics, smooth, inverse)
+    remembers = bool(dynamics.imperfect.remembering)
     return _STEP.format(
-        law=_law(dynamics, members, renamed) if dynamics.joints else "",
+        followed=_FOLLOWED if remembers else "",
+        law=_law(dynamics) if dynamics.joints else "",
         name=name,
-        force=force,
+        force=c_name(dynamics.axis.drive.signal),
         n=n,
-        n_state=2 * n,
-        members=members(used),
+        n_state=dynamics.n_states,
+        members=lines([*members(used), *clock(dynamics, "h/2.0"), *_drive(dynamics)]),
         inverse=_rows([[c_code(renamed(entry)) for entry in inverse.row(i)] for i in range(n)]),
         smooth="\n".join(f"        {c_code(renamed(entry))}," for entry in smooth),
         joints=_joints(dynamics) if dynamics.joints else "",
+        after=_after(dynamics),
     )
 
 
-def _law(
-    dynamics: SymbolicDynamics, members: Callable[[list[str]], str], renamed: Callable[[sp.Expr], sp.Expr]
-) -> str:
+def _drive(dynamics: SymbolicDynamics) -> list[str]:
+    """The force that acts; of one that lags, the mean over the step."""
+    if not acts_otherwise(dynamics):
+        return []
+    found = [f"double {ACTING} = {c_name(dynamics.axis.drive.signal)};"]
+    for i, (element, memory) in enumerate(dynamics.imperfect.of_drive):
+        if memory is None:
+            found.append(f"{ACTING} = {c_code(sent(element))};  /* {type(element).__name__} */")
+        else:
+            found.append(f"const double before{i}_ = {memory.symbol};  /* {type(element).__name__} */")
+            found.append(_follows(memory))
+            found.append(f"{ACTING} = (before{i}_ + {memory.symbol})/2.0;")
+    return found
+
+
+def _after(dynamics: SymbolicDynamics) -> str:
+    """What friction remembers of the step, and the time after it."""
+    n, found = len(dynamics.bodies), []
+    for joint in dynamics.joints:
+        speed = sp.Add(
+            *(
+                joint.displacement.get(b, sp.S.Zero) * sp.Symbol(f"x[{n + i}]")
+                for i, b in enumerate(dynamics.bodies)
+            )
+        )
+        for memory in joint.memories:
+            now = {VELOCITY: speed}
+            found.append(
+                _follows(replace(memory, gain=memory.gain.xreplace(now), decay=memory.decay.xreplace(now)))
+            )
+    if dynamics.imperfect.is_timed:
+        found.append(f"{dynamics.imperfect.clock} += h;")
+    return "".join(f"    {line}\n" for line in found)
+
+
+def _follows(memory: Memory) -> str:
+    return f"{memory.symbol} = followed({memory.symbol}, {c_code(memory.gain)}, {c_code(memory.decay)}, h);"
+
+
+def _law(dynamics: SymbolicDynamics) -> str:
     forces = [joint.force for joint in dynamics.joints]
     cases = [f"    case {j}: return {c_code(renamed(force))};" for j, force in enumerate(forces)]
     used = _parameters(dynamics, sp.Matrix(forces))
-    return _LAW.format(name=dynamics.axis.name, members=members(used), cases="\n".join(cases))
+    arguments = "".join(f", {kind}" for kind, _ in _beyond(dynamics))
+    unused = "".join(f"\n    (void){name};" for _, name in _beyond(dynamics))
+    return _LAW.format(
+        name=dynamics.axis.name,
+        members=lines(members(used)),
+        cases="\n".join(cases),
+        arguments=arguments,
+        unused=unused,
+    )
+
+
+def _beyond(dynamics: SymbolicDynamics) -> list[tuple[str, str]]:
+    """What laws depend on beside the motion, as parameters of a C function and as arguments."""
+    symbols = set().union(*(joint.force.free_symbols for joint in dynamics.joints))
+    found = []
+    if any(memory.symbol in symbols for joint in dynamics.joints for memory in joint.memories):
+        found.append(("const double x[]", "x"))
+    return [*found, *((f"double {s}", str(s)) for s in (ACTING, NOW) if s in symbols)]
 
 
 def _joints(dynamics: SymbolicDynamics) -> str:
@@ -145,7 +195,12 @@ def _joints(dynamics: SymbolicDynamics) -> str:
     ]
     jumps = ", ".join(str(int(joint.jumps)) for joint in dynamics.joints)
     flags = f"    static const int has_jump[] = {{{jumps}}};\n"
-    text = _JOINTS.format(name=dynamics.axis.name, joints=len(rows), directions=_rows(rows))
+    text = _JOINTS.format(
+        name=dynamics.axis.name,
+        joints=len(rows),
+        directions=_rows(rows),
+        beyond="".join(f", {name}" for _, name in _beyond(dynamics)),
+    )
     if any(joint.free_symbols for j in dynamics.joints for joint in j.displacement.values()):
         text = text.replace("static const double d", "const double d")
     return flags + text

@@ -7,18 +7,21 @@ bodies. Balances and laws are those from which the regressors come.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 import sympy as sp
 
 from symid.axis import Axis, derivative_order
+from symid.export.imperfect import Imperfect, Memory, added
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
 
 DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
 """Of a joint, in the force of its laws; no parameter's name ends with an underscore."""
+_OF_JOINT = {sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY}
+_Row: TypeAlias = tuple[tuple[str, sp.Expr], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +35,15 @@ class LawJoint:
     displacement : mapping of str to sympy.Expr
         Its displacement as coefficients of the bodies' absolute displacements.
     force : sympy.Expr
-        What opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`.
+        What opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`; of imperfections also in what they need.
+    memories : tuple of Memory
+        What its imperfections remember.
     """
 
     name: str
     displacement: Mapping[str, sp.Expr]
     force: sp.Expr
+    memories: tuple[Memory, ...] = ()
 
     @property
     def jumps(self) -> bool:
@@ -66,6 +72,8 @@ class SymbolicDynamics:
         For each signal the coefficients of the bodies' displacements and the order of derivative.
     constants : mapping of str to float
         Known numbers that stand in the terms as symbols: ratios and gravity.
+    imperfect : Imperfect
+        What acts beyond these equations; its forces in joints, and masses that it adds, are in the terms.
     """
 
     axis: Axis
@@ -78,6 +86,12 @@ class SymbolicDynamics:
     joints: tuple[LawJoint, ...]
     sensors: Mapping[str, tuple[Mapping[str, sp.Expr], int]]
     constants: Mapping[str, float]
+    imperfect: Imperfect
+
+    @property
+    def n_states(self) -> int:
+        """Displacements, velocities, and what imperfections remember."""
+        return 2 * len(self.bodies) + len(self.imperfect.states)
 
 
 def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
@@ -97,23 +111,26 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         sp.Matrix([[_expression(entry.get(order)) for entry in row] for row in powers]) for order in range(3)
     )
     ones = [str(w.symbol) for w in operators.source.inputs if not w.expression.free_symbols]
-    kinematics = Kinematics(axis)
+    kinematics, imperfect = Kinematics(axis), Imperfect(axis, 2 * len(bodies))
+    masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
+    grown = {mass: mass + more for mass, more in masses.items()}
     return SymbolicDynamics(
         axis=axis,
         bodies=bodies,
-        mass=mass,
+        mass=mass.xreplace(grown),
         damping=damping,
         stiffness=stiffness,
         drive=sp.Matrix([-_expression(operators.force[b]) for b in bodies]),
         constant=sp.Matrix(
             [-sp.Add(*(_expression(operators.inputs[b].get(one)) for one in ones)) for b in bodies]
-        ),
-        joints=_joints(operators, kinematics),
+        ).xreplace(grown),
+        joints=_joints(operators, kinematics, imperfect),
         sensors={
             sensor.signal: (_row(operators, kinematics.reading(sensor)), derivative_order(sensor))
             for sensor in axis.sensors
         },
         constants={**operators.source.numbers, **kinematics.constants},
+        imperfect=imperfect,
     )
 
 
@@ -130,19 +147,48 @@ def _row(operators: OperatorModel, displacement: sp.Expr) -> dict[str, sp.Expr]:
     }
 
 
-def _joints(operators: OperatorModel, kinematics: Kinematics) -> tuple[LawJoint, ...]:
-    names: dict[tuple[tuple[str, sp.Expr], ...], str] = {}
-    forces: dict[tuple[tuple[str, sp.Expr], ...], sp.Expr] = {}
+def _joints(operators: OperatorModel, kinematics: Kinematics, imperfect: Imperfect) -> tuple[LawJoint, ...]:
+    joints = _Joints()
     for entry in operators.source.inputs:
-        if not entry.expression.free_symbols:
-            continue
-        row = _row(operators, kinematics.displacement(entry.joint))
-        body, lever = next(iter(row.items()))
-        parameter = _expression(operators.inputs[body][str(entry.symbol)]) / lever
+        if entry.expression.free_symbols:
+            row = _row(operators, kinematics.displacement(entry.joint))
+            body, lever = next(iter(row.items()))
+            parameter = _expression(operators.inputs[body][str(entry.symbol)]) / lever
+            joints.add(row, sp.cancel(parameter), entry.expression)
+    for element, law in zip(imperfect.in_joints, imperfect.laws, strict=True):
+        joints.add(_row(operators, kinematics.displacement(element.at)), sp.Integer(1), law)
+    memories = imperfect.memories[len(imperfect.drive) :]
+    for element, memory in zip(imperfect.in_joints, memories, strict=True):
+        if memory is not None:
+            joints.remember(_row(operators, kinematics.displacement(element.at)), memory)
+    return joints.found()
+
+
+class _Joints:
+    """Laws by the direction in which they act."""
+
+    def __init__(self) -> None:
+        self.names: dict[_Row, str] = {}
+        self.forces: dict[_Row, sp.Expr] = {}
+        self.memories: dict[_Row, list[Memory]] = {}
+
+    def add(self, row: dict[str, sp.Expr], parameter: sp.Expr, law: sp.Expr) -> None:
+        """One more law."""
         key = tuple(sorted(row.items()))
-        if key not in names:
+        if key not in self.names:
             name = "_".join(sorted(row))
-            names[key] = name if name not in names.values() else f"{name}_{len(names)}"
-        law = entry.expression.xreplace({sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY})
-        forces[key] = forces.get(key, sp.Integer(0)) + sp.cancel(parameter) * law
-    return tuple(LawJoint(name, dict(key), forces[key]) for key, name in names.items())
+            self.names[key] = name if name not in self.names.values() else f"{name}_{len(self.names)}"
+        self.forces[key] = self.forces.get(key, sp.Integer(0)) + parameter * law.xreplace(_OF_JOINT)
+
+    def remember(self, row: dict[str, sp.Expr], memory: Memory) -> None:
+        """One more memory of a law that was added."""
+        gain, decay = (e.xreplace(_OF_JOINT) for e in (memory.gain, memory.decay))
+        known = replace(memory, gain=gain, decay=decay)
+        self.memories.setdefault(tuple(sorted(row.items())), []).append(known)
+
+    def found(self) -> tuple[LawJoint, ...]:
+        """All joints."""
+        return tuple(
+            LawJoint(name, dict(key), self.forces[key], tuple(self.memories.get(key, ())))
+            for key, name in self.names.items()
+        )

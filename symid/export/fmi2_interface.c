@@ -26,8 +26,11 @@ enum { FIRST_READING = 1, FIRST_PARAMETER = 1 + AXIS_READINGS, INTERNAL_STEP = F
 
 typedef struct {
     double p[AXIS_PARAMETERS]; /* laid out as AXIS_parameters: doubles only */
-    double x[2*AXIS_N], dx[2*AXIS_N];
+    double x[AXIS_STATES], y[AXIS_READINGS];
     double input, internal_step;
+#ifdef AXIS_way
+    AXIS_way way; /* what delays hold back */
+#endif
 } Instance;
 
 static const AXIS_parameters *parameters(const Instance *c) { return (const AXIS_parameters *)(const void *)c->p; }
@@ -37,6 +40,8 @@ static void reset(Instance *c)
     memset(c, 0, sizeof *c);
     memcpy(c->p, &AXIS_values, sizeof c->p);
     c->internal_step = 2e-5;
+    const double still[AXIS_STATES] = {0.0};
+    AXIS_sensors(c->x, still, c->y);
 }
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -81,12 +86,10 @@ EXPORT fmi2Status fmi2Reset(fmi2Component component)
 EXPORT fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], size_t n, fmi2Real value[])
 {
     const Instance *c = component;
-    double readings[AXIS_READINGS];
-    AXIS_sensors(c->x, c->dx, readings);
     for (size_t i = 0; i < n; i++) {
         if (vr[i] > INTERNAL_STEP) return fmi2Error;
         value[i] = vr[i] == 0 ? c->input
-                 : vr[i] < FIRST_PARAMETER ? readings[vr[i] - FIRST_READING]
+                 : vr[i] < FIRST_PARAMETER ? c->y[vr[i] - FIRST_READING]
                  : vr[i] < INTERNAL_STEP ? c->p[vr[i] - FIRST_PARAMETER]
                  : c->internal_step;
     }
@@ -113,10 +116,15 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real st
     const int count = (int)ceil(step/c->internal_step*(1.0 - 1e-12));
     const double h = step/count;
     for (int k = 0; k < count; k++) {
-        double before[2*AXIS_N];
-        memcpy(before, c->x, sizeof before);
+#ifdef AXIS_way
+        AXIS_advance(parameters(c), &c->way, c->x, AXIS_GAIN*c->input, h, c->y);
+#else
+        double change[AXIS_STATES];
+        memcpy(change, c->x, sizeof change);
         AXIS_step(parameters(c), c->x, AXIS_GAIN*c->input, h);
-        for (int i = 0; i < 2*AXIS_N; i++) c->dx[i] = (c->x[i] - before[i])/h;
+        for (int i = 0; i < AXIS_STATES; i++) change[i] = (c->x[i] - change[i])/h;
+        AXIS_sensors(c->x, change, c->y);
+#endif
     }
     return fmi2OK;
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 import subprocess
 import sys
@@ -14,9 +13,8 @@ from xml.sax.saxutils import quoteattr
 
 from symid.axis import Axis
 from symid.errors import SettingError
-from symid.export.c_source import c_source
+from symid.export.c_source import c_source, internal_step
 from symid.files import replacing
-from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
 
 _DESCRIPTION = """\
@@ -42,7 +40,6 @@ _DESCRIPTION = """\
 </fmiModelDescription>
 """
 
-_LONGEST, _STEPS_A_RADIAN = 2e-5, 100
 _LIBRARIES = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib")}
 
 
@@ -76,7 +73,7 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         sources = Path(place)
         for ending, text in exported.files.items():
             (sources / f"{axis.name}{ending}").write_text(text, encoding="utf-8")
-        (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis), encoding="utf-8")
+        (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis, exported.text), encoding="utf-8")
         library = sources / f"{axis.name}{suffix}"
         _compile(sources / f"{axis.name}_fmu.c", library)
         with replacing(path) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as unit:
@@ -118,7 +115,7 @@ def _description(axis: Axis, values: Mapping[str, float]) -> str:
         lines.append(_variable(k, name, 'causality="output" variability="continuous" initial="calculated"'))
     settings = {
         **{name: values[name] for name in axis.physical_parameters},
-        "internal_step": _step(axis, values),
+        "internal_step": internal_step(axis, values),
     }
     fixed = 'causality="parameter" variability="fixed" initial="exact"'
     lines += [
@@ -137,14 +134,8 @@ def _variable(reference: int, name: str, kind: str, start: float | None = None) 
     return f'    <ScalarVariable name={quoteattr(name)} valueReference="{reference}" {kind}>{real}</ScalarVariable>'
 
 
-def _step(axis: Axis, values: Mapping[str, float]) -> float:
-    """A hundredth of the fastest mode's radian, 20 us at most."""
-    fastest = 2 * math.pi * plant_of(axis, values).highest_mode  # rad/s
-    return float(f"{min(_LONGEST, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0))):.2g}")
-
-
-def _wrapper(axis: Axis) -> str:
-    """C source of the interface."""
+def _wrapper(axis: Axis, source: str) -> str:
+    """C source of the interface of an exported axis."""
     text = (Path(__file__).parent / "fmi2_interface.c").read_text(encoding="utf-8")
     gain = 1.0 if axis.drive.gain is None else axis.drive.gain
     words = {
@@ -157,6 +148,8 @@ def _wrapper(axis: Axis) -> str:
         f"AXIS_{word}": f"{axis.name}_{word}"
         for word in ("parameters", "values", "step", "derivative", "sensors")
     }
-    sizes = {"AXIS_N": f"{axis.name}_bodies", "AXIS_READINGS": f"{axis.name}_readings"}
+    sizes = {"AXIS_STATES": f"{axis.name}_states", "AXIS_READINGS": f"{axis.name}_readings"}
+    if f"{axis.name}_way" in source:
+        names |= {f"AXIS_{word}": f"{axis.name}_{word}" for word in ("way", "advance")}
     defined = "".join(f"#define {key} {value}\n" for key, value in {**words, **names, **sizes}.items())
     return f"{defined}{text}"

@@ -8,7 +8,7 @@ from symid.axis import Axis
 
 
 def losses_of_signals(axis: Axis) -> Iterator[str]:
-    """Values that belong to a log and not to the axis, and imperfections of the recorded force.
+    """Values that belong to a log and not to the axis, and noise of the recorded force.
 
     Examples
     --------
@@ -18,7 +18,5 @@ def losses_of_signals(axis: Axis) -> Iterator[str]:
     """
     for name in axis.log_parameters:
         yield f"{name}: it differs from log to log; give 0 for an axis whose zeros are known."
-    for element in axis.imperfections:
-        yield f"{type(element).__name__} is left out: {element.formula}."
     if axis.drive.noise or axis.drive.resolution:
         yield f"{axis.drive.signal}: noise and resolution of the recorded force are left out."

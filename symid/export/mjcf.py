@@ -7,10 +7,20 @@ it; what acts between bodies, or on a geared one, a fixed tendon: a linear combi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
-from symid.axis import Acceleration, Axis, Body, PendulumWeight, Position, Sensor
+from symid.axis import (
+    Acceleration,
+    ActuatorDelay,
+    ActuatorLag,
+    Axis,
+    Body,
+    ForceLimit,
+    PendulumWeight,
+    Position,
+    Sensor,
+)
 from symid.export.exported import Exported
 from symid.export.losses import losses_of_signals
 from symid.export.mechanism import Mechanism, Path, mechanism
@@ -81,6 +91,7 @@ class _Writer:
         self.axis, self.machine, self.timestep = axis, machine, timestep
         self.tendons: dict[Path, str] = {}
         self.losses = [*machine.losses, *losses_of_signals(axis)]
+        self.losses += _beyond(axis)
         if any(p.frictionloss for p in machine.paths.values()):
             self.losses.append(_SOFT)
 
@@ -177,10 +188,22 @@ class _Writer:
         return f"tendon={quoteattr(self._tendon(path))}", 1.0
 
     def _motor(self) -> str:
-        drive = self.axis.drive
+        drive, axis = self.axis.drive, self.axis
         where, ratio = self._transmission(self.machine.drive)
-        gear = ratio * (1.0 if drive.gain is None else drive.gain)
-        return f'<motor name={quoteattr(drive.command or drive.signal)} {where} gear="{_written(gear)}"/>'
+        gain = 1.0 if drive.gain is None else drive.gain
+        name = quoteattr(drive.command or drive.signal)
+        words = f'name={name} {where} gear="{_written(ratio * gain)}"'
+        lags = [e.seconds for e in axis.imperfections if isinstance(e, ActuatorLag)]
+        limits = [e.force / abs(gain) for e in axis.imperfections if isinstance(e, ForceLimit)]
+        delay = sum(e.seconds for e in axis.imperfections if isinstance(e, ActuatorDelay))
+        if limits:
+            edge = _written(min(limits))
+            words += f' ctrllimited="true" ctrlrange="-{edge} {edge}"'
+        if delay:
+            words += f' delay="{_written(delay)}" nsample="{math.ceil(delay / self.timestep) + 2}"'
+        if lags:
+            return f'<general {words} dyntype="filterexact" dynprm="{_written(max(lags))}"/>'
+        return f"<motor {words}/>"
 
     def _constants(self) -> list[str]:
         """Constant forces: actuators whose force is their bias."""
@@ -236,6 +259,18 @@ class _Writer:
             f'<{kind} name={quoteattr(name)} objtype="site" objname={quoteattr(body.name)}{settings}/>'
             for name, body in places.items()
         ]
+
+
+def _beyond(axis: Axis) -> Iterator[str]:
+    """Imperfections for which MuJoCo has no words: all but delay, limit and the slowest lag of the drive."""
+    quicker = sorted(
+        (e for e in axis.imperfections if isinstance(e, ActuatorLag)), key=lambda lag: lag.seconds
+    )[:-1]
+    for lag in quicker:
+        yield f"ActuatorLag: MuJoCo has one for each actuator, the slowest; left out: {lag.formula}."
+    for element in axis.imperfections:
+        if not isinstance(element, (ActuatorDelay, ActuatorLag, ForceLimit)):
+            yield f"{type(element).__name__}: MuJoCo has no such element; left out: {element.formula}."
 
 
 def _written(number: float) -> str:

@@ -6,6 +6,7 @@ it; what joins bodies that are no neighbours runs above. A sensor is an arrow to
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,9 +27,14 @@ from symid.axis import (
     Body,
     CoulombFriction,
     Damper,
+    DriveImperfection,
+    EncoderRipple,
     Ground,
+    Imperfection,
     Joint,
+    JointImperfection,
     Law,
+    PayloadChange,
     PendulumWeight,
     Position,
     Sensor,
@@ -48,6 +54,10 @@ _WIDTH, _RISE = 1.15, 0.33
 _BELOW = 1.15
 _INCH = 0.62
 """Inches of a unit of length."""
+_FIRST_MARK, _CIRCLED = ord("\u2460"), 20
+"""Circled numbers, by which notes explain imperfections, and how many there are."""
+_NOTE, _LETTER = 0.34, 0.125
+"""Height of a line of a note and width of a letter, in units of length."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +167,21 @@ def _links(axis: Axis) -> Iterator[_Link]:
                 yield _link(element.at, symbols.damper, _written(element.damping), f"damper {element.name}")
             case Law():
                 yield _link(element.at, _sign_of(element), _label(element), type(element).__name__)
+            case JointImperfection():
+                yield _link(element.at, symbols.law, _marks(axis, element), type(element).__name__)
     drive = axis.drive
-    yield _link(drive.at, symbols.drive, drive.command or drive.signal, "drive")
+    marks = _marks(axis, *(e for e in axis.imperfections if isinstance(e, DriveImperfection)))
+    yield _link(drive.at, symbols.drive, _marked(drive.command or drive.signal, marks), "drive")
+
+
+def _marks(axis: Axis, *elements: Imperfection) -> str:
+    """Marks of imperfections, by which the notes below the drawing explain them."""
+    places = [i for i, element in enumerate(axis.imperfections) if any(element is one for one in elements)]
+    return " ".join(chr(_FIRST_MARK + i) if i < _CIRCLED else f"({i + 1})" for i in places)
+
+
+def _marked(label: str, marks: str) -> str:
+    return f"{label}, {marks}" if marks else label
 
 
 def _link(at: Joint, sign: Sign, label: str, name: str) -> _Link:
@@ -193,6 +216,15 @@ def _sign_of(law: Law) -> Sign:
     return symbols.law
 
 
+def _notes(axis: Axis, width: float) -> list[str]:
+    """Lines that explain the imperfections of an axis below its drawing."""
+    lines: list[str] = []
+    for element in axis.imperfections:
+        text = f"{_marks(axis, element)} {element.formula}"
+        lines += textwrap.wrap(text, max(int(width / _LETTER), 20), subsequent_indent="   ")
+    return lines
+
+
 class _Drawing:
     """Places bodies, then draws what joins them."""
 
@@ -208,7 +240,9 @@ class _Drawing:
         right = max(box.centre + box.width / 2 for box in self.boxes.values()) + 0.4
         if any(isinstance(element, PendulumWeight) for element in axis.elements):
             right += 1.0
+        self.notes = _notes(axis, right)
         bottom, top = self._heights()
+        self.bottom = bottom
         figure = Drawn(figsize=(_INCH * (right + 0.2), _INCH * (top - bottom)))
         self.axes: Axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         self.axes.set(xlim=(-0.2, right), ylim=(bottom, top), aspect="equal")
@@ -245,7 +279,9 @@ class _Drawing:
     def _heights(self) -> tuple[float, float]:
         heavy = any(isinstance(e, (Weight, PendulumWeight)) for e in self.axis.elements)
         below = _BELOW + 0.45 if self.hanging else 0.75 if heavy else 0.35
-        return -self._half - below, self._half + _LANE * (len(self.above) + len(self.axis.sensors)) + 0.55
+        return -self._half - below - _NOTE * len(self.notes), self._half + _LANE * (
+            len(self.above) + len(self.axis.sensors)
+        ) + 0.55
 
     def draw(self) -> None:
         """Everything."""
@@ -263,6 +299,15 @@ class _Drawing:
         for i, sensor in enumerate(self.axis.sensors):
             self._sensor(sensor, self._half + _LANE * (len(self.above) + i + 0.55))
         self._weights()
+        for i, line in enumerate(self.notes):
+            self._text(
+                -0.1,
+                self.bottom + _NOTE * (len(self.notes) - i - 0.4),
+                line,
+                ha="left",
+                gid="note",
+                fontsize=7.5,
+            )
 
     def _body(self, body: Body) -> None:
         box = self.boxes[body.name]
@@ -277,7 +322,12 @@ class _Drawing:
         shape.set_gid(f"body {body.name}")
         self.axes.add_patch(shape)
         self._text(box.centre, 0.2, body.name, weight="bold")
-        self._text(box.centre, -0.2, _written(body.inertia if body.turns else body.mass), style="italic")
+        marks = _marks(
+            self.axis,
+            *(e for e in self.axis.imperfections if isinstance(e, PayloadChange) and e.body == body),
+        )
+        mass = _written(body.inertia if body.turns else body.mass)
+        self._text(box.centre, -0.2, _marked(mass, marks), style="italic")
 
     def _between(self, left: _Box, right: _Box, links: list[_Link]) -> None:
         for i, link in enumerate(links):
@@ -321,7 +371,11 @@ class _Drawing:
         arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 0, "shrinkA": 0, "shrinkB": 0}
         side = np.sign(end - start)
         self.axes.annotate("", (end, y), (end - 0.2 * side, y), arrowprops=arrow)
-        self._text(end - 0.45 * side, y + 0.2, sensor.signal, color=colour)
+        ripples = (
+            e for e in self.axis.imperfections if isinstance(e, EncoderRipple) and e.signal == sensor.signal
+        )
+        label = _marked(sensor.signal, _marks(self.axis, *ripples))
+        self._text(end - 0.45 * side, y + 0.2, label, color=colour)
 
     def _foot(self, body: Body | Ground) -> float:
         return self.boxes[GROUND.name].height / 2 if isinstance(body, Ground) else self._half

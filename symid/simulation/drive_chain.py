@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,11 +13,10 @@ from symid.axis import (
     ActuatorDelay,
     ActuatorLag,
     DriveImperfection,
-    ForceLimit,
-    GainAsymmetry,
-    GainNonlinearity,
 )
+from symid.axis.imperfections import in_order
 from symid.simulation.controller import Command, Controller
+from symid.simulation.imperfect import scalar_law
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +52,11 @@ class ThroughDrive(Controller):
     sent: FloatArray
     lags: tuple[float, ...] = field(init=False)
     delay: float = field(init=False)
+    _bends: tuple[Callable[..., float], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        bends = in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
+        object.__setattr__(self, "_bends", tuple(map(scalar_law, bends)))
         object.__setattr__(
             self, "lags", tuple(item.seconds for item in self.drive if isinstance(item, ActuatorLag))
         )
@@ -95,14 +97,8 @@ class ThroughDrive(Controller):
 
     def _bent(self, force: float) -> float:
         """The force after gain and limits."""
-        for item in self.drive:
-            if isinstance(item, GainNonlinearity):
-                force -= item.bend * force * abs(force) ** (item.power - 1)
-            elif isinstance(item, GainAsymmetry):
-                force -= item.difference * abs(force)
-        for item in self.drive:
-            if isinstance(item, ForceLimit):
-                force = min(max(force, -item.force), item.force)
+        for law in self._bends:
+            force = law(0.0, 0.0, force, 0.0, 0.0)
         return force
 
     def _settled(self, force: float, period: float) -> list[float]:

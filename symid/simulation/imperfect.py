@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -15,18 +16,17 @@ from symid.axis import (
     Body,
     CoulombFriction,
     EncoderRipple,
-    FrictionDrift,
-    FrictionTrend,
     Ground,
+    Imperfection,
     Joint,
     JointImperfection,
-    LoadDependentFriction,
     PayloadChange,
-    PeriodicForce,
     PreslidingFriction,
 )
 from symid.simulation.forward_dynamics import plant_of
+from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant
+from symid.symbolic.expressions import imperfection_law
 
 _FINE, _MOST_STEPS = 0.5, 50
 """Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
@@ -125,12 +125,10 @@ def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | 
     if not ripples:
         return None
 
+    functions = [array_function(imperfection_law(ripple), ("y",)) for ripple in ripples]
+
     def read(values: FloatArray) -> FloatArray:
-        errors = (
-            ripple.sine * np.sin(math.tau / ripple.pitch * values)
-            + ripple.cosine * np.cos(math.tau / ripple.pitch * values)
-            for ripple in ripples
-        )
+        errors = (function(values, values, values) - values for function in functions)
         return np.asarray(values + sum(errors))
 
     return read
@@ -153,32 +151,19 @@ def _law(
     values: Mapping[str, float],
     moment: Moment,
 ) -> LawFunction:
-    match element:
-        case PeriodicForce():
-            turning = math.tau * element.frequency
-            return lambda q, v: (
-                element.sine * math.sin(turning * moment.time)
-                + element.cosine * math.cos(turning * moment.time)
-            )
-        case FrictionDrift():
-            return lambda q, v: (
-                math.exp(-moment.time / element.time_constant)
-                * (element.coulomb * _sign(v) + element.viscous * v)
-            )
-        case FrictionTrend():
-            return lambda q, v: moment.time * (element.coulomb * _sign(v) + element.viscous * v)
-        case LoadDependentFriction():
-            return lambda q, v: element.coefficient * moment.load * _sign(v)
-        case PreslidingFriction():
-            memory = Dahl(element.reach)
-            moment.memories.append((direction, memory))
-            level = presliding_level(axis, element, values)
-            return lambda q, v: level * (memory.at(q) - _sign(v))
-    raise NotImplementedError(type(element).__name__)  # a class that is declared and not simulated
+    if isinstance(element, PreslidingFriction):
+        memory = Dahl(element.reach)
+        moment.memories.append((direction, memory))
+        law = scalar_law(replace(element, level=presliding_level(axis, element, values)))
+        return lambda q, v: law(q, v, moment.load, moment.time, memory.at(q))
+    law = scalar_law(element)
+    return lambda q, v: law(q, v, moment.load, moment.time, 0.0)
 
 
-def _sign(v: float) -> float:
-    return float((v > 0) - (v < 0))
+@cache
+def scalar_law(element: Imperfection) -> Callable[..., float]:
+    """What an imperfection does as a function of numbers q, v, F, t and z."""
+    return law_function(imperfection_law(element), ("F", "t", "z"))
 
 
 def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[str, float]) -> float:

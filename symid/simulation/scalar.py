@@ -20,6 +20,8 @@ class Scalar:
 
     abs = staticmethod(abs)
     cos = staticmethod(math.cos)
+    maximum = staticmethod(max)
+    minimum = staticmethod(min)
     sin = staticmethod(math.sin)
 
     @staticmethod

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
+from symid.axis import Imperfection
 from symid.axis.laws import FUNCTIONS
 from symid.errors import SymidError
 
@@ -32,6 +34,9 @@ _LANGUAGE = {
     "v": sp.Symbol("v"),
     **{name: {"positive": positive, "abs": sp.Abs}.get(name) or getattr(sp, name) for name in FUNCTIONS},
 }
+_OF_IMPERFECTIONS = {"min": sp.Min, "max": sp.Max}
+FORCE, READING, TIME, MEMORY = (sp.Symbol(name) for name in "Fytz")
+"""What the law of an imperfection depends on beside q and v."""
 
 
 def parameter_symbol(name: str) -> sp.Symbol:
@@ -71,11 +76,8 @@ def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
     >>> law_expression("v*positive(v)").free_symbols
     {v}
     """
-    functions = ["Integer", "Float", "Rational", "Symbol"]
     try:
-        expression = parse_expr(
-            text, local_dict=dict(_LANGUAGE), global_dict={name: getattr(sp, name) for name in functions}
-        )
+        expression = _parsed(text, _LANGUAGE)
         unknown = sorted({str(s) for s in expression.free_symbols}.difference({"q", "v", *numbers}))
     except Exception as error:
         raise SymidError(
@@ -84,6 +86,35 @@ def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
     if unknown:
         raise SymidError(f"law expression {text!r} uses {', '.join(unknown)}: only q and v vary in a law")
     return expression
+
+
+def imperfection_law(element: Imperfection) -> sp.Expr:
+    """What an imperfection does, in q, v, `FORCE`, `READING`, `TIME` and `MEMORY`.
+
+    Examples
+    --------
+    >>> from symid.axis import ForceLimit
+    >>> imperfection_law(ForceLimit(25.0))
+    Min(25.0, Max(-25.0, F))
+    """
+    return _parsed(element.in_numbers(element.law), {**_LANGUAGE, **_OF_IMPERFECTIONS})
+
+
+def imperfection_rate(element: Imperfection) -> sp.Expr:
+    """How what it remembers changes, in the same symbols.
+
+    Examples
+    --------
+    >>> from symid.axis import ActuatorLag
+    >>> imperfection_rate(ActuatorLag(0.5))
+    2.0*F - 2.0*z
+    """
+    return _parsed(element.in_numbers(element.rate), _LANGUAGE)
+
+
+def _parsed(text: str, language: Mapping[str, Any]) -> sp.Expr:
+    classes = {name: getattr(sp, name) for name in ("Integer", "Float", "Rational", "Symbol")}
+    return parse_expr(text, local_dict=dict(language), global_dict=classes)
 
 
 def is_smooth(expression: sp.Expr) -> bool:

@@ -13,7 +13,22 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from symid import chain, load_axis
+from symid import (
+    ActuatorDelay,
+    ActuatorLag,
+    EncoderRipple,
+    ForceLimit,
+    FrictionDrift,
+    FrictionTrend,
+    GainAsymmetry,
+    GainNonlinearity,
+    LoadDependentFriction,
+    PayloadChange,
+    PeriodicForce,
+    PreslidingFriction,
+    chain,
+    load_axis,
+)
 from symid.axis import axis_names
 from symid.report.colours import DARK, LIGHT, Palette
 from symid.report.schematic import schematic
@@ -24,6 +39,42 @@ AXES = {
     **{f"with_{name}": with_effect(name) for name in EFFECTS},
     "chain_5m4s": chain("chain_5m4s", 5),
 }
+
+
+_RIGID = load_axis("rigid_1m")
+_TWO = load_axis("ballscrew_2m1s")
+IMPERFECT = {
+    "imperfect_drive": _RIGID.with_effect(
+        ActuatorDelay(0.001),
+        ActuatorLag(0.002),
+        ForceLimit(250.0),
+        GainAsymmetry(0.1),
+        GainNonlinearity(0.01, power=2),
+    ),
+    "imperfect_joint": _RIGID.with_effect(
+        PeriodicForce(_RIGID.bodies[0], 5.0, -3.0, frequency=11.0),
+        FrictionDrift(_RIGID.bodies[0], 4.0, 15.0, time_constant=600.0),
+        PreslidingFriction(_RIGID.bodies[0], 4.0, reach=1e-4),
+    ),
+    "imperfect_screw": _TWO.with_effect(
+        EncoderRipple("ql", 2e-6, 1e-6, pitch=0.01),
+        PayloadChange(_TWO.bodies[1], 30.0, time=9.0),
+        FrictionTrend(_TWO.bodies[1], 1.0, 2.0),
+        LoadDependentFriction(_TWO.bodies[0], 0.2),
+    ),
+}
+AXES |= IMPERFECT
+
+
+@pytest.mark.parametrize("name", IMPERFECT)
+def test_imperfections_are_marked_where_they_act_and_explained_below(name: str) -> None:
+    axis = IMPERFECT[name]
+    notes = [t.get_text() for t in schematic(axis).axes[0].texts if t.get_gid() == "note"]
+    elsewhere = [label for label in labels(schematic(axis)) if label not in notes]
+    for i, element in enumerate(axis.imperfections):
+        mark = chr(ord("\u2460") + i)
+        assert f"{mark} {element.formula}" in " ".join(" ".join(notes).split())
+        assert sum(mark in label for label in elsewhere) == 1
 
 
 def labels(figure: Figure) -> list[str]:
