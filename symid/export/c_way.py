@@ -23,7 +23,7 @@ typedef struct {{
     double now, sent;
 }} {name}_way;
 
-/* One step h of the axis with its delays: the state x advances, y is what the sensors read at its end. */
+/* One step h with the delays, which the functions above leave out: x advances, y is what sensors read at its end. */
 void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_state}], double {force}, double h,
                     double y[{n_sensors}]);
 
