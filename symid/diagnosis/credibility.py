@@ -47,7 +47,7 @@ def force_share(fit: Fit) -> float:
     if not isinstance(item.effect, JointEffect) or isinstance(item.effect, LinearEffect):
         return 0.0
     joint = item.effect.joint(scene, item.at)
-    force = np.tensordot(item.amplitudes, item.effect.forces(scene, joint, item.shape), 1)
+    force = np.tensordot(item.amplitudes, item.effect.forces_at(scene, joint, item.shape), 1)
     inside = scene.record.in_log
     rms = float(np.sqrt(np.mean(scene.record.fine(force)[inside] ** 2)))
     return rms / float(np.abs(scene.record.whole_force).max())

@@ -23,7 +23,8 @@ _SMALLER_MASS = 0.3
 """Factor by which a mass may fall in a step: it stays positive while all else moves."""
 _DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
 """Relative to the squares of the columns; with the last one, a step is a sixth of that of steepest descent."""
-_SETTLED = 1e-6
+_SETTLED = 1e-5
+"""Share of the squares by which a step must lower them: for thousands of rows, some percent of likelihood."""
 _RANK = 1e-10
 ITERATIONS = 10
 """Of a fit that may begin far off, at most."""
@@ -220,7 +221,7 @@ def cost_of(state: State, weighting: Weighting) -> float:
 def _searched(
     state: State, weighting: Weighting, columns: FloatArray, cost: float
 ) -> tuple[State | None, float]:
-    """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does.
+    """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does, or none could by much.
 
     Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
     ratio; a shorter step would hold back all.
@@ -232,12 +233,16 @@ def _searched(
     scale = np.where(scale > 0, scale, 1.0)
     unit = flat / scale[:, None]
     normal, gradient = unit @ unit.T, unit @ error
+    try:
+        undamped = solved(flat.T, error)
+    except np.linalg.LinAlgError:
+        undamped = np.zeros(len(flat))
+    if (flat @ error) @ undamped < _SETTLED * cost:
+        return None, cost
     for damping in _DAMPINGS:
         try:
             left = normal + damping * np.eye(len(normal))
-            step = (
-                np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else solved(flat.T, error)
-            )
+            step = np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else undamped
             found = evaluated(state, weighting, *_moved(state, step))
             after = cost_of(found, weighting)
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded

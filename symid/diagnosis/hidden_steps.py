@@ -3,7 +3,7 @@
 import numpy as np
 
 from symid.compiled import compiled
-from symid.simulation.postfix import evaluate
+from symid.simulation.evaluation import evaluate
 
 
 @compiled

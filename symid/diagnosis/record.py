@@ -8,9 +8,10 @@ that holds the band and nothing else. Laws, which are not linear, are evaluated 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -63,6 +64,8 @@ class Record:
         Highest frequency at which the position moves by more than its noise.
     late : mapping of str to float
         Time by which signals were recorded late, s; negative for a force that acts later than recorded.
+    driven_joints : dict
+        Joints whose motion is measured, which no model changes.
     """
 
     dynamics: ForwardDynamics
@@ -70,6 +73,7 @@ class Record:
     signals: tuple[str, ...]
     motion_hz: float
     late: Mapping[str, float] = field(default_factory=dict)
+    driven_joints: dict[Hashable, Any] = field(default_factory=dict, repr=False)
 
     @cached_property
     def n_extended(self) -> int:
@@ -206,9 +210,7 @@ class Record:
 
     def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
         """Signal at any number of evenly spaced points of a period."""
-        padded = np.zeros((*spectrum.shape[:-1], n // 2 + 1), dtype=complex)
-        padded[..., : self.n_bins] = spectrum
-        return np.asarray(scipy.fft.irfft(padded, n)) * (n / self.n_extended)
+        return np.asarray(scipy.fft.irfft(spectrum, n)) * (n / self.n_extended)
 
     def _spectrum(self, values: FloatArray) -> ComplexArray:
         return np.asarray(scipy.fft.rfft(values)[: self.n_bins])

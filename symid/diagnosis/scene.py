@@ -5,9 +5,10 @@ A scene is what effects look at when they are asked for their missing force.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from symid.axis import Axis, Between, Body, Spring
 from symid.diagnosis.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.record import Record
 from symid.diagnosis.response import Response, noise_weights, response_of
+from symid.simulation.forward_dynamics import LawTerm
 
 Impedance = tuple[FloatArray, ComplexArray]
 """Direction over the bodies and dynamic stiffness."""
@@ -37,6 +39,8 @@ class Joint:
         Its displacement as it follows from the driven position.
     record : Record
         The log.
+    memory : dict
+        What has been computed of it.
     """
 
     name: str
@@ -44,6 +48,14 @@ class Joint:
     spectrum: ComplexArray
     modelled: ComplexArray
     record: Record
+    memory: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+
+    def remembered(self, key: Hashable, given: Hashable, compute: Callable[[], ComplexArray]) -> ComplexArray:
+        """What follows from this motion and the last `given`, computed once."""
+        if self.memory.get(key, (None, None))[0] != (given,):
+            self.memory[key] = (given,), compute()
+        known: ComplexArray = self.memory[key][1]
+        return known
 
     @cached_property
     def q(self) -> FloatArray:
@@ -78,6 +90,12 @@ class Joint:
         shift[..., k] += np.maximum(0.5 - passed, 0.0) * jump
         shift[..., k + 1] -= np.maximum(passed - 0.5, 0.0) * jump
         return np.asarray(force + shift)
+
+    def law_force(self, term: LawTerm) -> ComplexArray:
+        """Spectrum of a term of a declared law."""
+        return self.remembered(
+            ("law", id(term)), None, lambda: self.record.from_grid(self.averaged(term.forces(self.q, self.v)))
+        )
 
     @cached_property
     def range(self) -> tuple[float, float]:
@@ -157,10 +175,7 @@ class Scene:
         found = []
         for direction, terms in self.record.dynamics.laws:
             joint = self._joint("", direction)
-            spectra = tuple(
-                self.record.from_grid(joint.averaged(term.forces(joint.q, joint.v))) for term in terms
-            )
-            found.append((direction, spectra))
+            found.append((direction, tuple(joint.law_force(term) for term in terms)))
         return tuple(found)
 
     @cached_property
@@ -234,7 +249,22 @@ class Scene:
         """What a force that opposes the motion of a joint does to the predicted outputs; spectra of any number."""
         return -self.response.of_force(joint.direction) * force[..., None, :]
 
+    def _driven_share(self, direction: FloatArray) -> float | None:
+        """Displacement along a direction for a unit of the driven position; None if other motion takes part in it."""
+        sensors = self.response.plant.sensors
+        row = sensors[self.record.signals[0]][0]
+        if sum(sensors[name][1] == 0 for name in self.record.signals) > row.size:
+            return None  # positions that contradict each other share their error out
+        share = float(row @ direction / (row @ row))
+        return share if np.allclose(direction, share * row, rtol=0, atol=1e-12) else None
+
     def _joint(self, name: str, direction: FloatArray) -> Joint:
+        share = self._driven_share(direction)
+        if share is not None:  # moves as measured, whatever the model: one joint for all scenes of the record
+            spectrum = share * self.record.motion
+            made = Joint(name, direction, spectrum, spectrum, self.record)
+            known: Joint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
+            return known
         observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
         return Joint(name, direction, observed, modelled, self.record)
 
@@ -290,10 +320,13 @@ def scene_of(
     integrated : sequence of (array, callable)
         Direction and force of laws in hidden joints that are integrated with their motion.
     """
-    response = response_of(record, parameters, impedances)
-    n = len(response.plant.bodies)
     levels = () if before is None else before.levels
-    weights = noise_weights(record, response, levels)
+    if before is not None and before.parameters == parameters and not (impedances or before.impedances):
+        response, weights = before.response, before.density  # an implicit force looks for its balance
+    else:
+        response = response_of(record, parameters, impedances)
+        weights = noise_weights(record, response, levels)
+    n = len(response.plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
     acting = of_effects if before is None else of_effects + before.law_forces
     if integrated:

@@ -159,7 +159,7 @@ def _acted_on(before: Scene, parameters: Mapping[str, float], placed: tuple[Plac
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
             continue
-        force = np.tensordot(item.amplitudes, item.effect.forces(before, joint, item.shape), 1)
+        force = np.tensordot(item.amplitudes, item.effect.forces_at(before, joint, item.shape), 1)
         law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
         if law is None:
             forces -= np.multiply.outer(force, joint.direction)

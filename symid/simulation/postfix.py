@@ -1,7 +1,7 @@
 """Law expressions as programs in postfix notation, which one compiled function evaluates for numbers.
 
-A law is known when the program runs, so that its own code would have to be compiled for every formula and every
-process. A program is data: the loop that integrates a motion is compiled once for all laws, and kept on disk by numba.
+A law is known when symid runs, so that its own code would have to be compiled for every formula and every process. A
+program is data: the loop that integrates a motion is compiled once for all laws, see `evaluation`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import numpy as np
 import sympy as sp
 
 from symid.arrays import FloatArray
-from symid.compiled import compiled
 from symid.errors import SymidError
 from symid.symbolic.expressions import positive
 
@@ -49,7 +48,7 @@ def program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
     expression : sympy expression
         In symbols whose names are those of the arguments.
     arguments : tuple of str
-        Names, in the order in which `evaluate` takes their values.
+        Names, in the order in which `evaluation.evaluate` takes their values.
 
     Raises
     ------
@@ -58,6 +57,7 @@ def program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
 
     Examples
     --------
+    >>> from symid.simulation.evaluation import evaluate
     >>> short = program(sp.sympify("v*abs(q)/2"), ("q", "v"))
     >>> evaluate(short.operations, short.operands, np.array([-3.0, 4.0]), np.zeros(short.depth))
     6.0
@@ -87,47 +87,3 @@ def _append(expression: sp.Expr, arguments: tuple[str, ...], steps: list[tuple[i
         height = max(height, 1 + _append(other, arguments, steps))
         steps.append((_BINARY[expression.func], 0.0))
     return height
-
-
-@compiled
-def evaluate(operations, operands, arguments, stack):  # type: ignore[no-untyped-def]  # compiled for arrays
-    """Value of a program; `stack` is space of at least its depth."""
-    top = -1
-    for i in range(operations.size):
-        operation = operations[i]
-        if operation == CONSTANT:
-            top += 1
-            stack[top] = operands[i]
-        elif operation == ARGUMENT:
-            top += 1
-            stack[top] = arguments[int(operands[i])]
-        elif operation == ADD:
-            top -= 1
-            stack[top] += stack[top + 1]
-        elif operation == MULTIPLY:
-            top -= 1
-            stack[top] *= stack[top + 1]
-        elif operation == POWER:
-            top -= 1
-            stack[top] = stack[top] ** stack[top + 1]
-        elif operation == MAXIMUM:
-            top -= 1
-            stack[top] = max(stack[top], stack[top + 1])
-        else:
-            stack[top] = _function(operation - FUNCTION, stack[top])
-    return stack[0]
-
-
-@compiled
-def _function(which, x):  # type: ignore[no-untyped-def]  # compiled for numbers
-    if which == 0:
-        return abs(x)
-    if which == 1:
-        return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
-    if which == 2:
-        return 1.0 if x > 0.0 else 0.0
-    if which == 3:
-        return np.sin(x)
-    if which == 4:
-        return np.cos(x)
-    return np.exp(x)

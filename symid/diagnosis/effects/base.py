@@ -97,6 +97,12 @@ class JointEffect(Effect):
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         """Spectra of the forces for unit amplitudes, of shape (n_amplitudes, n_bins)."""
 
+    def forces_at(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+        """The same as `forces`, which follow from the motion of the joint unless they are implicit."""
+        if self.implicit:
+            return self.forces(scene, joint, shape)
+        return joint.remembered(self, shape, lambda: self.forces(scene, joint, shape))
+
     def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise | None:
         """Its force point by point, for hidden joints; None if it does not depend on the motion there."""
         return None
@@ -114,7 +120,7 @@ class JointEffect(Effect):
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         joint = self.joint(scene, place)
-        return scene.column(joint, self.forces(scene, joint, shape))
+        return scene.column(joint, self.forces_at(scene, joint, shape))
 
 
 class LinearEffect(JointEffect):
