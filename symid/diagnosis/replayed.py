@@ -80,7 +80,7 @@ class Part:
         return self.log[self.record.signals[0]]
 
     def low_passed(self, values: FloatArray) -> FloatArray:
-        return LowPass(_cutoff(self.record)).apply(values, self.log.sampling_frequency)
+        return LowPass(_cutoff(self.record)).by_spectrum(values, self.log.sampling_frequency)
 
     def speed_of(self, position: FloatArray) -> FloatArray:
         """Its derivative in the band of the motion."""
@@ -106,8 +106,10 @@ class Part:
     def path(self) -> Trajectory:
         """The measured position as the reference of a cascade, with the differences that it takes of it itself."""
         n, period = self.log.n_samples, self.log.sampling_period / self.factor
-        places = np.arange((n - 1) * self.factor + 1) / self.factor
-        position = scipy.interpolate.CubicSpline(np.arange(n), self.position)(places)
+        position = self.position
+        if self.factor > 1:
+            places = np.arange((n - 1) * self.factor + 1) / self.factor
+            position = scipy.interpolate.CubicSpline(np.arange(n), position)(places)
         speed = np.diff(position, prepend=position[0]) / period
         return Trajectory(position, speed, np.zeros_like(speed), period, f"position of {self.log.source}")
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from symid.arrays import FloatArray
 from symid.data import REFERENCE, Log, LowPass, derivatives
 from symid.simulation import Cascade
+
+_SEEN = 1e-3
+"""Gain of the low-pass filter from which on a frequency takes part."""
 
 
 def cascade_of_log(log: Log, force: str, position: str, cutoff_hz: float) -> Cascade | None:
@@ -44,17 +48,19 @@ def cascade_of_log(log: Log, force: str, position: str, cutoff_hz: float) -> Cas
     >>> round(found.position_gain), round(found.velocity_gain), round(found.integral_gain)
     (30, 400, 10)
     """
-    low_pass = LowPass(cutoff_hz)
-    reference, q, F = (
-        low_pass.apply(log[name], log.sampling_frequency) for name in (REFERENCE, position, force)
-    )
+    reference, q, F = (log[name] for name in (REFERENCE, position, force))
     period = log.sampling_period
     speed, acceleration = derivatives(reference, period, 2)
     error = reference - q
     # a drive takes the difference of the last two readings; the derivatives of the reference it knows
     error_of_speed = speed - np.diff(q, prepend=q[0]) / period
     columns = [error, error_of_speed, period * np.cumsum(error), speed, acceleration, np.ones_like(error)]
-    factors = _least_squares(np.stack(columns, axis=1), F)
+    # a linear equation of samples holds for their spectra too, whatever the signals do at the ends of the log
+    gain = LowPass(cutoff_hz).gain(np.fft.rfftfreq(F.size, period))
+    used = gain > _SEEN
+    spectra = np.stack([scipy.fft.rfft(x)[used] * gain[used] for x in (*columns, F)], axis=1)
+    rows = np.concatenate([spectra.real, spectra.imag])
+    factors = _least_squares(rows[:, :-1], rows[:, -1])
     return _cascade(position, *map(float, factors[:5]))
 
 
