@@ -120,11 +120,11 @@ def machine(axis: str, true: dict[str, float]) -> Machine:
         springs = np.array([[1, 0, true["Kt"], true["Ft"], 0, 0]])
     joints = np.array(kind.joints)
     return Machine(
-        np.array(mass),
+        np.array(mass, float),
         joints[:, 0].copy(),
         joints[:, 1].copy(),
-        np.array(viscous),
-        np.array(coulomb),
+        np.array(viscous, float),
+        np.array(coulomb, float),
         springs,
         np.zeros((0, ROW)),
         np.zeros(2),
