@@ -2,7 +2,10 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -48,16 +51,23 @@ class Content(HTMLParser):
                 self.cells[-1] += data
 
 
-def written(found, folder):
-    file = folder / "report.html"
-    write_html(found, file)
-    return file.read_text(encoding="utf-8")
+def written(found):
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "report.html"
+        write_html(found, file)
+        return file.read_text(encoding="utf-8")
+
+
+@cache
+def page_of(kind):
+    """Page of the example of a kind."""
+    return written(diagnosis_example(kind))
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_page_tells_verdict_gap_causes_parameters_and_next_step(kind, tmp_path):
+def test_a_page_tells_verdict_gap_causes_parameters_and_next_step(kind):
     found = diagnosis_example(kind)
-    content = Content(written(found, tmp_path))
+    content = Content(page_of(kind))
     first_heading = content.text.index("How large the gap is")
     assert content.text.index(found.sentence) < first_heading
     for level in (found.gap.nominal, found.gap.reidentified, *found.gap.steps, found.gap.noise_floor):
@@ -71,8 +81,8 @@ def test_a_page_tells_verdict_gap_causes_parameters_and_next_step(kind, tmp_path
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_page_loads_nothing(kind, tmp_path):
-    page = written(diagnosis_example(kind), tmp_path)
+def test_a_page_loads_nothing(kind):
+    page = page_of(kind)
     content = Content(page)
     assert [address for address in content.addresses if not address.startswith("#")] == []
     assert not set(content.tags) & {"link", "iframe", "object", "embed", "base", "form", "img"}
@@ -81,7 +91,7 @@ def test_a_page_loads_nothing(kind, tmp_path):
     assert "@import" not in style
 
 
-def test_hostile_names_stay_text(tmp_path):
+def test_hostile_names_stay_text():
     hostile = "</script><script>window.hostile = 1</script><img src=x onerror='hostile()'>\"'&"
     found = diagnosis_example("two effects")
     first, *others = found.effects
@@ -98,31 +108,31 @@ def test_hostile_names_stay_text(tmp_path):
         assumptions=(hostile,),
         next_experiment=hostile,
     )
-    content, benign = Content(written(attacked, tmp_path)), Content(written(found, tmp_path))
+    content, benign = Content(written(attacked)), Content(page_of("two effects"))
     assert content.tags.count("script") == benign.tags.count("script")
     assert "img" not in content.tags
     assert content.text.count(hostile) >= 20
 
 
-def test_missing_nominal_values_are_told(tmp_path):
-    content = Content(written(without_nominal(diagnosis_example("effect")), tmp_path))
+def test_missing_nominal_values_are_told():
+    content = Content(written(without_nominal(diagnosis_example("effect"))))
     assert "no nominal values given" in content.text
     assert "nan" not in content.text.lower()
 
 
-def test_a_log_of_minutes_makes_no_larger_file(tmp_path):
-    assert len(written(diagnosis_example("effect", seconds=100.0), tmp_path)) < 4e6
+def test_a_log_of_minutes_makes_no_larger_file():
+    assert len(written(diagnosis_example("effect", seconds=100.0))) < 4e6
 
 
-def test_a_gap_of_a_thousand_floors_is_drawn_on_a_logarithmic_scale(tmp_path):
+def test_a_gap_of_a_thousand_floors_is_drawn_on_a_logarithmic_scale():
     found = diagnosis_example("effect")
     large = replace(found.gap.nominal, rms=1244 * FLOOR)
-    text = Content(written(replace(found, gap=replace(found.gap, nominal=large)), tmp_path)).text
+    text = Content(written(replace(found, gap=replace(found.gap, nominal=large)))).text
     assert "Logarithmic scale" in text
     assert "1244 ×" in text
 
 
-def test_nothing_known_of_the_floor_or_the_spectrum_is_no_obstacle(tmp_path):
+def test_nothing_known_of_the_floor_or_the_spectrum_is_no_obstacle():
     found = diagnosis_example("unexplained")
     nothing = np.full(3, np.nan)
     empty = replace(
@@ -135,7 +145,7 @@ def test_nothing_known_of_the_floor_or_the_spectrum_is_no_obstacle(tmp_path):
         alternatives=(),
         parameters=(),
     )
-    assert found.sentence in Content(written(empty, tmp_path)).text
+    assert found.sentence in Content(written(empty)).text
 
 
 @pytest.mark.parametrize("name", ["report.pdf", "report", "missing/report.html"])
@@ -144,9 +154,9 @@ def test_a_file_that_cannot_be_a_page_is_refused_with_its_name(name, tmp_path):
         html_path(tmp_path / name)
 
 
-def test_the_page_holds_the_schematic_of_the_axis(tmp_path):
+def test_the_page_holds_the_schematic_of_the_axis():
     found = diagnosis_example(KINDS[0])
-    pages = (written(found, tmp_path) for _ in range(2))
+    pages = (page_of(KINDS[0]), written(found))
     drawing, again = (re.search("<figure class.*?</figure>", page, re.DOTALL)[0] for page in pages)
     for body in found.axis.bodies:
         assert f'id="body {body.name}"' in drawing
@@ -155,8 +165,8 @@ def test_the_page_holds_the_schematic_of_the_axis(tmp_path):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_pages_have_one_main_part_and_each_identifier_once(kind, tmp_path):
-    page = written(diagnosis_example(kind), tmp_path)
+def test_pages_have_one_main_part_and_each_identifier_once(kind):
+    page = page_of(kind)
     without_scripts = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     names = re.findall(r'\sid="([^"]*)"', without_scripts)
     assert len(names) == len(set(names))
@@ -164,11 +174,11 @@ def test_pages_have_one_main_part_and_each_identifier_once(kind, tmp_path):
     assert set(re.findall(r'href="#([^"]*)"', re.search("<nav.*?</nav>", page, re.DOTALL)[0])) <= set(names)
 
 
-def test_an_accepted_effect_is_never_among_those_that_are_folded_away(tmp_path):
+def test_an_accepted_effect_is_never_among_those_that_are_folded_away():
     found = diagnosis_example("effect")
     last = found.alternatives[0]
     others = tuple(replace(last, effect=f"other_{k}", probability=0.01) for k in range(12))
-    page = written(replace(found, alternatives=(*others, last)), tmp_path)
+    page = written(replace(found, alternatives=(*others, last)))
     section = re.search('<section id="candidates">.*?</section>', page, re.DOTALL)[0]
     before, folded = section.split("<details>")
     assert "accepted" in before
