@@ -23,7 +23,7 @@ from symid.diagnosis.conclusion import concluded, effect_values
 from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
-from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted, unfitted
+from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted
 from symid.diagnosis.joined import joined
 from symid.diagnosis.motion import with_motion
 from symid.diagnosis.record import Record, record_of
@@ -109,7 +109,7 @@ def diagnose_against(
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
-    start = unfitted(with_effects(state, weighting, _same(state, base)), weighting)
+    start = Fit(with_effects(state, weighting, _same(state, base)), weighting)
     turns = search(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
     turns = judged_together(turns, library)
     fits = fits_of(base, turns)

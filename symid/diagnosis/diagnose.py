@@ -15,7 +15,7 @@ from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.conclusion import concluded
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.faults import damage
-from symid.diagnosis.fit import Fit, unfitted
+from symid.diagnosis.fit import Fit
 from symid.diagnosis.held import HELD, is_held, shows_hold
 from symid.diagnosis.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.motion import with_motion
@@ -171,7 +171,7 @@ def _diagnosed(
     unknown = recorded.may_be_held(axis)
     if unknown and shows_hold(base):
         return _with_hold(axis, runs, nominal, recorded, library)
-    before = unfitted(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
+    before = Fit(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
     turns: Sequence[Turn] = judged_together(search(base, library, before), library)
     if unknown and any(is_held(turn.confirmed[0].fit) for turn in turns if turn.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)

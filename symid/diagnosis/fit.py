@@ -44,10 +44,6 @@ class Fit:
         The model with its values.
     weighting : Weighting
         Of the errors.
-    spectra : array of shape (n_columns, n_outputs, n_bins)
-        Derivatives of the prediction by the physical parameters and the effects' values.
-    columns : array of shape (n_columns, n_outputs, n_rows)
-        The same, weighted.
     begun : float
         Inertia that the drive moved with the values that the axis was first given; nan if these are not known.
     nominal : mapping of str to float
@@ -56,14 +52,26 @@ class Fit:
 
     state: State
     weighting: Weighting
-    spectra: ComplexArray
-    columns: FloatArray
     begun: float = math.nan
     nominal: Mapping[str, float] = field(default_factory=dict)
 
     def after(self, other: Fit) -> Fit:
         """The same fit, with what was given to the one that it goes on from."""
         return replace(self, begun=other.begun, nominal=other.nominal)
+
+    def released(self) -> Fit:
+        """The same without what follows from it, which is computed again where it is needed: a search keeps many."""
+        return replace(self, state=replace(self.state, scene=replace(self.state.scene)))
+
+    @cached_property
+    def spectra(self) -> ComplexArray:
+        """Derivatives of the prediction by parameters and effects' values, of shape (n_columns, n_outputs, n_bins)."""
+        return derivatives(self.state)
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """The same, weighted, of shape (n_columns, n_outputs, n_rows)."""
+        return self.weighting.rows(self.spectra)
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -142,25 +150,16 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
     iterations : int
         At most.
     """
-    cost = cost_of(state, weighting)
-    spectra = derivatives(state)
-    columns = weighting.rows(spectra)
+    fit, cost = Fit(state, weighting), cost_of(state, weighting)
     for _ in range(iterations):
-        found, after = _searched(state, weighting, columns, cost)
+        found, after = _searched(fit, cost)
         if found is None:
             break
-        state, settled = found, after > cost * (1 - _SETTLED)
-        cost, spectra = after, derivatives(state)
-        columns = weighting.rows(spectra)
+        fit, settled = Fit(found, weighting), after > cost * (1 - _SETTLED)
+        cost = after
         if settled:
             break
-    return Fit(state, weighting, spectra, columns)
-
-
-def unfitted(state: State, weighting: Weighting) -> Fit:
-    """A model with the values that it has."""
-    spectra = derivatives(state)
-    return Fit(state, weighting, spectra, weighting.rows(spectra))
+    return fit
 
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
@@ -177,7 +176,7 @@ def converged(state: State, weighting: Weighting) -> Fit:
     Of a model that has lost its inertia the weights stay as they are: its own would let more of the position's noise
     through, which lowers the inertia further, until nothing of it is left.
     """
-    start = settled(unfitted(state, weighting))
+    start = settled(Fit(state, weighting))
     first = fitted(start.state, start.weighting, ITERATIONS)
     kept = keeps_inertia(first.state, state.inertia)
     return replace(refitted(settled(first) if kept else first), begun=state.inertia)
@@ -187,7 +186,7 @@ def settled(fit: Fit) -> Fit:
     """The same values with weights that belong to them, and that allow for the error that is left."""
     state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
     weighting = with_restarts(weighting, state.scene.hidden)
-    return Fit(state.weighted(weighting), weighting, fit.spectra, weighting.rows(fit.spectra))
+    return Fit(state.weighted(weighting), weighting)
 
 
 def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
@@ -218,15 +217,14 @@ def cost_of(state: State, weighting: Weighting) -> float:
     return float(error @ error)
 
 
-def _searched(
-    state: State, weighting: Weighting, columns: FloatArray, cost: float
-) -> tuple[State | None, float]:
+def _searched(fit: Fit, cost: float) -> tuple[State | None, float]:
     """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does, or none could by much.
 
     Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
     ratio; a shorter step would hold back all.
     """
-    flat, error = (weighting.known(x, state.beginning) for x in (columns, state.rows))
+    state, weighting = fit.state, fit.weighting
+    flat, error = (weighting.known(x, state.beginning) for x in (fit.columns, state.rows))
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
         return None, cost
     scale = np.linalg.norm(flat, axis=1)

@@ -24,6 +24,8 @@ from symid.simulation import Cascade
 
 _SAME = 0.01
 """Difference of two references relative to the stroke, and of two durations, up to which both are the same."""
+_AWAY = 10.0
+"""Distance from the measured position, in its ranges, from which on a simulated axis runs away."""
 
 
 def with_motion(
@@ -116,9 +118,15 @@ def _error(state: State, parts: Sequence[Part], driver: Driver) -> MotionError:
             simulated = [simulated_position(explained, part, driver) for part in parts]
     except (SymidError, np.linalg.LinAlgError, OverflowError, ZeroDivisionError) as error:
         return MotionError("failed", message=str(error))
-    if not all(np.isfinite(position).all() for position in simulated):
+    if not all(map(_stays, parts, simulated)):
         return MotionError("failed", message="the simulated axis runs away")
     return _compared(parts, simulated, "; ".join(explained.left_out))
+
+
+def _stays(part: Part, position: FloatArray) -> bool:
+    """Whether a simulated axis stays near the range of the measured one."""
+    away = np.abs(position - part.position).max()
+    return bool(away < _AWAY * np.ptp(part.position))  # False for nan too
 
 
 def _is_like(simulated: Log, part: Part) -> bool:

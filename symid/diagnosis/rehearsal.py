@@ -21,7 +21,7 @@ from symid.data import Log
 from symid.diagnosis.applied import applied
 from symid.diagnosis.effects import JointEffect
 from symid.diagnosis.evidence import INDISTINGUISHABLE, Key
-from symid.diagnosis.fit import fitted, unfitted
+from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.manoeuvres import Room, manoeuvres
 from symid.diagnosis.priors import temperature
 from symid.diagnosis.record import Record, record_of
@@ -177,7 +177,7 @@ def _starts(model: State, truth: State, weighting: Weighting) -> list[State]:
 def _linear(model: State, truth: State, weighting: Weighting) -> float:
     """Logarithm by which the mean square of noise grows with what the model's columns leave of the truth."""
     rows = weighting.rows(model.errors - truth.errors)
-    return math.log1p(unfitted(replace(model, rows=rows), weighting).mean_square)
+    return math.log1p(Fit(replace(model, rows=rows), weighting).mean_square)
 
 
 def _fitted(model: State, truth: State, weighting: Weighting) -> float:

@@ -15,7 +15,8 @@ from symid.diagnosis.weighting import Autoregression, autoregression, unweighted
 
 PRICE = 4.5
 """Price of a free value, of the logarithm of the likelihood: half the logarithm of 8000 rows (Schwarz)."""
-_BATCH = 64
+_BATCH = 1_000_000
+"""Values of the columns of shapes that are tried at a time."""
 _BLIND = 1e-4
 
 
@@ -123,8 +124,9 @@ def _best_shapes(
 ) -> list[Candidate]:
     """Candidates with the best shape under either noise model."""
     found: list[Candidate] = []
-    for first in range(0, len(shapes), _BATCH):
-        some = shapes[first : first + _BATCH]
+    many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))
+    for first in range(0, len(shapes), many):
+        some = shapes[first : first + many]
         columns = np.stack([effect.columns(fit.state.scene, place, shape) for shape in some])
         rows = fit.weighting.rows(columns)
         plain, white = (p.gains(rows, fixed=effect.fixed) for p in projections)

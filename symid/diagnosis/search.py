@@ -337,9 +337,9 @@ def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed 
             found = fitted(state, start.weighting, first)
             if found.mean_square < most:
                 found = refitted(fitted(found.state, start.weighting, further), then)
+            return _judged(fit, found)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
-    return _judged(fit, found)
 
 
 def _judged(fit: Fit, found: Fit) -> Confirmed | None:
@@ -353,4 +353,4 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
     own, before = blocks.squares, fit.blocks.squares
     grown = (own.sum(axis=1) > _SPOILED * before.sum(axis=1)) & (found.squares > _SPOILED)
     gain = log_likelihood(own, n) - log_likelihood(before, n)
-    return Confirmed(found, gain, certainty(before, own, n), own, spoils=bool(grown.any()))
+    return Confirmed(found.released(), gain, certainty(before, own, n), own, spoils=bool(grown.any()))
