@@ -65,13 +65,21 @@ class Page:
     def __init__(self, commands: int, answers: int) -> None:
         self._commands = os.fdopen(commands, "wb", buffering=0)
         self._answers = os.fdopen(answers, "rb", buffering=0)
-        self._number, self._buffer, self._session = 0, b"", ""
+        self._number, self._buffer = 0, b""
+        self._context, self._session = "", ""
         self.events: list[dict[str, Any]] = []
 
-    def attach(self, width: int, height: int) -> None:
-        """Open an empty page of this size that reports its errors and requests."""
-        target = self.send("Target.createTarget", url="about:blank")["targetId"]
+    def renew(self, width: int, height: int) -> None:
+        """Open an empty page of this size that reports its errors and requests; it shares nothing with the last one."""
+        self._session = ""
+        if self._context:
+            self.send("Target.disposeBrowserContext", browserContextId=self._context)
+        self._context = self.send("Target.createBrowserContext")["browserContextId"]
+        target = self.send("Target.createTarget", url="about:blank", browserContextId=self._context)[
+            "targetId"
+        ]
         self._session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.events.clear()
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.send(f"{domain}.enable")
         self.send(
@@ -94,7 +102,7 @@ class Page:
             if answer.get("id") == self._number:
                 assert "error" not in answer, f"{method}: {answer['error']}"
                 return dict(answer["result"])
-            self.events.append(answer)
+            self._keep(answer)
 
     def _receive(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
@@ -104,11 +112,15 @@ class Page:
         message, _, self._buffer = self._buffer.partition(b"\0")
         return dict(json.loads(message))
 
+    def _keep(self, event: dict[str, Any]) -> None:
+        if event.get("sessionId", "") == self._session:  # not of a page that is closed
+            self.events.append(event)
+
     def open(self, file: Path) -> None:
         """Open a file and wait until it is loaded."""
         self.send("Page.navigate", url=file.resolve().as_uri())
         while not any(event["method"] == "Page.loadEventFired" for event in self.events):
-            self.events.append(self._receive())
+            self._keep(self._receive())
 
     def close(self) -> None:
         """End the browser, and with it the pipes."""
@@ -176,8 +188,8 @@ class Page:
 
 
 @contextmanager
-def browser_page(profile: Path, width: int = 1280, height: int = 800) -> Iterator[Page]:
-    """An empty page of a browser that keeps its data in a folder of its own; the browser ends with it."""
+def running_browser(profile: Path) -> Iterator[Page]:
+    """A browser that keeps its data in a folder of its own, before its first page."""
     to_browser, commands = os.pipe()
     answers, from_browser = os.pipe()
     command = [chromium(), *_FLAGS, "--remote-debugging-pipe", f"--user-data-dir={profile}"]
@@ -192,7 +204,6 @@ def browser_page(profile: Path, width: int = 1280, height: int = 800) -> Iterato
     os.close(from_browser)
     page = Page(commands, answers)
     try:
-        page.attach(width, height)
         yield page
     finally:
         page.close()

@@ -4,7 +4,7 @@ import time
 
 import polars as pl
 import pytest
-from browser import Page, browser_page
+from browser import Page
 from fleet_example import fleet_example
 
 from symid.fleet import review_fleet
@@ -15,12 +15,6 @@ pytestmark = pytest.mark.browser
 HOSTILE = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>"
 ROWS = "[...document.querySelectorAll('.rows tbody tr')].map(row => [...row.cells].map(cell => cell.textContent))"
 HEADINGS = "[...document.querySelectorAll('.rows th')].map(heading => heading.textContent)"
-
-
-@pytest.fixture
-def page(tmp_path):
-    with browser_page(tmp_path / "profile", width=1280, height=900) as opened:
-        yield opened
 
 
 def opened(page: Page, table: pl.DataFrame, folder) -> None:

@@ -2,18 +2,16 @@
 
 import re
 from dataclasses import replace
-from functools import cache
 from html.parser import HTMLParser
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 from diagnosis_example import FLOOR, KINDS, diagnosis_example, without_nominal
+from diagnosis_page import page_of, written
 
 from symid.diagnosis import EffectParameter
 from symid.errors import SettingError
-from symid.report.html import html_path, write_html
+from symid.report.html import html_path
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
 """Attributes that make a browser load something."""
@@ -49,19 +47,6 @@ class Content(HTMLParser):
             self.text += data
             if self.cells:
                 self.cells[-1] += data
-
-
-def written(found):
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "report.html"
-        write_html(found, file)
-        return file.read_text(encoding="utf-8")
-
-
-@cache
-def page_of(kind):
-    """Page of the example of a kind."""
-    return written(diagnosis_example(kind))
 
 
 @pytest.mark.parametrize("kind", KINDS)

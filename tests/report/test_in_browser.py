@@ -6,8 +6,9 @@ from dataclasses import replace
 import matplotlib.image
 import numpy as np
 import pytest
-from browser import Page, browser_page
+from browser import Page
 from diagnosis_example import KINDS, diagnosis_example, without_nominal
+from diagnosis_page import page_of, written
 
 from benchmarks.pictures import photograph
 from symid.report.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
@@ -32,15 +33,9 @@ RANGES = """
 """
 
 
-@pytest.fixture
-def page(tmp_path):
-    with browser_page(tmp_path / "profile", width=1280, height=800) as opened:
-        yield opened
-
-
-def opened(page: Page, found, folder) -> None:
+def opened(page: Page, text: str, folder) -> None:
     file = folder / "report.html"
-    write_html(found, file)
+    file.write_text(text, encoding="utf-8")
     page.open(file)
     page.evaluate(DRAWN)
     assert page.complaints == []
@@ -68,14 +63,13 @@ LEGEND = 100
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_curves_are_drawn(kind, page, tmp_path):
-    found = diagnosis_example(kind)
-    opened(page, found, tmp_path)
+    opened(page, page_of(kind), tmp_path)
     model, measured = pixels(page, "#signals .plot", MODEL, MEASURED)
     assert model > 10 * LEGEND
     assert measured > 10 * LEGEND
     model, explained = pixels(page, "#spectrum .plot", MODEL, EXPLAINED)
     assert model > 5 * LEGEND
-    assert (explained > 5 * LEGEND) == bool(found.effects)
+    assert (explained > 5 * LEGEND) == bool(diagnosis_example(kind).effects)
 
 
 TEXTS = (
@@ -99,7 +93,7 @@ PAPER_SHOWN = "getComputedStyle(document.body).backgroundColor"
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_stands_out_from_the_page(scheme, page, tmp_path):
     page.prefer(scheme)
-    opened(page, diagnosis_example("two effects"), tmp_path)
+    opened(page, page_of("two effects"), tmp_path)
     assert min(page.contrasts(*TEXTS).values()) > 4.5
     assert page.evaluate(PAPER_SHOWN) == {"light": "rgb(255, 255, 255)", "dark": "rgb(23, 23, 23)"}[scheme]
 
@@ -107,14 +101,14 @@ def test_text_stands_out_from_the_page(scheme, page, tmp_path):
 @pytest.mark.parametrize("verdict", ["no gap", "parameters", "unexplained"])
 def test_every_verdict_can_be_read_in_the_dark(verdict, page, tmp_path):
     page.prefer("dark")
-    opened(page, diagnosis_example(verdict), tmp_path)
+    opened(page, page_of(verdict), tmp_path)
     texts = (".verdict", ".faults li") if verdict == "unexplained" else (".verdict",)
     assert min(page.contrasts(*texts).values()) > 4.5
 
 
 def test_plots_turn_dark_with_their_page(page, tmp_path):
     page.prefer("dark")
-    opened(page, diagnosis_example("effect"), tmp_path)
+    opened(page, page_of("effect"), tmp_path)
     dark = [in_dark(colour) for colour in (PAPER, MODEL, EXPLAINED)]
     (light,) = pixels(page, "#spectrum .plot", PAPER)
     paper, model, explained = pixels(page, "#spectrum .plot", *dark)
@@ -128,7 +122,7 @@ def test_plots_turn_dark_with_their_page(page, tmp_path):
 
 def test_print_is_light(page, tmp_path):
     page.prefer("dark", "print")
-    opened(page, diagnosis_example("effect"), tmp_path)
+    opened(page, page_of("effect"), tmp_path)
     assert page.evaluate(PAPER_SHOWN) == "rgb(255, 255, 255)"
     assert min(page.contrasts("h1", ".verdict", ".note", ".tag", ".next").values()) > 4.5
     paper, dark = pixels(page, "#spectrum .plot", PAPER, in_dark(PAPER))
@@ -136,7 +130,7 @@ def test_print_is_light(page, tmp_path):
 
 
 def test_the_error_is_drawn_over_velocity_and_position(page, tmp_path):
-    opened(page, diagnosis_example("effect"), tmp_path)
+    opened(page, page_of("effect"), tmp_path)
     for place in ("#over-motion .plot:first-child", "#over-motion .plot:last-child"):
         model, explained = pixels(page, place, MODEL, EXPLAINED)
         assert min(model, explained) > 2 * LEGEND
@@ -153,19 +147,17 @@ def test_a_page_becomes_a_picture(tmp_path):
 
 
 def test_nominal_values_are_drawn_where_they_are_given(page, tmp_path):
-    found = diagnosis_example("parameters")
-    opened(page, found, tmp_path)
+    opened(page, page_of("parameters"), tmp_path)
     (given,) = pixels(page, "#signals .plot", NOMINAL)
     page.events.clear()
-    opened(page, without_nominal(found), tmp_path)
+    opened(page, written(without_nominal(diagnosis_example("parameters"))), tmp_path)
     assert given > LEGEND
     assert pixels(page, "#signals .plot", NOMINAL) == [0]
 
 
 def test_a_drag_zooms_all_curves_over_time(page, tmp_path):
-    found = diagnosis_example("effect")
-    signals = found.signals
-    opened(page, found, tmp_path)
+    signals = diagnosis_example("effect").signals
+    opened(page, page_of("effect"), tmp_path)
     page.evaluate("document.querySelector('#signals').scrollIntoView()")
     before = np.array(page.evaluate(RANGES))
     box = place(page, "#signals .plot")
@@ -186,6 +178,6 @@ def test_hostile_names_run_nothing(page, tmp_path):
     hostile = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>"
     found = diagnosis_example("effect")
     gap = replace(found.gap, signal=hostile, unit=hostile)
-    opened(page, replace(found, sentence=hostile, logs=(hostile,), gap=gap), tmp_path)
+    opened(page, written(replace(found, sentence=hostile, logs=(hostile,), gap=gap)), tmp_path)
     assert page.evaluate("typeof window.hostile") == "undefined"
     assert page.evaluate("document.querySelector('h1').textContent").endswith(hostile)
