@@ -28,23 +28,24 @@ def plan(
     track: Callable[[Sequence[str]], Iterable[str]] = iter,
     refused: Callable[[Path, SymidError], None] | None = None,
 ) -> list[GeneratedFile]:
-    """Generated files as they should be and as they are; nothing is written.
+    """Required and present texts of the generated files; nothing is written.
 
     Parameters
     ----------
     axes : sequence of str
         Names or paths of axis files; all axes by default.
     measured : sequence of str, optional
-        One set of sensors; by default all of the axis' `sensor_sets`, and those that were asked for before.
+        One set of sensors; by default all of the axis' `sensor_sets`, and those for which modules exist.
     track : callable, optional
-        Is given the names and passes them on, to show progress.
+        Receives the names and yields them, to show progress.
     refused : callable, optional
-        Is told of each module that cannot be derived, and why; the others are planned. Without it that is raised.
+        Called for each module that cannot be derived, with the reason; the others are planned. By default the
+        error is raised.
 
     Raises
     ------
     SymidError
-        If an axis cannot be loaded, or cannot be derived and nobody is told.
+        If an axis cannot be loaded, or cannot be derived and `refused` is not given.
     """
     left_out: list[Path] = []
 
@@ -68,7 +69,7 @@ def plan(
 
 
 def generate(axes: Sequence[str] = (), measured: Sequence[str] | None = None) -> list[Path]:
-    """Write the generated modules of axes; those that are current are left alone.
+    """Write the generated modules of axes that are not current.
 
     Parameters
     ----------

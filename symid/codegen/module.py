@@ -181,7 +181,7 @@ def _output_unit(model: DerivedModel, name: str) -> str:
 
 
 def _log_parameters(model: DerivedModel) -> tuple[str, ...]:
-    """Minimal parameters that are a log's own."""
+    """Minimal parameters that differ from log to log."""
     own = set(model.axis.log_parameters)
     return tuple(p.name for p in model.minimal.parameters if p.function.names & own)
 
@@ -201,7 +201,7 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
             shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key
         )
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
-        # What jumps elsewhere, such as a stiffness at the edge of a gap, is no matter of standstill.
+        # Jumps elsewhere, such as a stiffness at the edge of a gap, do not depend on standstill.
         arguments = [a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols - constants, 0))]
         by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
     return tuple(by_equation), tuple(velocities)
@@ -231,7 +231,7 @@ def _coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> t
     """Coulomb friction that acts on the bodies as the drive does, where an equation lacks its derivatives.
 
     The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated. Each is
-    told by the row of its velocity and the index of its minimal parameter.
+    given by the row of its velocity and the index of its minimal parameter.
     """
     if not any(equation.dropped for equation in model.minimal.source.equations):
         return ()

@@ -47,7 +47,7 @@ def module_name(axis: str, measured: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class GeneratedFile:
-    """A module as it should be, and as it is."""
+    """Required and present text of a generated module."""
 
     path: Path
     wanted: str | None
@@ -55,11 +55,11 @@ class GeneratedFile:
 
     @property
     def is_current(self) -> bool:
-        """Whether the file holds what it should."""
+        """Whether the file holds the required text."""
         return self.wanted == self.found
 
     def diff(self) -> str:
-        """Unified diff from what is there to what should be."""
+        """Unified diff from the present to the required text."""
         before, after = (text.splitlines(keepends=True) if text else [] for text in (self.found, self.wanted))
         return "".join(
             difflib.unified_diff(before, after, f"{self.path.name} (found)", f"{self.path.name} (wanted)")
@@ -67,12 +67,12 @@ class GeneratedFile:
 
 
 def planned_file(path: Path, text: str | None) -> GeneratedFile:
-    """A wanted text beside what the file holds now."""
+    """Required text together with the present text of the file."""
     return GeneratedFile(path, text, _text(path) if path.is_file() else None)
 
 
 def _text(path: Path) -> str:
-    """Text of a module; bytes that are no text only make it a damaged one."""
+    """Text of a module; bytes that cannot be decoded mark it as damaged."""
     return path.read_text(encoding="utf-8", errors="replace")
 
 
@@ -116,7 +116,7 @@ def write(files: Sequence[GeneratedFile]) -> None:
 
 
 def _remove(file: GeneratedFile) -> None:
-    """Remove a generated module; what else bears such a name is kept beside, as somebody may have written it."""
+    """Remove a generated module; a file of that name that symid did not generate is kept under another name."""
     if file.found and _HEADER not in file.found:
         file.path.replace(free_name(file.path, ".before"))
     else:
@@ -215,7 +215,7 @@ _DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}
 
 
 def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> GeneratedModel:
-    """The generated model of an axis, derived on the spot if it has no module, or an old one, and kept in memory.
+    """The generated model of an axis; without a current module it is derived and kept in memory.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
     Raises
     ------
     SymidError
-        If there is no such axis, or it cannot be derived.
+        If the axis does not exist or cannot be derived.
 
     Examples
     --------
@@ -243,7 +243,7 @@ def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> Generat
     try:
         return load_generated(axis, signals)
     except SymidError:
-        # Only who has no module needs sympy.
+        # sympy is needed only without a module.
         from symid.codegen.generate import derived_text
 
         _DERIVED[declared.signature, declared.name, signals] = derived_text(declared, signals)
@@ -254,7 +254,7 @@ def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
     """Generated model of a derived one; a generated model is returned as it is."""
     if isinstance(model, GeneratedModel):
         return model
-    # Only who holds a derived model has loaded sympy already.
+    # A derived model exists only where sympy is loaded already.
     from symid.codegen.generate import compiled
 
     return compiled(model)

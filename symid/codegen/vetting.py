@@ -1,7 +1,7 @@
 """Generated modules are run only as they were generated: a hash of their text, and no code but arithmetic of arrays.
 
-The hash finds what was edited or damaged. It is no secret: whoever edits a module on purpose can write another. What
-then runs is still arithmetic, as every statement is checked before any is run.
+The hash detects edited or damaged modules. It is not a secret: whoever edits a module on purpose can write a new hash.
+Even then only arithmetic runs, because every statement is checked before any is executed.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def signed(text: str) -> str:
 
 
 def require_vetted(text: str) -> None:
-    """Raise GeneratedModuleError unless a module is as it was generated and nothing but arithmetic."""
+    """Raise GeneratedModuleError unless a module is unchanged and contains only arithmetic."""
     end = _END.search(text)
     if end is None or _hash(text[: end.start()].rstrip()) != end[1]:
         raise GeneratedModuleError("was changed after it was generated")
@@ -72,7 +72,7 @@ def _hash(text: str) -> str:
 
 
 def _fault(statement: ast.stmt) -> int | None:
-    """Line of the first thing in a statement at the top of a module that does not belong there."""
+    """Line of the first part of a top-level statement that a generated module never contains."""
     match statement:
         case ast.Import(names=[ast.alias(name="numpy", asname="np")]):
             return None
@@ -92,7 +92,7 @@ def _fault(statement: ast.stmt) -> int | None:
 
 
 def _fault_within(statement: ast.AST, own: Set[str] = frozenset()) -> int | None:
-    """Line of the first node in a statement that is no arithmetic; `own` are the names of its function."""
+    """Line of the first node in a statement that is not arithmetic; `own` are the names of its function."""
     if not isinstance(statement, (ast.Assign, ast.Return, ast.Expr, ast.Constant)):
         return int(getattr(statement, "lineno", 0))
     for node in ast.walk(statement):
@@ -110,7 +110,7 @@ def _is_arithmetic(node: ast.AST) -> bool:
         case ast.Call(func=ast.Name(id=name)):
             return name in _FUNCTIONS
         case ast.Call(func=ast.Attribute()):
-            return True  # the attribute is looked at by itself
+            return True  # the attribute node is checked separately
         case ast.Call():
             return False
         case ast.Attribute(value=ast.Name(id="np"), attr=name):

@@ -15,7 +15,7 @@ _LARGEST: Final = 1e15  # in SI: beyond it a number is damaged
 _SMALLEST: Final = 1e-30
 _NEAR: Final = 20  # samples on either side with which a step is compared
 _JUMP_RATIO: Final = 30.0
-_JUMP_STEPS: Final = 20.0  # of the finest step: quantisation makes no jump
+_JUMP_STEPS: Final = 20.0  # of the finest step: quantisation steps are not jumps
 _JUMP_RANGE: Final = 1e-3  # of the travel
 
 
@@ -82,7 +82,7 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
 
 
 def said_range(name: str, lowest: float, highest: float) -> str | None:
-    """Fault of a channel that never changes, or of which rounding has eaten the digits; None if there is none.
+    """Fault of a channel that is constant, or constant up to rounding; None if there is none.
 
     Examples
     --------
@@ -99,8 +99,8 @@ def said_range(name: str, lowest: float, highest: float) -> str | None:
 def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: int = 0) -> tuple[str, ...]:
     """Faults of positions that jump: rows are missing, the unit changes, a value is wrong, or a counter overflows.
 
-    A jump is a step that differs from both the step before it and the one after it, by far more than any of the steps
-    near it does. A change of speed, as by an impact, is none.
+    A jump is a step that differs from both the step before it and the one after it by far more than the steps
+    nearby do. A change of speed, such as an impact, does not count.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def _jumps(x: FloatArray) -> npt.NDArray[np.intp]:
 
 
 def _stands_out(odd: FloatArray, place: int) -> bool:
-    """Whether a step is far odder than those near it, its direct neighbours left out."""
+    """Whether a step is far larger than those nearby, without its direct neighbours."""
     before, after = odd[max(place - _NEAR, 0) : max(place - 2, 0)], odd[place + 3 : place + 3 + _NEAR]
     return bool(odd[place] > _JUMP_RATIO * max(np.max(before, initial=0.0), np.max(after, initial=0.0)))
 

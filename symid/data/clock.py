@@ -1,4 +1,4 @@
-"""The clock of a log: one sampling period from the written times, and everything that speaks against it."""
+"""The clock of a log: one sampling period from the written times, and their deviations from it."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ MINIMUM_SAMPLES: Final = 25
 _CLOCK_DIFFERENCE: Final = (
     0.002  # relative; the rates of real clocks differ by 0.0001, changed settings by more
 )
-_LARGEST_TIME: Final = 1e12  # s, 30 000 years: beyond it a number is damaged
+_LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
 _JITTER: Final = 0.01  # of the period, rms: the largest accepted deviation of an interval from it
 _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
 
 
 @dataclass(frozen=True)
 class Clock:
-    """What the written times say.
+    """Clock found in the written times.
 
     Parameters
     ----------
@@ -60,8 +60,8 @@ def inspect_clock(
 ) -> Clock:
     """Find the sampling period and the faults of the times of a log.
 
-    The digits with which times were written are allowed for: 1.5 ms written with three decimals, or 32 bit
-    numbers, are no jitter.
+    The rounding of the written times is allowed for: 1.5 ms written with three decimals, or 32 bit numbers, do
+    not count as jitter.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def _changed(time: FloatArray, rate: _Rate, before: int) -> list[str]:
 
 
 def _lateness(intervals: FloatArray, rate: _Rate, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """How far each interval lies outside what rounding of the times explains, and which ones are gaps."""
+    """Deviation of each interval beyond the rounding of the times, and which intervals are gaps."""
     late = np.empty_like(intervals)
     wide = np.empty(intervals.size, dtype=np.bool_)
     change = intervals.size if rate.change is None else rate.change
@@ -312,7 +312,7 @@ def _slope(time: FloatArray) -> float:
 
 
 def _rounded(period: float) -> float:
-    """Period, or frequency, of the fewest digits within one part in a million: no clock is better."""
+    """Period, or frequency, of the fewest digits within one part in a million, the accuracy of good clocks."""
     for digits in range(1, 8):
         for candidate in (float(f"{period:.{digits - 1}e}"), 1.0 / float(f"{1.0 / period:.{digits - 1}e}")):
             if abs(candidate - period) <= 1e-6 * period:

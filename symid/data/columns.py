@@ -31,12 +31,12 @@ class Source:
 
 @dataclass(frozen=True)
 class Assignment:
-    """What the user says about the columns of a file, and what the axis declares.
+    """Assignment of columns by the user and the axis.
 
     Parameters
     ----------
     headers : tuple of str
-        Of the file.
+        Headers of the file.
     expected, alternatives, columns, units, gains
         As in `read_log`.
     """

@@ -47,7 +47,7 @@ def open_laid_out(path: Path, layout: Layout) -> Table:
 
 
 def open_text(path: Path, text: bytes, layout: Layout | None = None) -> Table:
-    """Table in the text of a file that was something else; its layout is guessed if none is given.
+    """Table in text extracted from another file; its layout is guessed if none is given.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def _fields(line: str, separator: str) -> list[str]:
         return next(csv.reader([line], delimiter=separator), [])
     except csv.Error as error:
         raise LogError(
-            f"a line is no text with separators ({error}): save the log as CSV in UTF-8"
+            f"a line is not text with separators ({error}): save the log as CSV in UTF-8"
         ) from error
 
 
@@ -149,7 +149,7 @@ def _scan_csv(
 def _read_csv_as_text(
     path: Path, separator: str, width: int, positions: Sequence[int]
 ) -> list[FloatArray | str]:
-    """Slow way, for files in which something is no number: find out which value in which row."""
+    """Read a file value by value to find the first value that is not a number."""
     try:
         frame = _scan_csv(path, separator, width, positions, pl.String())
     except POLARS_FAILURES as error:
@@ -197,7 +197,7 @@ def _values_of_text(texts: pl.Series, separator: str, before: int = 0) -> FloatA
 
 @dataclass(frozen=True)
 class _Lines:
-    """Where the rows of a CSV file are.
+    """Positions of the rows of a CSV file.
 
     Parameters
     ----------

@@ -138,7 +138,7 @@ def _low_pass(order: int, cutoff_hz: float, sampling_frequency: float) -> ZeroPh
 
 
 def _squared_butterworth(ratio: FloatArray, order: int) -> FloatArray:
-    with np.errstate(over="ignore"):  # far above the cutoff the power may leave the range: the gain is then 0
+    with np.errstate(over="ignore"):  # far above the cutoff the power may overflow: the gain is then 0
         return np.asarray(1.0 / (1.0 + np.abs(ratio) ** (2 * order)))[()]
 
 
@@ -155,7 +155,7 @@ def central_difference(
         Time between two samples, s.
     order : int
         Order of accuracy, an even number: 2 is the paper's difference of the two neighbours. A higher one takes more
-        neighbours on either side, half as many as its number; near the ends it falls to what is there.
+        neighbours on either side, half as many as its number; near the ends the order is reduced.
     out : array of the shape of `x`, optional
         Where to write the result; it must not share memory with `x`.
 
@@ -339,7 +339,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
     x : array_like of shape (..., n_samples)
         Signal, or one signal a row.
     factor : int
-        How many samples become one; 1 returns the signal unchanged.
+        Samples per kept sample; 1 returns the signal unchanged.
     workers : int
         Threads that share the signal.
 

@@ -1,4 +1,4 @@
-"""What the columns of a foreign log seem to be: their quantity, unit and part, each with the reason for the guess."""
+"""Guesses about the columns of a foreign log: quantity, unit and part, each with its reason."""
 
 from __future__ import annotations
 
@@ -55,20 +55,20 @@ _LONGEST_STROKE: Final = 10.0
 
 @dataclass(frozen=True)
 class ForeignColumn:
-    """A column and what it seems to be.
+    """A column with its guessed meaning.
 
     Parameters
     ----------
     header : str
         As written in the file.
     quantity : str or None
-        What it seems to measure; None where nothing tells.
+        Guessed quantity; None without evidence.
     unit : str or None
         Unit that `to_si` reads; None where none is known.
     setpoint : bool
         Whether it seems to be commanded, not measured.
     reason : str
-        Why.
+        Reason for the guess.
     stated : bool
         Whether the unit stands in the file; otherwise it is guessed, or unknown.
     """
@@ -87,7 +87,7 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     Parameters
     ----------
     table : Table
-        Of the file.
+        Table in the file.
     """
     require_room(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
@@ -116,7 +116,7 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
         return _without_unit(header, by_name, word, setpoint, values, written)
     if written is None and not setpoint and _rises_evenly(values):
         return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
-    why = f"its unit {written!r} is not known" if written else "neither name nor unit tells"
+    why = f"its unit {written!r} is not known" if written else "neither name nor unit identifies it"
     return ForeignColumn(header, None, None, setpoint, why, False)
 
 
@@ -162,7 +162,7 @@ def _measured_in(written: str | None) -> tuple[Quantity | None, str | None]:
 def _without_unit(
     header: str, quantity: Quantity, word: str, setpoint: bool, values: FloatArray, written: str | None
 ) -> ForeignColumn:
-    """A column that its name tells; its unit is guessed from its values where they tell."""
+    """A column identified by its name; its unit is guessed from its values where possible."""
     said = f"{word!r} in its name" if word in header else f"it {word}"
     if quantity == "time":
         step = float(np.median(np.diff(values))) if values.size > 1 else 0.0
@@ -175,5 +175,5 @@ def _without_unit(
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
         reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres"
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
-    lacking = f"{written!r} is no unit" if written else "no unit"
+    lacking = f"{written!r} is not a unit" if written else "no unit"
     return ForeignColumn(header, quantity, None, setpoint, f"{said}; {lacking}, so SI is assumed", False)

@@ -24,9 +24,9 @@ Frame: TypeAlias = "IntoDataFrame | Mapping[str, npt.ArrayLike]"
 """A data frame of pandas, polars, pyarrow or another library that narwhals knows, or columns by name."""
 
 SOURCE: Final = Path("frame")
-"""What a frame is called in messages and results."""
+"""Name of a frame in messages and results."""
 _CONTEXTS: Final = tuple(map(Unit.of, ("rad", "rad/s", "rad/s^2", "m/s^2")))
-"""Signals in which a unit may mean something else than by itself."""
+"""Signals whose quantity changes the meaning of some units."""
 
 
 def table_of(frame: Frame) -> Table:
@@ -40,7 +40,7 @@ def table_of(frame: Frame) -> Table:
     Raises
     ------
     LogError
-        If it is no frame, or its columns differ in length.
+        If it is not a frame, or its columns differ in length.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def table_of(frame: Frame) -> Table:
 
 
 class Uniform(NamedTuple):
-    """Signals of a frame on a uniform clock, SI, and what looked odd."""
+    """Signals of a frame on a uniform clock, SI, and notes on irregularities."""
 
     signals: dict[str, FloatArray]
     start: float
@@ -113,7 +113,7 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
         native = nw.from_native(given, eager_only=True)
     except TypeError as error:
         raise LogError(
-            f"{type(frame).__name__} is no log: give a Log, the path of a file, a data frame of pandas, polars or "
+            f"{type(frame).__name__} is not a log: give a Log, the path of a file, a data frame of pandas, polars or "
             "pyarrow, or columns by name"
         ) from error
     return {str(name): native[name] for name in native.columns}

@@ -32,9 +32,9 @@ class Layout:
     Parameters
     ----------
     encoding : str
-        Of its text.
+        Encoding of its text.
     separator : str
-        Between fields.
+        Separator of fields.
     decimal : str
         Decimal mark, a point or a comma.
     above : int
@@ -60,9 +60,7 @@ class Layout:
                 "negative numbers"
             )
         try:
-            known = isinstance(
-                "".encode(self.encoding), bytes
-            )  # hex, zlib and rot13 are no encodings of text
+            known = isinstance("".encode(self.encoding), bytes)  # hex, zlib and rot13 are not text encodings
         except (LookupError, ValueError, TypeError) as error:
             raise LogError(f"encoding {self.encoding!r} is not known: write for example utf-8") from error
         if not known or self.separator in '\r\n\0"' or self.separator == self.decimal:

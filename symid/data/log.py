@@ -33,12 +33,12 @@ class Log(Shown):
     signals : Mapping of str to array of shape (n_samples,)
         Values of each signal, SI, 64 bit. The record keeps read-only views and makes no copy.
     notes : tuple of str
-        What looked odd in the data but does not forbid its use; each names the channel and the time.
+        Irregularities of the data that do not prevent its use; each names the channel and the time.
 
     Raises
     ------
     LogError
-        If there is no signal, a signal is no vector, lengths differ, or the sampling period is not positive.
+        If there is no signal, a signal is not a vector, lengths differ, or the sampling period is not positive.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class Log(Shown):
 
     @property
     def headline(self) -> str:
-        """Its signals, their number of samples and their rate."""
+        """Summary: signals, number of samples and rate."""
         rate = f"{self.n_samples} samples at {self.sampling_frequency:g} Hz"
         return f"{self.source}: {', '.join(self.signals)}, {rate}"
 
@@ -241,6 +241,6 @@ def check_window(source: str, start_index: int, stop_index: int, n_samples: int)
     """LogError unless samples `start_index` to before `stop_index` are a part of a log of `n_samples`."""
     if not 0 <= start_index < stop_index <= n_samples:
         raise LogError(
-            f"{source}: samples {start_index} to {stop_index} are no part of the log: "
+            f"{source}: samples {start_index} to {stop_index} are not part of the log: "
             f"choose 0 <= start < stop <= {n_samples}"
         )

@@ -11,7 +11,7 @@ from symid.data.log import Log, check_window
 from symid.errors import SettingError
 
 BLOCK: Final = 524_288
-"""Samples of a block, unless told: its rows and what it takes to make them stay within some 100 MB."""
+"""Default samples per block: its rows and their computation stay within about 100 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class LongLog:
 
 
 AnyLog: TypeAlias = Log | LongLog
-"""What is identified: it has windows, which are logs in memory."""
+"""A log that can be identified: its windows are logs in memory."""
 
 
 def spans(n_samples: int, size: int) -> Iterator[tuple[int, int]]:

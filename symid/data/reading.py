@@ -71,13 +71,13 @@ def read_log(
     Returns
     -------
     Log
-        The signals found, with ``reference`` if the file has it. Its notes tell what looks odd.
+        The signals found, with ``reference`` if the file has it. Its notes list irregularities.
 
     Raises
     ------
     LogError
         In one line: the file is unreadable, a named column is missing, no signal is there, a unit does not
-        fit, a value is no number, the clock is not uniform, a signal is constant.
+        fit, a value is not a number, the clock is not uniform, a signal is constant.
     """
     file, table = opened(path, layout, sampling_period)
     given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
@@ -87,7 +87,7 @@ def read_log(
 
 
 def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> frozenset[str]:
-    """Names of the columns of a file, with and without their units; LogError if it is no log.
+    """Names of the columns of a file, with and without their units; LogError if it is not a log.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def opened(
     sampling_period: float | None,
     memory: int | None = None,
 ) -> tuple[Path, Table]:
-    """What a log is called and its table: that of a file, or a frame; parameters and errors as those of `open_log`."""
+    """Name and table of a log in a file or a frame; parameters and errors as those of `open_log`."""
     if isinstance(path, (str, os.PathLike)):
         return Path(path), opened_table(Path(path), layout, sampling_period, memory)
     table = table_of(path)

@@ -1,6 +1,6 @@
 """Logs that are longer than memory: one pass checks them, windows of them are read when they are needed.
 
-The pass reads all columns block by block and finds what `read_log` finds: values that are no finite numbers, a clock
+The pass reads all columns block by block and finds what `read_log` finds: values that are not finite numbers, a clock
 that is not uniform (in each block, and between them), channels that never change. It ends at the first block with a
 fault. Stuck and clipped spans, which are notes only, are looked for in evenly spread windows.
 """
@@ -30,12 +30,12 @@ from symid.errors import LogError
 from symid.units import Unit
 
 MEMORY: Final = 1_000_000_000
-"""Bytes that a log and the rows made of it may take, unless told."""
+"""Default memory for a log and its rows, bytes."""
 
 _BYTES_OF_A_SAMPLE: Final = 160
-"""What identification in memory takes: columns as read and filtered, some ten columns of W."""
+"""Bytes per sample of identification in memory: columns as read and filtered, about ten columns of W."""
 _BYTES_OF_A_ROW: Final = 4
-"""What a row takes in a file at least."""
+"""Least bytes of a row in a file."""
 _WINDOWS: Final = 8
 _WINDOW: Final = 131_072
 
@@ -107,7 +107,7 @@ class _Scan:
     block: int
 
     def log(self) -> LongLog:
-        """The log, checked."""
+        """The log, after its check in one pass."""
         clock = self._clock()
         if clock.faults:
             raise LogError("; ".join(clock.faults))

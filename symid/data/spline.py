@@ -40,7 +40,7 @@ class QuinticSpline:
 
     @staticmethod
     def reach(samples: float) -> int:
-        """Samples on either side on which a value that is moved by so many samples depends, to rounding."""
+        """Samples on either side that influence a value shifted by the given number of samples, to rounding."""
         return 2 * _BEYOND + math.ceil(abs(samples)) + _REACH + 1
 
     def earlier(self, samples: float) -> FloatArray:

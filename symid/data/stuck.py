@@ -22,7 +22,7 @@ _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called st
 _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be called clipped
 _USUAL_RUNS: Final = 10  # times the median run: coarse encoders and slow controllers repeat values by nature
 _TRAVEL: Final = 0.05  # of its whole range, by which another position moves in a span that is not at rest
-_CLIPPED_SHARE: Final = 0.001  # of all samples, below which a clipped force is not worth a note
+_CLIPPED_SHARE: Final = 0.001  # of all samples: the least for a note on a clipped force
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class _Runs:
         return cls(start, np.diff(start, append=x.size))
 
     def longer(self, samples: float) -> _Runs:
-        """Runs of at least so many samples."""
+        """Runs of at least a number of samples."""
         keep = self.length >= samples
         return _Runs(self.start[keep], self.length[keep])
 
@@ -115,7 +115,7 @@ def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
     """Runs that a position enters and leaves at speed: it did not come to rest, its range ended."""
     if not runs.start.size:
         return runs
-    # Over several changes of value: an encoder's single count is no speed, and the step into a run is cut short.
+    # Over several changes of value: a single encoder count is not a speed, and the step into a run is truncated.
     span = 2 + 2 * int(np.ceil(np.median(_Runs.of(x).length)))
     moved = np.abs(x[span:] - x[:-span])
     if not moved.size:

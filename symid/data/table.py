@@ -1,4 +1,4 @@
-"""What a file is read as: named columns, as a whole or in slices of rows."""
+"""Tables of named columns, read as a whole or in slices of rows."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from symid.arrays import FloatArray
 from symid.errors import LogError
 
 POLARS_FAILURES: Final = (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, ValueError)
-"""What polars raises for a file that it cannot read."""
+"""Exceptions of polars for a file that it cannot read."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Table:
     n_rows : int, optional
         Rows that the file says it has, whatever its size; None where it does not say.
     clocks : mapping of int to int
-        Position of the column of the times of a column, where columns have clocks of their own.
+        Position of the column of the times of each column, where columns have separate clocks.
     """
 
     headers: tuple[str, ...]
@@ -74,7 +74,7 @@ def said_of(file: Path) -> Iterator[None]:
 
 
 def source_of(path: Path) -> Path | io.BytesIO:
-    """What polars reads a file from: its bytes if its name is not UTF-8, which polars does not open."""
+    """Source that polars reads: the bytes of a file if its name is not UTF-8, which polars cannot open."""
     try:
         str(path).encode("utf-8")
     except UnicodeEncodeError:

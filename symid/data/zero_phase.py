@@ -1,7 +1,7 @@
 """Recursive filters run forward and backward, over pieces of a signal that several threads share.
 
 A recursive filter forgets: after `reach` samples nothing that a number can hold is left of the state it started
-from. A piece of a signal, filtered together with so many samples on either side, is therefore what filtering the
+from. A piece of a signal, filtered together with that many samples on either side, therefore equals what filtering the
 whole signal gives, to rounding. Pieces stay in the cache, need no memory of the size of the signal, and can be
 computed by several threads at a time.
 """
@@ -22,7 +22,7 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
-_MOST_REACH: Final = 16  # a piece is so many times as long as what is computed for it on either side
+_MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
@@ -93,7 +93,7 @@ class ZeroPhaseFilter:
 
     @cached_property
     def constant_gain(self) -> float:
-        """What both passes make of a constant 1."""
+        """Gain of both passes for a constant."""
         return float(np.prod(self.sections[:, :3].sum(axis=1) / self.sections[:, 3:].sum(axis=1))) ** 2
 
     @cached_property
@@ -106,7 +106,7 @@ class ZeroPhaseFilter:
             ) from error
 
     def apply(self, x: FloatArray) -> FloatArray:
-        """The filtered vector."""
+        """Vector, filtered forward and backward."""
         if x[0] == x[-1] == x[x.size // 2] and bool(np.all(x == x[0])):
             return np.full(x.size, x[0] * self.constant_gain)
         before = 2.0 * x[0] - x[self.padding : 0 : -1]

@@ -27,7 +27,7 @@ _PART = 8192
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What a simulation leaves.
+    """Result of a simulation.
 
     Parameters
     ----------
@@ -77,13 +77,13 @@ def simulate(
     frequency_hz : float, optional
         Rate of the recorded log, of which the controller's rate must be a multiple; the controller's rate by default.
     seed : int
-        Of the noise that the signals of the axis declare.
+        Seed of the noise that the signals of the axis declare.
     steps : int
         Steps of the engine in one controller sample; only laws that vary with speed or displacement need more than one.
     start : array of shape (2 n,), optional
         Displacements and velocities of the free bodies at the first sample; at rest at zero by default.
     progress : callable, optional
-        Passes on the numbers of the samples at which parts of the simulation begin, and may show how far it is.
+        Receives the indices at which blocks of the simulation begin and yields them, to show progress.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def simulate(
 
 
 def _state(start: FloatArray, n_bodies: int) -> FloatArray:
-    """A state to begin with, checked."""
+    """The initial state, checked."""
     state = np.asarray(start, dtype=np.float64)
     if state.shape != (2 * n_bodies,) or not np.isfinite(state).all():
         raise SettingError(
@@ -162,7 +162,7 @@ def _ratio(period: float, frequency_hz: float | None) -> int:
     ratio = 1.0 if frequency_hz is None else 1.0 / (period * frequency_hz)
     if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-9):
         raise SettingError(
-            f"the controller's rate of {1 / period:g} Hz is no multiple of the recorded {frequency_hz:g} Hz: "
+            f"the controller's rate of {1 / period:g} Hz is not a multiple of the recorded {frequency_hz:g} Hz: "
             "choose rates that divide"
         )
     return round(ratio)

@@ -1,6 +1,6 @@
 """Controllers: from a reference and measured motion to a drive force, sample by sample.
 
-A controller of a user's own is a class derived from `Controller`.
+Users define a controller as a class derived from `Controller`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symid.simulation.plant import Plant
 
 @dataclass(frozen=True)
 class Command:
-    """What a controller is asked for at one sample.
+    """Command to a controller at one sample.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ class LinearLaw:
     C : array of shape (n_state,)
     D : array of shape (3 + n_signals,)
     limit : float
-        The matrices hold for samples at which the force that they give is no larger.
+        Largest force for which the matrices are valid.
     given : array of shape (n,)
-        Force by sample that depends on nothing; the last one is kept beyond the end. Empty: none.
+        Given force by sample, added to that of the matrices; the last one is kept beyond the end. Empty: none.
     """
 
     A: FloatArray
@@ -63,7 +63,7 @@ class LinearLaw:
 
 
 class Controller(ABC):
-    """Law of a sampled controller; what it has to remember stands in a state that it gets and returns."""
+    """Law of a sampled controller; its memory is a state that it receives and returns."""
 
     @abstractmethod
     def force(
@@ -114,7 +114,7 @@ class OpenLoop(Controller):
         return float(self.forces[min(command.index, len(self.forces) - 1)]), state
 
     def linear(self, period: float) -> LinearLaw:
-        """Nothing but the given force."""
+        """The law with the given force alone."""
         none = np.zeros((0, 0))
         return LinearLaw(
             none, np.zeros((0, 3)), np.zeros(0), np.zeros(3), given=np.asarray(self.forces, float)
@@ -232,7 +232,7 @@ def tuned_cascade(
         If the signal is not that of a position sensor.
     """
     if signal not in plant.sensors or plant.sensors[signal][1] != 0:
-        raise SettingError(f"{signal!r} is no position sensor of this axis: a cascade controls a position")
+        raise SettingError(f"{signal!r} is not a position sensor of this axis: a cascade controls a position")
     row, _ = plant.sensors[signal]
     angular = 2 * math.pi * bandwidth_hz
     s = 1j * angular / 100

@@ -29,11 +29,11 @@ class ThroughDrive(Controller):
     Parameters
     ----------
     inner : Controller
-        What sends the force.
+        Controller that commands the force.
     drive : sequence of DriveImperfection
-        Of the axis.
+        Imperfections of the drive of the axis.
     sent : array of shape (n_samples,)
-        Where the force that was sent is written down.
+        Receives the commanded force.
 
     Examples
     --------
@@ -66,7 +66,7 @@ class ThroughDrive(Controller):
 
     @property
     def signals(self) -> tuple[str, ...]:
-        """Those of the controller."""
+        """Signals that the controller reads."""
         return self.inner.signals
 
     @property
@@ -102,6 +102,6 @@ class ThroughDrive(Controller):
         return force
 
     def _settled(self, force: float, period: float) -> list[float]:
-        """State of lags and delay that have seen nothing but a force."""
+        """State of lags and delay after a constant force."""
         past = math.floor(self.delay / period + 1e-9) + 2 if self.delay else 0
         return [force] * (len(self.lags) + past)

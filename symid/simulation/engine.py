@@ -22,10 +22,10 @@ from symid.simulation.mode import Mode, Modes
 from symid.simulation.plant import Plant
 
 _MOST_EVENTS = 100
-"""Events in one step, after which the rest of the step is made without further ones (Zeno's chattering)."""
+"""Most events in one step; the rest of the step ignores further ones (Zeno behaviour)."""
 _POWERS = np.arange(ORDER)
 _MOST_TRIALS, _SHARP = 100, 2.3e-16
-"""Newton's steps to an event, and the change, relative to the step, at which they end."""
+"""Most Newton steps to an event, and the change, relative to the step, at which they end."""
 
 
 @dataclass(eq=False)
@@ -63,6 +63,7 @@ class Engine:
         """Advance by a duration under a constant drive force."""
         if self._advance_smoothly(drive_force, duration):
             return
+        # Joints that stuck at the last event may break loose under the new force before any time passes.
         drive = self.plant.drive * drive_force
         self._release(drive)
         left, events = duration, 0
@@ -99,7 +100,7 @@ class Engine:
         self.mode = self._modes.of((*signs[:joint], sign, *signs[joint + 1 :]))
 
     def _release(self, drive: FloatArray) -> None:
-        """Let joints go that their laws cannot hold, one after the other, the worst first."""
+        """Release joints that their laws cannot hold, one after the other, the worst first."""
         while stuck := self.mode.flow.stuck:
             excess = self._excess(self.state, drive + self.mode.force(self.state))
             worst = max(range(len(stuck)), key=lambda i: abs(excess[i]))
@@ -108,7 +109,7 @@ class Engine:
             self._set_sign(stuck[worst], math.copysign(1.0, excess[worst]))
 
     def _excess(self, state: FloatArray, force: FloatArray) -> list[float]:
-        """By how much the force on each stuck joint leaves the range that its law can hold; 0 inside."""
+        """Force on each stuck joint beyond the range that its law can hold; 0 inside."""
         if not self.mode.flow.stuck:
             return []
         needed, limits = self.mode.flow.holding_forces(state, force), self.mode.limits(state)
@@ -116,7 +117,10 @@ class Engine:
         return [max(held - high, 0.0) + min(held - low, 0.0) for held, (low, high) in pairs]
 
     def _until_event(self, drive: FloatArray, duration: float) -> tuple[float, bool]:
-        """Advance to the next event, at most by a duration; the time that was made, and whether there was one."""
+        """Advance to the next event, at most by a duration; the time made and whether there was one."""
+        # Within a mode the motion is a Taylor series in time. A sliding joint's speed and a stuck joint's margin are
+        # linear in the state, so each event is the first zero of a polynomial. It is sought only if the sign at the
+        # end of the step shows that it was passed; the state at the earliest zero then begins the next mode.
         mode, start = self.mode, self.state
         made = min(duration, mode.flow.reach)
         force = drive + mode.force(start)
@@ -145,7 +149,7 @@ class Engine:
         return time * mode.flow.reach, True
 
     def _margin(self, mode: Mode, i: int, sign: float, series: FloatArray, force: FloatArray) -> FloatArray:
-        """Series of what is left to the limit of a stuck joint's force, on the side to which it leaves."""
+        """Series of the margin between a stuck joint's force and its limit, on the side of the excess."""
         row = mode.flow.holding_rows[i]
         margin = -sign * (series @ row[: series.shape[1]])
         limit = mode.limits(series[0])[i, 1 if sign > 0 else 0]
@@ -168,6 +172,7 @@ def _first_zero(series: FloatArray, end: float) -> float:
     coefficients = series[::-1].tolist()
     if coefficients[-1] <= 0:
         return 0.0
+    # Newton's method from the end; a step that leaves the bracket [low, high] of the zero is replaced by bisection.
     low, high, time = 0.0, end, end
     for _ in range(_MOST_TRIALS):
         value = slope = 0.0

@@ -55,7 +55,7 @@ def chirp(
     sampling_period : float
         Time between two samples, s.
     quantity : {"position", "velocity", "acceleration"}
-        What the amplitude is that of.
+        Quantity of which `amplitude` is the amplitude.
     sweep : {"linear", "logarithmic"}
         Whether equal times pass equal differences or equal ratios of frequency.
     fade : float, optional
@@ -201,7 +201,7 @@ def from_log(log: Log, signal: str = REFERENCE, *, limits: Limits | None = None)
     Parameters
     ----------
     log : Log
-        Where it is read from.
+        Log with the commanded position.
     signal : str
         Name of the signal that holds the commanded position, m or rad.
     limits : Limits, optional

@@ -1,6 +1,6 @@
 """The forward dynamics of an axis: from its declaration to the matrices and laws of a `Plant`.
 
-All of it comes from the same balances and expressions as the regressors.
+It uses the same balances and expressions as the regressors.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from symid.symbolic.operators import OperatorModel, operator_model
 
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32
-"""Declarations whose forward dynamics are kept."""
+"""Number of declarations whose forward dynamics are cached."""
 
 
 def plant_of(axis: Axis, parameters: Mapping[str, float]) -> Plant:
@@ -176,7 +176,7 @@ class Polynomial:
     terms: tuple[tuple[float, tuple[int, ...]], ...]
 
     def at(self, values: FloatArray) -> float:
-        """Its value."""
+        """Value at parameter values."""
         return float(
             sum(c * prod(x**p for x, p in zip(values, powers, strict=True) if p) for c, powers in self.terms)
         )

@@ -34,7 +34,7 @@ _FINE, _MOST_STEPS = 0.5, 50
 
 @dataclass(eq=False)
 class Moment:
-    """What laws depend on beside the motion: the middle of the present sample, and what came before.
+    """State on which laws depend besides the motion: time, load and memories.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Moment:
     memories: list[tuple[FloatArray, Dahl]] = field(default_factory=list)
 
     def begin(self, displacements: FloatArray) -> None:
-        """Begin a run at displacements, with nothing remembered."""
+        """Begin a run at displacements, with empty memories."""
         for direction, memory in self.memories:
             memory.place, memory.state = float(direction @ displacements), 0.0
 
@@ -70,7 +70,7 @@ class Dahl:
     reach : float
         Displacement, m or rad.
     place, state : float
-        Displacement at which it was last remembered, and z there.
+        Displacement of the last update, and z there.
 
     Examples
     --------
@@ -86,7 +86,7 @@ class Dahl:
     state: float = 0.0
 
     def at(self, q: float) -> float:
-        """z at a displacement."""
+        """State z of the friction at a displacement."""
         side = 1.0 if q >= self.place else -1.0
         return side - (side - self.state) * math.exp(-abs(q - self.place) / self.reach)
 
@@ -120,7 +120,7 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
 
 
 def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | None:
-    """What a sensor's ripple makes of exact readings; None if it has none."""
+    """Function that adds a sensor's ripple to exact readings; None without ripple."""
     ripples = [e for e in axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
     if not ripples:
         return None

@@ -1,4 +1,4 @@
-"""What an axis allows a commanded motion to do, and what to change where it does more."""
+"""Limits of a commanded motion, and messages with the change that meets them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ROUNDING: Final = 1e-9  # share of a limit by which rounding may exceed it
 
 @dataclass(frozen=True)
 class Extremes:
-    """What a trajectory demands of an axis: its range and its greatest magnitudes, SI.
+    """Range and greatest magnitudes of a trajectory, SI.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Extremes:
 
 @dataclass(frozen=True)
 class Limits:
-    """Travel, speed, acceleration and jerk that an axis allows, SI. Infinity is no limit.
+    """Travel, speed, acceleration and jerk that an axis allows, SI. Infinity means no limit.
 
     Parameters
     ----------
@@ -90,10 +90,10 @@ amplitude by at most 0.6666
         name : str
             What the trajectory is called in the message.
         demand : Extremes
-            What it demands.
+            Its range and greatest magnitudes.
         scaled : bool
-            Whether its size is one amplitude, by which everything is proportional; else each of speed,
-            acceleration and jerk was asked for by itself. This decides what the message advises.
+            Whether one amplitude scales the whole trajectory; otherwise speed, acceleration and jerk were given
+            separately. The advice of the message depends on it.
 
         Raises
         ------
@@ -135,7 +135,7 @@ amplitude by at most 0.6666
 
 
 def _rounded_down(share: float) -> str:
-    """A share between 0 and 1 with four digits, never more than it is."""
+    """A share between 0 and 1, rounded down to four digits."""
     if share <= 0.0:
         return "0"
     scale = 10.0 ** (3 - math.floor(math.log10(share)))

@@ -17,7 +17,7 @@ from symid.simulation.record import Record
 from symid.simulation.recursion import Recursion
 
 _LARGEST = 16
-"""States beyond which a recursion costs more than it saves, such as those of a long delay."""
+"""Largest number of states for a recursion; with more, such as a long delay, single samples are faster."""
 
 
 class LinearLoop:
@@ -52,7 +52,7 @@ class LinearLoop:
         )
 
     def advance(self, record: Record, k: int, end: int, memory: FloatArray) -> tuple[int, FloatArray]:
-        """Advance from sample k up to `end`; how many samples were made, and the controller's state after them."""
+        """Advance from sample k up to `end`; returns the samples made and the controller's state after them."""
         system, inputs, n = self._system, self._loop.inputs[k:end], record.states.shape[1]
         with np.errstate(all="ignore"):
             states = self._recursion.states(
@@ -81,6 +81,7 @@ class LinearLoop:
         """For each sample, whether its force is that of the linear law and no event happens until the next one."""
         mode, n = self._mode, states.shape[1]
         good = np.abs(forces) <= self._loop.limit
+        # The block ends before the first sample with an event; the engine makes that sample and locates the event.
         for speed in mode.speeds:
             good &= states[1:] @ speed >= 0.0
         for row, (low, high) in zip(mode.flow.holding_rows, mode.limits(states[0]), strict=True):

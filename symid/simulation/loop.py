@@ -1,4 +1,4 @@
-"""An axis and its controller put together: what is the same for all samples of a simulation."""
+"""An axis with its controller: the constants of a simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from symid.simulation.reading import Reader
 from symid.simulation.trajectory import Trajectory
 
 RUNAWAY = 1e100
-"""A drive force beyond this is that of an unstable loop."""
+"""Drive force beyond which the loop counts as unstable."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Loop:
         by_signal = {reader.signal: reader for reader in self.readers}
         if unknown := [signal for signal in self.controller.signals if signal not in by_signal]:
             raise SettingError(
-                f"the controller reads {unknown[0]!r}, which is no sensor of this axis: use {', '.join(by_signal)}"
+                f"the controller reads {unknown[0]!r}, which is not a sensor of this axis: use {', '.join(by_signal)}"
             )
         return tuple(by_signal[signal] for signal in self.controller.signals)
 
@@ -122,5 +122,5 @@ class Loop:
 
 
 def runaway(time: float) -> SettingError:
-    """What is said of an unstable loop."""
+    """Error message of an unstable loop."""
     return SettingError(f"the axis runs away at t = {time:g} s: lower the controller's gains")

@@ -89,7 +89,7 @@ def _pipes(begin: int, readers: Sequence[Reader]) -> tuple[slice, ...]:
 
 
 def _readings(loop: Loop, mode: Mode, pipes: Sequence[slice], size: int) -> FloatArray:
-    """What the controller reads, as rows on z."""
+    """Readings of the controller as rows on z."""
     rows = np.zeros((len(pipes), size))
     for row, reader, pipe in zip(rows, loop.controlled, pipes, strict=True):
         if pipe.stop > pipe.start:

@@ -18,7 +18,7 @@ from symid.simulation.sampling import MOST_SAMPLES, envelope, intervals, positiv
 from symid.simulation.trajectory import Trajectory
 
 Quantity = Literal["position", "velocity", "acceleration"]
-"""What an amplitude is the amplitude of."""
+"""Quantity to which an amplitude refers."""
 
 DERIVATIVE_ORDER: Final[dict[str, int]] = {"position": 0, "velocity": 1, "acceleration": 2}
 _FINEST: Final = 1_000_000  # largest denominator of a frequency in Hz
@@ -31,7 +31,7 @@ class Multisine(Trajectory):
     Parameters
     ----------
     quantity : str
-        What the amplitudes are those of: position, velocity or acceleration.
+        Quantity of the amplitudes: position, velocity or acceleration.
     frequencies, amplitudes, phases : array of shape (n_lines,)
         Lines of the spectrum, Hz; their amplitudes, SI; the phases of their cosines at the beginning of the
         first period with full amplitude, rad.
@@ -111,7 +111,7 @@ def multisine(
     sampling_period : float
         Time between two samples, s.
     quantity : {"position", "velocity", "acceleration"}
-        What the amplitudes are those of.
+        Quantity of the amplitudes.
     periods : int
         Periods with full amplitude.
     seconds : float, optional
@@ -144,7 +144,7 @@ def multisine(
     if seconds is not None:
         periods = max(1, -(-intervals(seconds, sampling_period, "multisine") // period))
     if periods < 1:
-        raise SettingError(f"{periods} periods are no multisine: give 1 or more")
+        raise SettingError(f"{periods} periods make no multisine: give 1 or more")
     n_fade = period if fade is None else intervals(fade, sampling_period, "fade")
     n_steady = periods * period
     intervals((n_steady + 2 * n_fade) * sampling_period, sampling_period, "multisine")
@@ -210,7 +210,7 @@ def _rational(frequency: float) -> Fraction:
     exact = Fraction(frequency).limit_denominator(_FINEST)
     if abs(exact - Fraction(frequency)) > 1e-9 * Fraction(frequency):
         raise SettingError(
-            f"{frequency!r} Hz is no fraction with a denominator up to {_FINEST}, so that a multisine would not "
+            f"{frequency!r} Hz is not a fraction with a denominator up to {_FINEST}, so that a multisine would not "
             "repeat: choose rounder frequencies and sampling period"
         )
     return exact

@@ -16,9 +16,9 @@ from symid.arrays import FloatArray
 LawFunction = Callable[[float, float], float]
 
 JUST_MOVING = 1e-300
-"""A speed with a sign and nothing else: laws are evaluated at it to know their limits at rest."""
+"""Speed just above zero: laws are evaluated at it for their limits at rest."""
 _FELT = 1e-200
-"""A jump at rest: what a law without one makes of `JUST_MOVING` is far less."""
+"""Least force that counts as a jump at rest; a smooth law gives far less at `JUST_MOVING`."""
 _PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0, -1.0)))
 """Displacements at which a law is asked whether it holds: none, and four a decade from 1 um or urad to 10 m or rad."""
 
@@ -34,7 +34,7 @@ class JointLaw:
     terms : tuple of (float, callable)
         Parameter and expression of each law, the latter of displacement and velocity of the joint.
     timed : bool
-        Whether a law depends on more than the motion, so that it is another from sample to sample.
+        Whether a law depends on more than the motion and changes from sample to sample.
     """
 
     direction: FloatArray

@@ -1,4 +1,4 @@
-"""What sensors read: exact values of the motion, aged, noisy and in steps."""
+"""Readings of sensors: the exact motion with delay, noise and resolution."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from symid.simulation.plant import Plant
 from symid.simulation.record import Record
 
 _WHOLE = 1e-9
-"""A delay this close to whole samples, relative to one, is whole."""
+"""Distance from a whole number of samples, relative to one, below which a delay counts as whole."""
 
 
 class Reader:
@@ -36,7 +36,7 @@ class Reader:
     random : Generator
         Source of the noise.
     misread : callable, optional
-        What the sensor makes of exact values.
+        Error that the sensor adds to exact values.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What a simulation writes down as it goes."""
+"""Record of a simulation in progress."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Record:
 
     @classmethod
     def empty(cls, n_samples: int, n_bodies: int, between: Sequence[str]) -> Self:
-        """Record to be filled."""
+        """An empty record for a number of samples."""
         return cls(
             states=np.zeros((n_samples + 1, 2 * n_bodies)),
             accelerations=np.zeros((n_samples + 1, n_bodies)),

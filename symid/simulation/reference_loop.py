@@ -25,7 +25,7 @@ _SLOWEST_HZ = 1000.0
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """What makes the axis follow a reference.
+    """Closed loop in which the axis follows a reference.
 
     Parameters
     ----------
@@ -94,8 +94,8 @@ class ClosedLoop:
     def run(self, parameters: Mapping[str, float], log: Log) -> Log:
         """Log of the simulated axis, with the samples of the given log.
 
-        Its force is held over the controller's period: it acts half of that after its samples, which
-        `held_for` tells.
+        Its force is held over the controller's period: it acts half of that after its samples, as
+        `held_for` states.
 
         Raises
         ------
@@ -135,8 +135,8 @@ class ClosedLoop:
         ratio = self.rate_hz * log.sampling_period
         if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-6):
             raise SettingError(
-                f"the controller's rate of {self.rate_hz:g} Hz is no multiple of the {log.sampling_frequency:g} Hz of "
-                f"{log.source}: give one that is with --rate"
+                f"the controller's rate of {self.rate_hz:g} Hz is not a multiple of the "
+                f"{log.sampling_frequency:g} Hz of {log.source}: give one that is with --rate"
             )
         return round(ratio)
 

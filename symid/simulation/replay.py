@@ -39,7 +39,7 @@ class Replay(Controller):
 
     @property
     def start(self) -> FloatArray:
-        """State of the cascade."""
+        """State of the cascade before the first sample."""
         return self.cascade.start
 
     def force(

@@ -21,15 +21,15 @@ from symid.simulation.record import Record
 from symid.simulation.sample_code import compiled
 
 _SHORTEST, _LONGEST = 128, 4096
-"""Samples of a block: after an event, and at most."""
+"""Samples of a block: after an event, and the maximum."""
 _POOR = 16
-"""Samples that a block must make to be worth its while."""
+"""Fewest samples for which a block is faster than single samples."""
 _MODES = 64
-"""Modes whose matrices and code are kept."""
+"""Number of modes whose matrices and code are cached."""
 
 
 class Run:
-    """A simulation under way.
+    """A simulation in progress.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Run:
     record : Record
         Where the motion is written; its first state is that at the beginning.
     after : Run, optional
-        Goes on where that ended.
+        Run that this one continues.
     """
 
     def __init__(self, loop: Loop, record: Record, after: Run | None = None) -> None:
@@ -119,7 +119,7 @@ class Run:
         return np.array(memory, dtype=float) if self.loop.law else memory
 
     def _write(self, out: FloatArray) -> int:
-        """Write down what the code of a mode has found."""
+        """Write the results of a mode's code to the record."""
         loop, record, size = self.loop, self.record, self._engine.state.size
         width = size + 1 + (size // 2 if loop.is_accelerated else 0) + len(loop.between)
         out = out.reshape(-1, width)

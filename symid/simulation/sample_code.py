@@ -74,7 +74,7 @@ class SampleCode:
         self._values: dict[str, str] = {}
 
     def text(self) -> str:
-        """The whole function."""
+        """Source text of the function."""
         motion = self._motion()
         end = self._names("z")
         noise = [f"e{i}" for i in range(len(self._readings))]
@@ -108,7 +108,7 @@ class SampleCode:
         return self._memory, [f"k{i}" for i in range(len(self._memory))]
 
     def _control(self) -> list[str]:
-        """Readings and force."""
+        """Statements for the readings and the force of the controller."""
         lines = [
             _reading(f"y{i}", f"e{i}", reader.step, f"misread{i}" if reader.misread else "")
             for i, reader in enumerate(self.loop.controlled)
@@ -132,7 +132,7 @@ class SampleCode:
         return lines
 
     def _moment(self) -> list[str]:
-        """What laws depend on beside the motion, and the limits of stuck joints that depend on it."""
+        """Statements that update time, load and memories, and the limits of stuck joints that depend on them."""
         if self.loop.moment is None:
             return []
         lines = ["at(k, u)"]
@@ -205,7 +205,7 @@ class SampleCode:
         return [f"{name} = {self._linear(row, begin, force)}" for name, row in zip(end, rows, strict=True)]
 
     def _linear(self, row: FloatArray, names: Sequence[str], force: str) -> str:
-        """A row on state and forces: that of the drive, the constant ones and those of the varying laws."""
+        """A row on the state and on the forces of drive, constants and varying laws."""
         state, forces, mode = row[: len(names)], row[len(names) :], self.mode
         terms = [*zip(names, state, strict=True), ("u", forces @ mode.plant.drive)]
         terms += [(f"{force}{j}", -forces @ law.direction) for j, (law, _) in enumerate(mode.varying)]

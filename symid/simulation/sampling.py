@@ -1,4 +1,4 @@
-"""What all trajectories share: whole numbers of samples, and envelopes that fade smoothly."""
+"""Sampling of trajectories: whole numbers of samples, and smooth envelopes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def intervals(seconds: float, sampling_period: float, what: str) -> int:
     sampling_period : float
         Time between two samples, s.
     what : str
-        What lasts so long, for messages.
+        Name of the duration in messages.
 
     Raises
     ------

@@ -26,12 +26,12 @@ class Scalar:
 
     @staticmethod
     def sign(x: float) -> float:
-        """1, 0 or -1."""
+        """Sign of a number: 1, 0 or -1."""
         return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
 
     @staticmethod
     def heaviside(x: float, at_zero: float) -> float:
-        """Step from 0 to 1."""
+        """Unit step with a given value at 0."""
         return 1.0 if x > 0.0 else 0.0 if x < 0.0 else at_zero
 
     @staticmethod

@@ -33,14 +33,14 @@ class Trajectory:
     sampling_period : float
         Time between two samples, s.
     name : str
-        What the trajectory is called in messages and logs.
+        Name of the trajectory in messages and logs.
     start : float
         Time of the first sample, s.
 
     Raises
     ------
     SettingError
-        If the arrays are no vectors of one length of finite numbers, or the sampling period is not positive.
+        If the arrays are not finite vectors of equal length, or the sampling period is not positive.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class Trajectory:
 
     @property
     def n_samples(self) -> int:
-        """Number of samples."""
+        """Samples of the trajectory."""
         return self.position.size
 
     @property

@@ -1,7 +1,7 @@
-"""Which solutions of an inverse map have the signs that are declared.
+"""Solutions of an inverse map that have the declared signs.
 
 A quadratic step of the map has two solutions. Masses, stiffnesses and frictions are positive, and one of the two is
-usually not: it is told by evaluating both for parameters as machines have them, drawn over the whole of their range.
+usually not. To decide, both are evaluated for parameters drawn over the whole range of machine axes.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from symid.arrays import FloatArray
 
 _DRAWS = 400
 _RARE = 0.01
-"""Part of the draws below which a second solution with the right signs is no matter of practice."""
+"""Share of the draws below which a second solution with the right signs is irrelevant in practice."""
 _RANGES: Mapping[str, tuple[float, float]] = {
     "kg": (0.0, 3.5),
     "kg*m^2": (-4.0, 1.0),
@@ -25,7 +25,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "N/m": (6.0, 9.0),
     "N*m/rad": (2.0, 5.0),
 }
-"""Powers of ten between which machine axes lie, by unit; 1 to 1000 for others."""
+"""Range of the parameters of machine axes by unit, as powers of ten; 1 to 1000 for other units."""
 
 
 def other_solutions_are_unphysical(
@@ -34,7 +34,7 @@ def other_solutions_are_unphysical(
     units: Mapping[str, str],
     signed: Sequence[str],
 ) -> bool:
-    """Whether hardly any machine has a second solution whose parameters all have the signs that they must have.
+    """Whether hardly any machine has a second solution with all parameters of the required signs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Elimination of the displacements that no sensor sees: equations in measured signals and their derivatives.
+"""Elimination of unmeasured displacements: equations in measured signals and their derivatives.
 
 The balances of the bodies are combined with polynomial multipliers in s = d/dt such that unknown displacements
 vanish and displacements known from a derivative only (an accelerometer) appear in that derivative. The multipliers
@@ -27,9 +27,11 @@ from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, operator_model
 from symid.symbolic.scaling import Scaling, scaling_of
 
-_SEPARATE = "each sensor has an equation of its own: the lower ones that sensors share have too many terms"
+_SEPARATE = (
+    "each sensor has its own equation: the equations of lower order that sensors share have too many terms"
+)
 _MOST_TERMS_WITH_RATIOS = 1000
-"""Beyond so many terms nobody reads a ratio by its name, and numbers are faster."""
+"""Largest number of terms in which ratios keep their names; larger results are computed faster with numbers."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class InputOutputModel:
     source : InverseDynamicModel
         Lagrange's equations.
     operators : OperatorModel
-        The same as operators.
+        The same equations as operators.
     measured : tuple of Sensor
         The sensors used.
     equations : tuple of InputOutputEquation
@@ -58,7 +60,7 @@ class InputOutputModel:
 
 
 def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOutputModel:
-    """Eliminate every displacement that the sensors do not see.
+    """Eliminate every displacement that the sensors do not measure.
 
     Parameters
     ----------
@@ -81,6 +83,8 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     >>> [str(term.expression) for term in io.equations[1].motion]
     ['ddq1_d2', 'q2_d3', 'ddq1_d1', 'ddq1']
     """
+    # Ratios of gears make polynomial arithmetic slow. They are scaled out as units of the coordinates; a ratio in a
+    # loop, where that is impossible, becomes an exact number in the coefficients.
     operators = operator_model(model)
     known = measurement(operators, measured)
     rows, scaling = _rows(operators, known), None
@@ -115,7 +119,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
 def _combined(
     rows: Mapping[str, Row], known: Measurement, powers: Mapping[str, int], operators: OperatorModel
 ) -> tuple[list[EliminationRow], bool]:
-    """Minimal combinations of the balances; where they grow too large, one for each sensor, which is said."""
+    """Minimal combinations of the balances, and False; one for each sensor, and True, where those grow too large."""
     try:
         kernel = left_kernel(rows, known.unknown, operators.ring)
         return _distinct(divisible(kernel, powers), operators), False
@@ -136,7 +140,7 @@ def _combined(
     except TooLargeError as error:
         axis = operators.source.axis.name
         raise EliminationError(
-            f"axis {axis!r}: eliminating {', '.join(known.unknown)} leads to more terms than are of use: "
+            f"axis {axis!r}: eliminating {', '.join(known.unknown)} leads to too many terms: "
             f"add a sensor at one of these bodies"
         ) from error
 
@@ -147,10 +151,10 @@ def _rows(operators: OperatorModel, known: Measurement) -> dict[str, Row]:
 
 
 def _distinct(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[EliminationRow]:
-    """Rows reduced until none holds every signal of another one, or of its derivatives.
+    """Rows reduced until none contains every signal of another one, or of its derivatives.
 
-    Otherwise a multiple of the other could be added to it without a trace, and no data would determine its parameters.
-    A row linear in the physical parameters is never added: they stand in other equations too, and cannot change alone.
+    Otherwise any multiple of the other row could be added without changing the signals, and no data would determine the
+    parameters. A row linear in the physical parameters is never added: it shares its parameters with other equations.
     """
     reduced = list(rows)
     while True:
@@ -165,7 +169,7 @@ def _distinct(rows: Sequence[EliminationRow], operators: OperatorModel) -> list[
 def _reduced_by(
     row: EliminationRow, other: EliminationRow, operators: OperatorModel
 ) -> EliminationRow | None:
-    """The row without its highest signal of the other row, if it holds all signals of that row or of a derivative."""
+    """The row reduced by another whose signals, or their derivatives, it all contains; None if it does not."""
     if other.is_linear:
         return None
     s = operators.ring.gens[0]
@@ -202,10 +206,10 @@ def _has_derivatives(expression: sp.Expr) -> bool:
 def _driven(
     equation: InputOutputEquation, equations: Sequence[InputOutputEquation], operators: OperatorModel
 ) -> InputOutputEquation:
-    """Add an equation that holds the force to one that does not, if both are linear in the physical parameters.
+    """Add an equation that contains the force to one that does not, if both are linear in the physical parameters.
 
-    0 = D X holds for X = 0 too: with noise in D, least squares would shrink the parameters towards it. The sum says
-    the same in common with the other equation. Of those that hold the force, the one that leaves fewest terms is taken.
+    X = 0 also solves 0 = D X: with noise in D, least squares would shrink the parameters towards it. The sum and the
+    other equation together are equivalent. The equation with the force that gives fewest terms is added.
     A balance of forces is multiplied by a ratio of the axis before it is added to one of torques, and vice versa.
     """
     if equation.force or not equation.is_linear:

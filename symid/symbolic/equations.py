@@ -1,7 +1,7 @@
 """Equations in measured signals: their terms, and how rows of operators are written in flat signal names.
 
 The derivative of a jump, such as that of sign(v), is taken as zero, as the paper does below [11]; every equation
-says of which.
+lists these jumps.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ class InputOutputEquation:
     force : mapping of int to PolyElement
         Coefficients of the drive force by order of its derivative; empty if the drive does not enter.
     multipliers : mapping of str to PolyElement
-        What each body's balance was multiplied by.
+        Multiplier of each body's balance.
     dropped : tuple of sympy.Expr
-        Jumps such as ``sign(q2_d1)`` of which the equation lacks a derivative: it does not hold where they jump.
+        Jumps such as ``sign(q2_d1)`` whose derivative the equation lacks: it is invalid where they jump.
     """
 
     motion: tuple[RegressorTerm, ...]
@@ -80,7 +80,7 @@ class InputOutputEquation:
         return InputOutputEquation(motion, force, multipliers, self.dropped)
 
     def plus(self, other: InputOutputEquation) -> InputOutputEquation:
-        """Sum of two equations."""
+        """Sum of this equation and another one."""
         terms = {t.expression: t for t in self.motion}
         for t in other.motion:
             mine = terms.get(t.expression)
@@ -100,7 +100,7 @@ class SignalWriter:
         self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
 
     def equation(self, row: EliminationRow) -> InputOutputEquation:
-        """Equation that a row stands for."""
+        """Equation of a row of operators."""
         force, inputs = driving_terms(row, self.operators)
         terms = [*self._motion_terms(row), *self._law_terms(inputs)]
         forces = {order: -c for order, c in by_power(force).items()}
@@ -220,7 +220,7 @@ class SignalWriter:
         )
 
     def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
-        """What has to be said about the equations written."""
+        """Assumptions made in the equations written so far."""
         jumps = dict.fromkeys(jump for e in equations for jump in e.dropped)
         said = [f"derivatives of {jump} are taken as zero" for jump in jumps]
         written = {symbol for e in equations for term in e.motion for symbol in term.expression.free_symbols}

@@ -36,7 +36,7 @@ _LANGUAGE = {
 }
 _OF_IMPERFECTIONS = {"min": sp.Min, "max": sp.Max}
 FORCE, READING, TIME, MEMORY = (sp.Symbol(name) for name in "Fytz")
-"""What the law of an imperfection depends on beside q and v."""
+"""Symbols on which the law of an imperfection depends besides q and v."""
 
 
 def parameter_symbol(name: str) -> sp.Symbol:
@@ -89,7 +89,7 @@ def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
 
 
 def imperfection_law(element: Imperfection) -> sp.Expr:
-    """What an imperfection does, in q, v, `FORCE`, `READING`, `TIME` and `MEMORY`.
+    """Formula of an imperfection in q, v, `FORCE`, `READING`, `TIME` and `MEMORY`.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def imperfection_law(element: Imperfection) -> sp.Expr:
 
 
 def imperfection_rate(element: Imperfection) -> sp.Expr:
-    """How what it remembers changes, in the same symbols.
+    """Time derivative of its memory, in the same symbols.
 
     Examples
     --------

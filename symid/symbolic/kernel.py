@@ -24,16 +24,16 @@ from symid.symbolic.operators import Row, add
 from symid.symbolic.polynomials import common_divisor, quotient, times
 
 MOST_PRODUCTS = 200_000
-"""Products of terms in one step of an elimination: some seconds, and more than any formula that is of use."""
+"""Most products of terms in one elimination step: some seconds, and more than any useful formula needs."""
 
 
 class TooLargeError(Exception):
-    """The polynomials of an elimination grow beyond what ends in seconds."""
+    """The polynomials of an elimination grow beyond the limit of cost."""
 
 
 @dataclass(frozen=True)
 class EliminationRow:
-    """A combination of balances: its multipliers by balance, and what it leaves in the columns."""
+    """A combination of balances: its multipliers by balance, and the resulting entries by column."""
 
     multipliers: Row
     entries: Row
@@ -41,7 +41,7 @@ class EliminationRow:
     def combine(
         self, factor: PolyElement, other: EliminationRow, other_factor: PolyElement
     ) -> EliminationRow:
-        """factor * self + other_factor * other; TooLargeError if that would take long."""
+        """factor * self + other_factor * other; TooLargeError beyond a limit of cost."""
         products = self._products(factor) + other._products(other_factor)
         if products > MOST_PRODUCTS:
             raise TooLargeError(products)
@@ -55,14 +55,14 @@ class EliminationRow:
         return len(factor) * sum(map(len, (*self.multipliers.values(), *self.entries.values())))
 
     def scaled(self, factor: PolyElement) -> EliminationRow:
-        """factor * self."""
+        """The row multiplied by a polynomial."""
         return EliminationRow(
             {k: times(v, factor) for k, v in self.multipliers.items()},
             {k: times(v, factor) for k, v in self.entries.items()},
         )
 
     def divided(self, divisor: PolyElement) -> EliminationRow:
-        """Self with multipliers and entries divided by a common factor."""
+        """The row with multipliers and entries divided by a common factor."""
         return EliminationRow(
             {k: quotient(v, divisor) for k, v in self.multipliers.items()},
             {k: quotient(v, divisor) for k, v in self.entries.items()},
@@ -134,7 +134,7 @@ def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list
 
 
 def _components(rows: Mapping[str, Row], unknown: Sequence[str]) -> list[tuple[list[str], list[str]]]:
-    """Rows and unknown columns that hang together, in the order of the rows."""
+    """Connected components of the rows and unknown columns, in the order of the rows."""
     groups: list[tuple[list[str], set[str]]] = []
     for name, row in rows.items():
         columns = {column for column in row if column in unknown}
@@ -156,6 +156,7 @@ def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring:
     rows = dict(block)
     left = list(columns)
     pivots: list[PolyElement] = []
+    # Fraction-free (Bareiss): cross-multiplication leaves earlier pivots as common factors, which are divided out.
     while left:
         column = min(left, key=lambda c: sum(c in row.entries for row in rows.values()))
         left.remove(column)
@@ -180,6 +181,8 @@ def _order_basis(
     rows: list[EliminationRow], columns: Sequence[str], ring: PolyRing, wanted: int
 ) -> list[EliminationRow]:
     """Minimal kernel basis where several combinations are free of the columns."""
+    # Invariant: the rows are a minimal basis of all combinations whose columns are divisible by s**exponent. Degrees
+    # are bounded, so once exponent exceeds them a row that meets the conditions must vanish in the columns altogether.
     basis = rows
     exponent = 0
     while True:
@@ -197,6 +200,8 @@ def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> l
     residuals = {i: residual for i, residual in enumerate(found) if residual is not None}
     if not residuals:
         return rows
+    # The row of lowest degree clears the coefficient in the others, which keeps their degrees, and is then multiplied
+    # by s itself. Only the lowest degree rises, so the basis stays row-reduced: no other basis has lower degrees.
     pivot = min(
         residuals,
         key=lambda i: (rows[i].degree, len(residuals[i]), sum(map(len, rows[i].multipliers.values()))),
@@ -230,7 +235,7 @@ def _combine(row: Row, factor: PolyElement, other: Row, other_factor: PolyElemen
 
 
 def _without_factors(row: EliminationRow, pivots: Sequence[PolyElement]) -> EliminationRow:
-    """Divide by earlier pivots as long as they divide everything: the factors that fraction-free elimination leaves."""
+    """Divide a row by earlier pivots, the factors that fraction-free elimination leaves, as often as possible."""
     for pivot in pivots:
         parts = [*row.multipliers.values(), *row.entries.values()]
         while (
@@ -270,7 +275,7 @@ def _have_no_common_factor(parts: Sequence[PolyElement], ring: PolyRing) -> bool
     """Whether the values at a point of large random integers prove the absence of a common factor.
 
     A common factor would take a huge value at such a point and divide every value. The greatest common divisor of
-    polynomials with thousands of terms takes seconds, that of a few integers no time. False where it proves nothing.
+    polynomials with thousands of terms takes seconds, that of a few integers no time. False means undecided.
     """
     if not ring.domain.is_QQ:
         return False

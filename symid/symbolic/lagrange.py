@@ -75,7 +75,7 @@ class InverseDynamicModel:
     balances : tuple of sympy.Expr
         Left-hand sides, with the values of nonlinear laws as symbols.
     inputs : tuple of LawInput
-        Those symbols and what they stand for.
+        These symbols with the expressions they represent.
     """
 
     axis: Axis

@@ -1,4 +1,4 @@
-"""What a set of sensors tells of the displacements of the bodies.
+"""The displacements of the bodies that a set of sensors determines.
 
 A sensor of order m (0 position, 1 velocity, 2 acceleration) gives the m-th derivative of a linear function of
 the absolute displacements. Independent ones form a basis, positions first; a sensor that repeats a function of
@@ -88,7 +88,7 @@ class Measurement:
 
 
 def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
-    """Basis of what the sensors measure, and every displacement in terms of it."""
+    """Basis of the measured functions, and every displacement in terms of it."""
     kinematics = Kinematics(model.source.axis)
     ranked = sorted(sensors, key=derivative_order)
     basis: list[MeasuredFunction] = []
@@ -121,7 +121,7 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
 def _reduce(
     functional: Functional, reduced: list[tuple[str, Functional, dict[int, Any]]]
 ) -> tuple[Functional, dict[int, Any]]:
-    """Remainder of a function after taking out what the basis measures, and what was taken out."""
+    """Remainder of a function outside the span of the basis, and its part within."""
     remainder, combination = dict(functional), dict[int, Any]()
     for pivot, row, own in reduced:
         share = remainder.get(pivot)

@@ -3,8 +3,8 @@
 Each equation is divided by the coefficient of the force of lowest derivative, which becomes its output. The
 coefficients that remain are functions of the physical parameters; a basis of the space they span (over the numbers)
 are the minimal parameters. Physical parameters that lie in that space are taken into the basis first, so that a
-model that is linear in them is identified in them directly, as by [17] and [18]. The constant 1 comes before all: what
-is left of a coefficient where parameters are known belongs to the output.
+model that is linear in them is identified in them directly, as by [17] and [18]. The constant 1 comes first: terms
+whose parameters are all known belong to the output.
 
 Two orders of the parameters follow the paper. An equation linear in the physical parameters lists them by falling
 order of derivative, as [8] and [18]; any other lists the derivatives of the force first, then the motion by rising
@@ -148,7 +148,7 @@ class MinimalModel:
     parameters : tuple of MinimalParameter
         X, in the paper's order.
     output : tuple of sympy.Expr
-        y, one for each equation: a signal, less what known parameters make of the motion.
+        y, one for each equation: a signal, less the terms of known parameters.
     output_names : tuple of str
         Flat name of that signal, with its sign.
     regressor : tuple of tuple of sympy.Expr
@@ -229,7 +229,7 @@ def minimise(model: InputOutputModel) -> MinimalModel:
 
 
 def _entry(model: InputOutputModel, columns: list[_Column], shares: list[dict[int, Any]], j: int) -> sp.Expr:
-    """What basis function j multiplies in an equation."""
+    """Signal expression that basis function j multiplies in an equation."""
     field = model.operators.ring.domain
     return sp.Add(
         *(
@@ -254,7 +254,7 @@ def _known_generators(model: InputOutputModel) -> dict[int, Any]:
 def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, list[_Column]]:
     """Output of an equation and its columns, divided by the coefficient of the force of lowest derivative.
 
-    Where that is a number, the sign of the equation is free: the highest derivative gets a positive coefficient.
+    Where this coefficient is a number, the sign of the equation is free: the highest derivative gets a positive one.
     """
     ring = equation.motion[0].coefficient.ring
     positive = ring.domain.is_positive

@@ -1,9 +1,8 @@
 """Equations of motion as a matrix of polynomials in s = d/dt, in absolute coordinates.
 
 In absolute coordinates each row is the balance of one free body, and a spring joins two bodies only: the
-matrix is as sparse as the axis itself, which is what makes elimination fast (a chain becomes a three-term
-recursion). It is also what makes the paper's [17] come out without a detour: the second of its equations is
-the balance of the structure alone.
+matrix is as sparse as the axis itself, so elimination is fast (a chain becomes a three-term recursion). The
+paper's [17] follows directly: the second of its equations is the balance of the structure alone.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The forward map X(theta) is part of the minimal model. Here it is inverted in closed form where one unknown after
 the other can be solved for (paper below [41]), with all branches, and the identifiability of each physical parameter
-is decided: a rank tells whether it is determined at all, and the number of solutions of X(theta) = X(theta0) at
+is decided: a rank shows whether it is determined at all, and the number of solutions of X(theta) = X(theta0) at
 a random point theta0 whether it is determined uniquely. Both are exact calculations modulo a prime.
 """
 
@@ -34,12 +34,12 @@ Identifiability = Literal["unique", "several", "none"]
 
 _PRIME = 2**31 - 1
 _MOST_UNKNOWNS = 4
-"""Cores with more unknowns than this are too large for a Groebner basis in reasonable time."""
+"""Largest number of unknowns for which a Groebner basis is computed; more take too long."""
 
 
 @dataclass(frozen=True)
 class ParameterMap:
-    """How minimal and physical parameters determine each other.
+    """Maps between minimal and physical parameters.
 
     Parameters
     ----------
@@ -126,7 +126,8 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     Returns
     -------
     TriangularSolution or None
-        None if parameters are not determined, or not in closed form. Parameters of which nothing is seen are left out.
+        None if parameters are not determined, or not in closed form. Parameters without effect on signals are left
+        out.
     """
     if any(len(parameter.function.numerator) > MOST_TERMS for parameter in model.parameters):
         return None

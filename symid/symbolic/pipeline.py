@@ -49,7 +49,7 @@ class DerivedModel(Shown):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What was assumed in the derivation."""
+        """Assumptions made in the derivation."""
         return self.minimal.source.assumptions
 
 

@@ -1,7 +1,7 @@
 """Products, quotients and common divisors of polynomials with many terms, by FLINT.
 
 sympy's own are written in Python: a product of a thousand by a thousand terms takes seconds there, a common divisor
-minutes. Both work on the same numbers, so that a change of hands costs a copy of the terms.
+minutes. Both use the same number types, so a conversion costs one copy of the terms.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 A ratio r that stands between two displacements can be made 1: measured in other units, x = r^k x', balances times
 powers of r and parameters p = r^w p' hold no r. Where all coefficients are numbers times powers of ratios, exponents
-solve a linear system, which has a solution for every tree of gears and springs. Polynomials over the numbers alone are
-what elimination is fast with. Ratios in a loop, and in sums such as 1 + r, cannot be taken out: there they are numbers.
+solve a linear system, which has a solution for every tree of gears and springs. Elimination is
+fast with polynomials over the numbers. Ratios in a loop, and in sums such as 1 + r, cannot be taken out; they become
+numbers.
 """
 
 from __future__ import annotations
@@ -183,7 +184,7 @@ def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:
 def _terms(
     rows: Mapping[str, Row], operators: OperatorModel
 ) -> Iterator[tuple[str, str, tuple[int, ...], Any]]:
-    """Balance, column, monomial and coefficient of every term; the force and the laws have columns of their own."""
+    """Balance, column, monomial and coefficient of every term; the force and the laws have separate columns."""
     inputs = _split_inputs(operators, rows)
     for balance, row in rows.items():
         columns = {
@@ -229,7 +230,7 @@ def _exponents(
     unknowns: Mapping[tuple[str, str], int],
     ratio: int,
 ) -> list[int] | None:
-    """Exponents of one ratio that leave none in any term; None if there are no such whole numbers."""
+    """Exponents that remove one ratio from every term; None if no whole numbers do."""
     equations: dict[tuple[tuple[int, int], ...], int] = {}
     for balance, column, monomial, c in terms:
         sums = {unknowns["balance", balance]: 1}

@@ -1,4 +1,4 @@
-"""Solving polynomial systems that fall apart: one unknown after the other, square roots where they are needed.
+"""Triangular polynomial systems: one unknown after the other by linear and quadratic steps.
 
 The minimal parameters are low-degree functions of the physical ones, and almost always some equation is linear in
 one of the unknowns that are left. `triangular_solution` uses this again and again; what is left at the end is
@@ -77,7 +77,7 @@ def triangular_solution(
     equations : sequence of PolyElement
         Polynomials that vanish, over an exact field that holds the right-hand sides.
     unknowns : int
-        The first so many generators are unknown.
+        Number of unknown generators, which come first.
     simple : bool
         Only linear steps whose leading coefficient is a monomial: these neither lose nor invent solutions
         with non-zero unknowns.

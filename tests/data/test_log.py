@@ -57,7 +57,7 @@ def test_window_shares_memory_and_knows_its_time():
 
 @pytest.mark.parametrize("bounds", [(-1, 3), (3, 3), (4, 2), (0, 7)])
 def test_a_window_outside_the_log_is_refused(bounds):
-    with pytest.raises(LogError, match=r"no part of the log.*<= 6"):
+    with pytest.raises(LogError, match=r"not part of the log.*<= 6"):
         small_log().window(*bounds)
 
 

@@ -121,9 +121,9 @@ def test_mistakes_are_refused() -> None:
         simulate(axis, {**RIGID, "M": -1.0}, moves(), controller)
     with pytest.raises(SettingError, match="runs away"):
         simulate(axis, RIGID, moves(), Cascade("q", 25.0, -1e6, 20.0))
-    with pytest.raises(SettingError, match="'qm', which is no sensor of this axis: use q"):
+    with pytest.raises(SettingError, match="'qm', which is not a sensor of this axis: use q"):
         simulate(axis, RIGID, moves(), Cascade("qm", 25.0, 8000.0, 20.0))
-    with pytest.raises(SettingError, match="no position sensor"):
+    with pytest.raises(SettingError, match="not a position sensor"):
         tuned_cascade(plant_of(axis, RIGID), "F")
 
 

@@ -103,7 +103,7 @@ def test_equations_hold(shape: str, n: int, encoders: tuple[int, ...], closing: 
 
 def test_sensors_that_share_no_short_equation_have_one_each() -> None:
     model = derive(geared("chain", 5, (0, 4)), ("q0", "q4"))
-    assert any("each sensor has an equation of its own" in text for text in model.assumptions)
+    assert any("each sensor has its own equation" in text for text in model.assumptions)
     columns = [{str(x) for entry in row for x in entry.free_symbols} for row in model.minimal.regressor]
     assert not any(
         any(n.startswith("q0") for n in row) and any(n.startswith("q4") for n in row) for row in columns

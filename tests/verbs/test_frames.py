@@ -72,9 +72,9 @@ def test_columns_units_and_gains_are_as_for_files() -> None:
         ({"t": T, "q [count]": T}, "how much one is"),
         ({"t": T, "q [mm]": T, "q": T}, "two columns are 'q'"),
         ({"t": T, "q": np.ones((N, 2))}, "no signals"),
-        (5, "int is no log"),
-        ([1, 2], "list is no log"),
-        ("run.csv", "str is no log"),
+        (5, "int is not a log"),
+        ([1, 2], "list is not a log"),
+        ("run.csv", "str is not a log"),
         ({"t": T, "q": 3.0}, "differ in length"),
     ],
 )

@@ -38,7 +38,7 @@ class Channel:
 
     @property
     def header(self) -> str:
-        """Name and unit as a column is named."""
+        """Header of the column: name and unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 

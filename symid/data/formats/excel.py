@@ -34,7 +34,7 @@ def open_excel(path: Path, memory: int | None = None) -> Table:
             )
             if headers:
                 return _table(headers, book.load_sheet(name, header_row=None, skip_rows=skipped).to_polars())
-    except Exception as error:  # its parser lets through whatever it meets in a damaged file
+    except Exception as error:  # on a damaged file its parser raises any exception
         raise damaged(path, "Excel", error) from error
     raise LogError(f"{path}: no sheet holds columns of numbers below a line of names: export it as CSV")
 

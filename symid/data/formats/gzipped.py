@@ -13,7 +13,7 @@ from symid.data.table import Table, damaged
 from symid.errors import LogError
 
 _TIMES_TEXT = 4
-"""What the columns and the text of a file take together, in multiples of its text."""
+"""Memory of columns and text of a file together, in multiples of its text."""
 
 
 def open_gzipped(path: Path, memory: int | None = None, layout: Layout | None = None) -> Table:

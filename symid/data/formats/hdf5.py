@@ -16,7 +16,7 @@ from symid.data.table import Table, damaged
 from symid.errors import LogError
 
 MAGIC: Final = b"\x89HDF\r\n\x1a\n"
-"""How such files begin, after a block of the user's own."""
+"""Signature of HDF5 files, after an optional user block."""
 _UNITS: Final = ("unit", "units", "Unit", "Units")
 _MOST_COLUMNS: Final = 32
 
@@ -35,7 +35,7 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     try:
         with h5py.File(path, "r") as file:
             found = _vectors(file, h5py)
-    except Exception as error:  # a damaged file is met in many ways
+    except Exception as error:  # a damaged file raises various exceptions
         raise damaged(path, "HDF5", error) from error
     names = short_names([(*one.path, *one.column_name) for one in found])
     headers = tuple(
@@ -70,7 +70,7 @@ class _Column:
         return (str(self.place + 1),) if isinstance(self.place, int) else (self.place,)
 
     def read(self, file: Any) -> FloatArray | str:
-        """Its values."""
+        """Values of the vector or column."""
         require_room(self.size)
         dataset = file["/".join(self.path)]
         if self.place is None or isinstance(self.place, str):

@@ -25,7 +25,7 @@ def open_json(path: Path, memory: int | None = None) -> Table:
     Raises
     ------
     LogError
-        If it is no JSON, or holds no lists of numbers.
+        If it is not JSON, or holds no lists of numbers.
     """
     return _table(path, _parsed(path, memory, lines=False))
 

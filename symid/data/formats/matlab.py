@@ -18,7 +18,7 @@ from symid.data.table import Table, damaged
 from symid.errors import LogError
 
 _VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
-"""What Simulink and dSPACE call the samples of a signal, and its name."""
+"""Field names of Simulink and dSPACE for the samples of a signal and for its name."""
 _DEEPEST = 12
 
 
@@ -42,7 +42,7 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
         variables = scipy.io.loadmat(path, simplify_cells=True)
     except LogError:
         raise
-    except Exception as error:  # scipy lets through whatever its parser meets in a damaged file
+    except Exception as error:  # on a damaged file scipy raises any exception
         raise damaged(path, "MATLAB", error) from error
     public = {name: value for name, value in variables.items() if not name.startswith("__")}
     found = [(names, array) for names, array in _arrays(public) if array.size != 1]

@@ -1,4 +1,4 @@
-"""MDF files of measurement systems (ASAM, versions 3 and 4), read by asammdf in a process of its own.
+"""MDF files of measurement systems (ASAM, versions 3 and 4), read by asammdf in a separate process.
 
 Its parser ends the process, or speaks on standard error, where a file is damaged: ``python -m symid.data.formats.mdf
 FILE OUT.npz`` writes the channels of FILE for the process that asked.
@@ -86,5 +86,5 @@ if __name__ == "__main__":
         _write(Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]) if sys.argv[3] else None)
     except LogError as refused:
         sys.exit(str(refused))
-    except Exception as failure:  # noqa: BLE001  whatever a damaged file makes of its parser is one line
+    except Exception as failure:  # noqa: BLE001  any exception on a damaged file becomes one line
         sys.exit(f"{type(failure).__name__}: {failure}".partition("\n")[0])

@@ -1,4 +1,4 @@
-"""NPZ files of NumPy."""
+"""NPZ archives of NumPy as tables."""
 
 from __future__ import annotations
 

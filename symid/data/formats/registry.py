@@ -1,4 +1,4 @@
-"""Which module reads which kind of file."""
+"""Readers of files by suffix."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from symid.data.formats.tdms import open_tdms
 from symid.data.table import Table
 
 Reader: TypeAlias = "Callable[[Path, int | None], Table]"
-"""Takes the file, and the bytes that what it reads at once may take (those that are free if None)."""
+"""Function of the file and the memory in bytes that it may use (free memory if None)."""
 
 
 def open_text_file(path: Path) -> Table:
@@ -56,11 +56,11 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
 """Readers by suffix; a new format is a module and a line here."""
 
 SUFFIXES: Final = tuple(READERS)
-"""Kinds of files that can be read."""
+"""Suffixes of files that can be read."""
 FOLDER_SUFFIXES: Final = tuple(
     suffix for suffix in SUFFIXES if suffix not in (".json", ".npz", ".xls", ".ods")
 )
-"""Kinds that are taken for logs where a folder of them is given: others often hold results and settings."""
+"""Suffixes that count as logs in a folder; other files often hold results and settings."""
 
 
 def suffix_of(path: Path) -> str:
@@ -85,7 +85,7 @@ def open_format(path: Path, suffix: str, memory: int | None = None) -> Table:
     suffix : str
         One of `SUFFIXES`, by which its reader is found.
     memory : int, optional
-        Bytes that may be taken by what is read at once; those that are free by default.
+        Memory that reading may use, bytes; free memory by default.
 
     Raises
     ------

@@ -92,7 +92,7 @@ def _are_values(row: Sequence[str], separator: str) -> bool:
 
 
 def _twincat(path: Path, above: Sequence[Sequence[str]], values: Table) -> Table:
-    """Channels with their clocks; the unit of the times is told by the stated sample time, ms without one."""
+    """Channels with their clocks; the stated sample time determines the unit of the times, ms without one."""
     properties = {row[0]: row for row in above if row and row[0] in _TWINCAT}
     names, stated = properties["Name"], properties.get("SampleTime[ms]", [])
     count = min(len(names), len(values.headers)) // 2

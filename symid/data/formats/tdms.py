@@ -41,14 +41,14 @@ def open_tdms(path: Path, memory: int | None = None) -> Table:
             ]
     except LogError:
         raise
-    except Exception as error:  # a damaged file is met in many ways
+    except Exception as error:  # a damaged file raises various exceptions
         raise damaged(path, "TDMS", error) from error
     return table_of_channels(read)
 
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """No warnings of the library, which writes them to standard error by itself."""
+    """Suppress the warnings that the library writes to standard error."""
     before = logging.root.manager.disable
     logging.disable(logging.WARNING)
     try:
