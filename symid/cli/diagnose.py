@@ -34,7 +34,7 @@ from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import Cascade, ClosedLoop
 from symid.verbs.diagnose import derive_if_missing
 
-_LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
+_LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "seconds")
 
 
 @click.command(
@@ -73,8 +73,8 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "force", "seconds")
     "limits",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Limit of the next experiment, SI: lowest, highest (position), speed, acceleration, force, seconds "
-    "[those seen in LOG].",
+    help="Limit of the next experiment, SI: lowest, highest (position), speed, acceleration, jerk, force, "
+    "seconds [those seen in LOG].",
 )
 @click.option(
     "--write-axis",
@@ -159,6 +159,6 @@ def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> 
     with working("planning the next experiment"):
         planned = next_experiment_of(found, **limits)
     if planned.trajectory is None:
-        return replace(found, next_experiment=planned.text)
+        return replace(found, next_experiment=planned.text, planned=planned)
     write_log(planned.trajectory.as_log(), file)
-    return replace(found, next_experiment=f"{planned.text} Its reference is in {file}.")
+    return replace(found, next_experiment=f"{planned.text} Its reference is in {file}.", planned=planned)

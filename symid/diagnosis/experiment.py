@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,11 +11,12 @@ import numpy as np
 from symid.diagnosis.conclusion import driven
 from symid.diagnosis.evidence import Key, odds
 from symid.diagnosis.manoeuvres import Room
+from symid.diagnosis.performed import Performed, performed
 from symid.diagnosis.record import Record
-from symid.diagnosis.rehearsal import LEAST_LOG_ODDS, Rivals, rehearsed, trials
+from symid.diagnosis.rehearsal import LEAST_LOG_ODDS, Rivals, Trial, rehearsed, trials
 from symid.diagnosis.result import Diagnosis
 from symid.diagnosis.wording import spoken
-from symid.errors import SettingError
+from symid.errors import SettingError, SymidError
 from symid.simulation import Limits, Trajectory
 
 _SMOOTH = 20.0
@@ -39,6 +40,10 @@ class Experiment:
         Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
     considered : mapping of str to float
         Expected odds after each motion that was rehearsed, best first.
+    simulated : Performed or None
+        The motion on the axis with either cause; None if they cannot be simulated.
+    message : str
+        Why they cannot, or which motions were put aside because the simulated axis exceeds a limit.
     """
 
     text: str
@@ -46,6 +51,13 @@ class Experiment:
     trajectory: Trajectory | None = None
     odds: float = math.nan
     considered: Mapping[str, float] | None = None
+    simulated: Performed | None = None
+    message: str = ""
+
+    @property
+    def probability(self) -> float:
+        """That it tells the causes apart with the noise of the log; nan if it was not simulated."""
+        return math.nan if self.simulated is None else self.simulated.probability
 
 
 def next_experiment_of(
@@ -55,6 +67,7 @@ def next_experiment_of(
     highest: float | None = None,
     speed: float | None = None,
     acceleration: float | None = None,
+    jerk: float | None = None,
     force: float | None = None,
     seconds: float | None = None,
 ) -> Experiment:
@@ -68,6 +81,8 @@ def next_experiment_of(
         Travel of the driven joint, m or rad; that of the log by default, as all limits are.
     speed, acceleration : float, optional
         Of the driven joint, SI.
+    jerk : float, optional
+        Of the reference, SI; by default that of moves is 20 times the acceleration, and that of a multisine is free.
     force : float, optional
         Largest drive force, SI.
     seconds : float, optional
@@ -98,10 +113,10 @@ def next_experiment_of(
     >>> planned.causes, planned.trajectory.name
     ((('delay', 'actuator'), ('actuator_lag', 'actuator')), 'multisine of 3 to 100 Hz about one place')
     """
-    for value, what in ((force, "largest force"), (seconds, "duration")):
+    for value, what in ((force, "largest force"), (seconds, "duration"), (jerk, "jerk")):
         if value is not None and not value > 0:
             raise SettingError(f"{what} of the next experiment is {value:g}: give a positive number")
-    rivals = _rivals(found)
+    rivals = rivals_of(found)
     if rivals is None:
         return Experiment(found.next_experiment)
     record = rivals.record
@@ -109,13 +124,35 @@ def next_experiment_of(
     ends = (seen.travel[0] if lowest is None else lowest, seen.travel[1] if highest is None else highest)
     limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
     drive = record.log[record.dynamics.axis.drive.signal]
-    room = _room(record, limits, seconds or record.duration)
-    best = rehearsed(rivals, trials(rivals, room, force or float(np.abs(drive).max())))
+    room = _room(record, limits, seconds or record.duration, jerk)
+    largest = force or float(np.abs(drive).max())
+    best = rehearsed(rivals, trials(rivals, room, largest))
     considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
-    if not best or best[0].log_odds < LEAST_LOG_ODDS:
+    worth = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
+    if not worth:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
-    chosen, value = best[0].trajectory, best[0].log_odds
-    return Experiment(_words(rivals, chosen, value), rivals.keys, chosen, _odds(value), considered)
+    chosen, run, message = _kept(rivals, worth, limits, largest)
+    if chosen is None:
+        return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
+    text = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of(run, message)
+    odds = _odds(chosen.log_odds)
+    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message)
+
+
+def _kept(
+    rivals: Rivals, worth: Sequence[Trial], limits: Limits, force: float
+) -> tuple[Trial | None, Performed | None, str]:
+    """The best motion in which the simulated axis keeps its limits, or the best if it cannot be simulated."""
+    said: list[str] = []
+    for trial in worth:
+        try:
+            run = performed(rivals, trial.trajectory)
+        except (SymidError, np.linalg.LinAlgError, OverflowError) as error:
+            return trial, None, str(error)
+        if not (excess := run.exceeds(limits, force)):
+            return trial, run, "; ".join(said)
+        said.append(f"{trial.trajectory.name}: {excess}")
+    return None, None, "; ".join(said)
 
 
 def limits_seen(record: Record) -> Limits:
@@ -131,18 +168,19 @@ def limits_seen(record: Record) -> Limits:
     )
 
 
-def _room(record: Record, limits: Limits, seconds: float) -> Room:
+def _room(record: Record, limits: Limits, seconds: float, jerk: float | None) -> Room:
     unit = record.dynamics.axis.signal_units[record.signals[0]]
     return Room(
-        limits=replace(limits, jerk=_SMOOTH * limits.acceleration),
+        limits=replace(limits, jerk=jerk or _SMOOTH * limits.acceleration),
         seconds=seconds,
         highest_hz=min(_HIGHEST_HZ, 0.1 * record.log.sampling_frequency),
         sampling_period=record.log.sampling_period,
         unit=str(unit),
+        hardest=jerk or math.inf,
     )
 
 
-def _rivals(found: Diagnosis) -> Rivals | None:
+def rivals_of(found: Diagnosis) -> Rivals | None:
     """The two most probable candidates of the first turn that leaves doubt, else of the first turn."""
     if found.verdict not in ("effect", "partly", "unexplained"):
         return None
@@ -168,6 +206,27 @@ def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
     return (
         f"{aim}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it are {least} to 1 "
         "for the right one, if the axis follows this reference."
+    )
+
+
+def _words_of(run: Performed | None, message: str) -> str:
+    """What simulation says of a motion."""
+    if run is None:
+        return f" It could not be simulated: {message}."
+    demand, chance = run.demand, 100 * min(run.probability, 0.999)
+    return (
+        f" Simulated with either cause under a controller, it tells them apart with a probability of "
+        f"{'more than ' * (run.probability > 0.999)}{chance:.3g} % at the noise of the log, "
+        f"and takes positions from {demand.lowest:.3g} to {demand.highest:.3g}, speeds to {demand.speed:.3g}, "
+        f"accelerations to {demand.acceleration:.3g} and forces to {run.force:.3g} (SI)."
+    )
+
+
+def _none_is_kept(rivals: Rivals, message: str) -> str:
+    (one, at), (other, place) = rivals.keys
+    return (
+        f"No motion that tells {one} at {at} from {other} at {place} stays within the limits once it is simulated "
+        f"({message}): wider limits are needed."
     )
 
 

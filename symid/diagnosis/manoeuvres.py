@@ -39,6 +39,8 @@ class Room:
         s.
     unit : str
         Of the position.
+    hardest : float
+        Jerk that no motion may exceed; moves have that of the limits, a multisine has more.
     """
 
     limits: Limits
@@ -46,6 +48,7 @@ class Room:
     highest_hz: float
     sampling_period: float
     unit: str
+    hardest: float = np.inf
 
     @property
     def stroke(self) -> float:
@@ -85,7 +88,7 @@ def manoeuvres(room: Room) -> list[Trajectory]:
     found = []
     for make in _MANOEUVRES:
         try:
-            found.append(make(room).checked(replace(room.limits, jerk=np.inf)))
+            found.append(make(room).checked(replace(room.limits, jerk=room.hardest)))
         except SettingError:
             continue
     return found

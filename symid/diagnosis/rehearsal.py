@@ -39,7 +39,7 @@ _GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)
 _FORCE_MARGIN = 1.02
 _LEAST_ROWS = 64
 _ITERATIONS = 10
-_Left = Callable[[State, State, Weighting], float]
+_Judge = Callable[[State, State, Weighting], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,20 +151,94 @@ def _samples(record: Record, spectrum: ComplexArray) -> FloatArray:
     return np.asarray(scipy.fft.irfft(padded, record.n_extended))[: record.log.n_samples]
 
 
-def _judged(rivals: Rivals, records: Sequence[Record], left: _Left) -> float:
+def _judged(rivals: Rivals, records: Sequence[Record], left: _Judge) -> float:
     """Logarithm of the odds expected for the right cause, the less favourable case."""
     found = []
     for right, record in enumerate(records):
         truth, weighting = applied(rivals.models[right], record)
         if weighting.kept.sum() < _LEAST_ROWS:
             return 0.0
-        n = weighting.kept.sum() * len(weighting.density) * record.freedom
         gains = [
-            0.5 * n * min(left(start, truth, weighting) for start in _starts(model, truth, weighting))
+            0.5
+            * _rows(weighting)
+            * min(left(start, truth, weighting) for start in _starts(model, truth, weighting))
             for model in (rivals.models[1 - right], rivals.turn.before.state)
         ]
         found.append(_log_odds(rivals, right, *gains))
     return min(found)
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How well readings tell the cause with which they were made from the other.
+
+    The logarithm of the likelihood ratio of both is Gaussian.
+
+    Parameters
+    ----------
+    gain : float
+        Its mean, of models and noise.
+    distance : float
+        Its deviation: deviations of the noise by which the predictions of both differ, the values of both fitted, and
+        what the noise, which either model lets through otherwise, adds.
+    """
+
+    gain: float
+    distance: float
+
+    @property
+    def probability(self) -> float:
+        """That the right one is the likelier.
+
+        Examples
+        --------
+        Predictions two deviations apart, of which one is exact.
+
+        >>> round(Separation(gain=2.0, distance=2.0).probability, 4)
+        0.8413
+        """
+        return float(scipy.special.ndtr(self.gain / self.distance)) if self.distance else 0.5
+
+
+def separation(rivals: Rivals, right: int, noisy: Record, quiet: Record) -> Separation:
+    """How well readings tell a cause from the other.
+
+    Parameters
+    ----------
+    rivals : Rivals
+        Both causes.
+    right : int
+        0 or 1: the cause with which the readings were made.
+    noisy, quiet : Record
+        The readings with and without noise.
+    """
+    weighting = applied(rivals.models[right], noisy)[1]
+    exact = applied(rivals.models[right], quiet)[0]
+    own = fitted(exact.weighted(weighting), weighting, _ITERATIONS)
+    other = rivals.models[1 - right]
+    starts = (applied(other, quiet)[0], applied(exact, quiet, placed=other.placed)[0])
+    fits = [fitted(start.weighted(weighting), weighting, _ITERATIONS) for start in starts]
+    nearest = min(fits, key=lambda fit: fit.mean_square)
+    kept, n = weighting.kept, _rows(weighting)
+    apart = (nearest.left - own.left)[:, kept]
+    (wrong, of_wrong), (correct, of_correct) = (_with_noise(fit, noisy) for fit in (nearest, own))
+    gain = 0.5 * n * math.log(np.mean((wrong + of_wrong)[:, kept]) / np.mean((correct + of_correct)[:, kept]))
+    uneven = 0.25 * n * float(np.var((of_wrong - of_correct)[:, kept]))
+    return Separation(gain, math.sqrt(n * float(np.mean(apart**2)) + uneven))
+
+
+def _with_noise(quiet: Fit, noisy: Record) -> tuple[FloatArray, FloatArray]:
+    """Squares that a model fitted to readings without noise leaves of them, and of the noise, as in `Fit.squares`."""
+    weighting = quiet.weighting
+    state = applied(quiet.state, noisy)[0].weighted(weighting)
+    noise = Fit(state, weighting).left - quiet.left
+    floor = state.scene.noise_through(weighting.density)[:, None]
+    return quiet.left**2 / floor, noise**2 / floor
+
+
+def _rows(weighting: Weighting) -> float:
+    """Independent values in the rows that are kept."""
+    return float(weighting.kept.sum() * len(weighting.density) * weighting.record.freedom)
 
 
 def _starts(model: State, truth: State, weighting: Weighting) -> list[State]:

@@ -12,6 +12,7 @@ from symid.diagnosis.gap import Gap, Level, Location, MapCell, Removed
 from symid.shown import Shown
 
 if TYPE_CHECKING:
+    from symid.diagnosis.experiment import Experiment
     from symid.diagnosis.record import Record
     from symid.diagnosis.search import Turn
 
@@ -263,6 +264,8 @@ class Diagnosis(Shown):
         For plots.
     simulated : Simulator or None
         What the log of a simulator says, if one was given: then it is the nominal model.
+    planned : Experiment or None
+        The motion designed as the next experiment, and what simulation says of it, where one was asked for.
     search : tuple of Turn
         The models that were fitted, from which the next experiment is designed; part of no file.
     """
@@ -285,6 +288,7 @@ class Diagnosis(Shown):
     signals: Signals
     spectrum: Spectrum
     simulated: Simulator | None = None
+    planned: Experiment | None = None
     search: tuple[Turn, ...] = field(default=(), repr=False)
 
     @property

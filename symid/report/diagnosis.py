@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
+from symid.diagnosis.experiment import Experiment
 from symid.diagnosis.gap import Gap, Level, MapCell, Removed, Reversal
 from symid.diagnosis.result import (
     Alternative,
@@ -66,7 +68,22 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
         "faults": list(found.faults),
         "assumptions": list(found.assumptions),
         "next_experiment": found.next_experiment,
+        **({} if found.planned is None else {"experiment": _experiment(found.planned)}),
         **simulated,
+    }
+
+
+def _experiment(planned: Experiment) -> dict[str, Any]:
+    """The next experiment as designed: between what it decides, how surely, and what it demands of the axis."""
+    run = planned.simulated
+    return {
+        "causes": [{"effect": effect, "at": at} for effect, at in planned.causes],
+        "motion": None if planned.trajectory is None else planned.trajectory.name,
+        "seconds": None if planned.trajectory is None else planned.trajectory.duration,
+        "probability": None if run is None else run.probability,
+        "probability_if_right": None if run is None else [found.probability for found in run.separations],
+        "demand": None if run is None else {**asdict(run.demand), "force": run.force},
+        "message": planned.message,
     }
 
 
