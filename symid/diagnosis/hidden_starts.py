@@ -113,11 +113,11 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
     """
     for spring, body in _hidden_springs(nominal.state.scene):
         grid = list(_near(fit, nominal, spring, body))
-        for effect in library:
+        for effect, place in product(library, {place_of(spring), body.name}):
             starts = [
                 Start(near, nominal.weighting, placed)
                 for near in grid
-                for placed in _placed(effect, near.scene, spring)
+                for placed in _placed(effect, place, near.scene, spring)
                 if can_integrate(near.scene, placed)
             ]
             yield from sorted(starts, key=_left)[:_KEPT]
@@ -131,10 +131,11 @@ def can_integrate(scene: Scene, item: Placed) -> bool:
     return effect.pointwise(scene, item.shape, item.amplitudes) is not None
 
 
-def _placed(effect: Effect, scene: Scene, spring: Spring) -> Iterable[Placed]:
-    place, values = place_of(spring), scene.axis.with_known_values(scene.parameters)
+def _placed(effect: Effect, place: str, scene: Scene, spring: Spring) -> Iterable[Placed]:
+    values = scene.axis.with_known_values(scene.parameters)
     if isinstance(effect, JointEffect) and place in effect.places(scene):
-        for shape, amplitudes in effect.strong(scene, place, values[spring.named("stiffness")]):
+        deflected = scene.springs[place_of(spring)]
+        for shape, amplitudes in effect.strong(deflected, values[spring.named("stiffness")]):
             yield Placed(effect, place, shape, amplitudes, integrated=True)
 
 

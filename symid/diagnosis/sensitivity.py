@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,14 +10,18 @@ import numpy as np
 from symid.arrays import ComplexArray
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.scene import Scene
-from symid.diagnosis.state import State
+from symid.diagnosis.state import State, predicted
 
 _RELATIVE_STEP = 1e-4
 _SHAPE_STEP = 1e-4
+_INTEGRATED_STEP = 1e-3
+"""Relative step where dry friction holds a body at times: the moments at which it lets go move in whole steps."""
 
 
 def derivatives(state: State) -> ComplexArray:
     """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
+    if any(item.integrated for item in state.placed):
+        return _by_differences(state)
     scene = state.scene
     found = [_by_parameters(scene, state.placed)]
     for item in state.placed:
@@ -25,6 +29,41 @@ def derivatives(state: State) -> ComplexArray:
             found.append(item.effect.columns(scene, item.at, item.shape))
         found.append(_shape_columns(scene, item))
     return np.concatenate(found)
+
+
+def _by_differences(state: State) -> ComplexArray:
+    """The same where hidden motion is integrated: no frequency response says how friction that holds answers."""
+    scene, columns = state.scene, []
+
+    def add(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> None:
+        _, errors = predicted(state, parameters, placed)
+        columns.append((state.errors - errors) / (_INTEGRATED_STEP * value))
+
+    for name in scene.record.dynamics.parameters:
+        value = abs(scene.parameters[name]) or 1.0
+        add(
+            value,
+            dict(scene.parameters) | {name: scene.parameters[name] + _INTEGRATED_STEP * value},
+            state.placed,
+        )
+    for at, item in enumerate(state.placed):
+        for value, other in _moved(item):
+            add(value, scene.parameters, (*state.placed[:at], other, *state.placed[at + 1 :]))
+    return np.stack(columns)
+
+
+def _moved(item: Placed) -> Iterator[tuple[float, Placed]]:
+    """Each free value of an effect, or 1 for zero, and the effect with that one moved by a step of it."""
+    for i, x in enumerate(() if item.effect.fixed else item.amplitudes):
+        value = abs(x) or 1.0
+        amplitudes = (*item.amplitudes[:i], x + _INTEGRATED_STEP * value, *item.amplitudes[i + 1 :])
+        yield value, replace(item, amplitudes=amplitudes)
+    for i, x in enumerate(item.shape):
+        value = abs(x) or 1.0
+        yield (
+            value,
+            replace(item, shape=(*item.shape[:i], x + _INTEGRATED_STEP * value, *item.shape[i + 1 :])),
+        )
 
 
 def _by_parameters(scene: Scene, placed: Sequence[Placed]) -> ComplexArray:

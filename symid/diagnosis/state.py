@@ -135,6 +135,14 @@ def evaluated(
     state: State, weighting: Weighting, parameters: Mapping[str, float], placed: tuple[Placed, ...]
 ) -> State:
     """Other parameters with other effects, whose forces act on the motion of the state before."""
+    scene, errors = predicted(state, parameters, placed)
+    return replace(_state(scene, placed, errors, weighting), least=state.least)
+
+
+def predicted(
+    state: State, parameters: Mapping[str, float], placed: tuple[Placed, ...]
+) -> tuple[Scene, ComplexArray]:
+    """The scene with other parameters and effects, and the errors that it leaves."""
     scene = _acted_on(state.scene, parameters, placed)
     if any(item.effect.implicit for item in placed):
         for _ in range(_BALANCED):
@@ -143,7 +151,7 @@ def evaluated(
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             errors = errors - item.change(scene)
-    return replace(_state(scene, placed, errors, weighting), least=state.least)
+    return scene, errors
 
 
 def _acted_on(before: Scene, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> Scene:

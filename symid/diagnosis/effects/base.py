@@ -107,8 +107,8 @@ class JointEffect(Effect):
         """Its force point by point, for hidden joints; None if it does not depend on the motion there."""
         return None
 
-    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
-        """Shapes and amplitudes that change the motion of a hidden joint on a spring as much as the spring does."""
+    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        """Shapes and amplitudes that change the motion of a hidden joint as much as its spring, of that stiffness."""
         return ()
 
     def joint(self, scene: Scene, place: str) -> Joint:

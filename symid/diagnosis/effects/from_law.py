@@ -22,6 +22,8 @@ from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
 """Forces of a law in a spring, or its dead zone, relative to the spring where it is deflected most."""
+_HOLDING = (0.03, 0.1, 0.3, 1.0)
+"""Levels of dry friction, relative to the same."""
 
 
 class LawEffect(JointEffect):
@@ -115,14 +117,19 @@ class LawEffect(JointEffect):
         courses = [function(joint.q, unit, *shape) for function in self.functions.arrays]
         return np.asarray(np.tensordot(amplitudes, courses, 1))
 
-    def strong(self, scene: Scene, place: str, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        largest = max(map(abs, spring.range))
         if not self.law.in_spring:
-            return ()
-        largest = max(map(abs, scene.springs[place].range))
+            return [((), (x * stiffness * largest,)) for x in _HOLDING] if self.is_plain_dry_friction else ()
         if self.shape_names:
             return [((x * largest,), (stiffness,)) for x in _STRONG]
         (unit,) = np.abs(self.functions.arrays[0](np.array([largest]), np.zeros(1)))
         return [((), (x * stiffness * largest / unit,)) for x in _STRONG]
+
+    @property
+    def is_plain_dry_friction(self) -> bool:
+        """Whether it is one level that opposes the motion."""
+        return self.functions.level is not None and len(self.formula) == 1 and not self.shape_names
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
         force, length = joint_units(scene, place)
