@@ -24,6 +24,8 @@ from symid.simulation.postfix import Program, program
 
 _POINTS_PER_ROW = 2
 """Of the integration: the band ends at a quarter of that rate."""
+_NOTHING = 1e-9
+"""Share of a change that rounding leaves in an equation in which it does not stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +93,17 @@ def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
     if stiffness:
         carried = carried - free * (balance @ plant.stiffness @ carried) / stiffness
     return HiddenMotion(free, carried, balance)
+
+
+def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
+    """Whether two plants differ in the equation of the hidden motion, and not in that of the drive alone."""
+    balance = hidden_motion(plant, driven).balance
+    kinds = ("mass", "damping", "stiffness", "constant")
+    changes = [getattr(other, kind) - getattr(plant, kind) for kind in kinds]
+    for law, moved in zip(plant.laws, other.laws, strict=True):
+        by = (after - before for (before, _), (after, _) in zip(law.terms, moved.terms, strict=True))
+        changes += [law.direction * change for change in by]
+    return any(np.abs(balance @ change).max() > _NOTHING * np.abs(change).max() for change in changes)
 
 
 def integrated_motion(

@@ -208,11 +208,15 @@ class Scene:
             outputs.append(s**order * (row @ self.displacements))
         return np.stack(outputs)
 
+    @property
+    def driven_row(self) -> FloatArray:
+        """The driven position is the product of this with the displacements of the bodies."""
+        return self.response.plant.sensors[self.record.signals[0]][0]
+
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
         """Outputs for forces on what moves without the driven position, of shape (n_outputs, n_bins) each."""
-        row = self.response.plant.sensors[self.record.signals[0]][0]
-        free = np.linalg.svd(row[None])[2][1:]
+        free = np.linalg.svd(self.driven_row[None])[2][1:]
         return tuple(self.response.of_force(direction) for direction in free)
 
     @cached_property
@@ -251,8 +255,7 @@ class Scene:
 
     def _driven_share(self, direction: FloatArray) -> float | None:
         """Displacement along a direction for a unit of the driven position; None if other motion takes part in it."""
-        sensors = self.response.plant.sensors
-        row = sensors[self.record.signals[0]][0]
+        sensors, row = self.response.plant.sensors, self.driven_row
         if sum(sensors[name][1] == 0 for name in self.record.signals) > row.size:
             return None  # positions that contradict each other share their error out
         share = float(row @ direction / (row @ row))

@@ -9,6 +9,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray
 from symid.diagnosis.effects import Placed
+from symid.diagnosis.hidden_motion import acts_on_hidden
 from symid.diagnosis.scene import Scene
 from symid.diagnosis.state import State, predicted
 
@@ -33,22 +34,21 @@ def derivatives(state: State) -> ComplexArray:
 
 def _by_differences(state: State) -> ComplexArray:
     """The same where hidden motion is integrated: no frequency response says how friction that holds answers."""
-    scene, columns = state.scene, []
+    scene, parameters, placed = state.scene, state.scene.parameters, state.placed
 
-    def add(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> None:
+    def column(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
         _, errors = predicted(state, parameters, placed)
-        columns.append((state.errors - errors) / (_INTEGRATED_STEP * value))
+        return np.asarray((state.errors - errors) / (_INTEGRATED_STEP * value))
 
-    for name in scene.record.dynamics.parameters:
-        value = abs(scene.parameters[name]) or 1.0
-        add(
-            value,
-            dict(scene.parameters) | {name: scene.parameters[name] + _INTEGRATED_STEP * value},
-            state.placed,
-        )
-    for at, item in enumerate(state.placed):
+    columns = list(_by_parameters(scene, placed))
+    for k, name in enumerate(scene.record.dynamics.parameters):
+        value = abs(parameters[name]) or 1.0
+        moved = dict(parameters) | {name: parameters[name] + _INTEGRATED_STEP * value}
+        if acts_on_hidden(scene.response.plant, scene.record.dynamics.at(moved), scene.driven_row):
+            columns[k] = column(value, moved, placed)
+    for at, item in enumerate(placed):
         for value, other in _moved(item):
-            add(value, scene.parameters, (*state.placed[:at], other, *state.placed[at + 1 :]))
+            columns.append(column(value, parameters, (*placed[:at], other, *placed[at + 1 :])))
     return np.stack(columns)
 
 

@@ -183,7 +183,7 @@ def is_hidden(scene: Scene, joint: Joint) -> bool:
     """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
     if len(scene.response.plant.bodies) != 2:
         return False
-    row = scene.response.plant.sensors[scene.record.signals[0]][0]
+    row = scene.driven_row
     driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
     return not driven and np.array_equal(joint.spectrum, joint.modelled)
 
