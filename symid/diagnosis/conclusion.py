@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.deviations import standard_deviations
@@ -149,15 +147,13 @@ def _effects(
 
 
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
-    """Values of each effect with standard deviations, nan for those that are not free."""
+    """Free values of each effect with standard deviations."""
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     found, place = [], 0
     for item in fit.state.placed:
-        n_amplitudes = 0 if item.effect.fixed else len(item.amplitudes)
-        own = deviations[place : place + n_amplitudes + len(item.shape)]
+        own = deviations[place : place + item.n_free]
         place += own.size
-        stds = np.concatenate([np.full(len(item.amplitudes) - n_amplitudes, np.nan), own])
-        values = zip(item.values(fit.state.scene), stds, strict=True)
+        values = zip(item.values(fit.state.scene), own, strict=True)
         found.append({name: EffectParameter(value, float(std), unit) for (name, value, unit), std in values})
     return found
 

@@ -175,7 +175,7 @@ def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
 
 def _left_out(scene: Scene, item: Placed) -> str:
     """What an axis file cannot say of an effect: what acts before its cause is a matter of the recording."""
-    found = {name: (value, unit) for name, value, unit in item.values(scene) if name != "share"}
+    found = {name: (value, unit) for name, value, unit in item.values(scene)}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
         late = f"{scene.axis.drive.signal}={-1e6 * found['T'][0]:.4g}us"

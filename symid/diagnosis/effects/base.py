@@ -192,11 +192,11 @@ class Placed:
         return np.tensordot(self.amplitudes, self.effect.columns(scene, self.at, self.shape), 1)
 
     def values(self, scene: Scene) -> list[tuple[str, float, str]]:
-        """Name, value and unit of each amplitude and shape parameter."""
+        """Name, value and unit of each free amplitude and shape parameter."""
         names = (*self.effect.amplitudes, *self.effect.shape_names)
-        return list(
-            zip(names, (*self.amplitudes, *self.shape), self.effect.units(scene, self.at), strict=True)
-        )
+        units = self.effect.units(scene, self.at)
+        found = zip(names, (*self.amplitudes, *self.shape), units, strict=True)
+        return list(found)[len(self.amplitudes) if self.effect.fixed else 0 :]
 
 
 def best_peaks(score: FloatArray, places: FloatArray, count: int) -> Sequence[float]:
