@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
 
@@ -98,33 +99,33 @@ class Axis(Shown):
         parameters = ", ".join(self.physical_parameters)
         return f"{self.name}: {bodies} moved by {self.drive.signal}, measured by {sensors}, parameters {parameters}"
 
-    @property
+    @cached_property
     def bodies(self) -> tuple[Body, ...]:
         """Bodies in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Body))
 
-    @property
+    @cached_property
     def free_bodies(self) -> tuple[Body, ...]:
         """Bodies that have a coordinate of their own: all but the geared ones."""
         return tuple(body for body in self.bodies if body.geared is None)
 
-    @property
+    @cached_property
     def laws(self) -> tuple[Law, ...]:
         """Force laws in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Law))
 
-    @property
+    @cached_property
     def imperfections(self) -> tuple[Imperfection, ...]:
         """What acts beyond the regressor, in the order of its declaration."""
         return tuple(element for element in self.elements if isinstance(element, Imperfection))
 
-    @property
+    @cached_property
     def physical_parameters(self) -> dict[str, Unit]:
         """Unknown physical parameters and their units, in the order of the declaration."""
         known = self.known_parameters
         return {name: unit for name, unit in self.parameter_units.items() if name not in known}
 
-    @property
+    @cached_property
     def known_parameters(self) -> dict[str, float]:
         """Values of the physical parameters that are known, SI, in the order of the declaration."""
         numbers = {name: value for element in self.elements for name, value in _numbers_of(element)}
@@ -135,22 +136,22 @@ class Axis(Shown):
         """Values of parameters and those that the axis knows, which go first, SI."""
         return {**parameters, **self.known_parameters}
 
-    @property
+    @cached_property
     def parameter_units(self) -> dict[str, Unit]:
         """Physical parameters, unknown and known, with their units, in the order of the declaration."""
         return {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
 
-    @property
+    @cached_property
     def signed_parameters(self) -> tuple[str, ...]:
         """Physical parameters that may be negative; masses, springs, dampers and friction levels may not."""
         return tuple(term.parameter for law in self.laws for term in law.terms() if term.signed)
 
-    @property
+    @cached_property
     def log_parameters(self) -> tuple[str, ...]:
         """Physical parameters that have another value in each log."""
         return tuple(term.parameter for law in self.laws for term in law.terms() if term.per_log)
 
-    @property
+    @cached_property
     def signal_units(self) -> dict[str, Unit]:
         """Unit of the drive's and of every sensor's signal."""
         second = Unit.of("s")
