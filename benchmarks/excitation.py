@@ -15,7 +15,7 @@ import numpy as np
 
 from symid.axis import load_axis
 from symid.codegen import model_of
-from symid.excitation import Experiment, design
+from symid.excitation import IdentificationTrial, design
 from symid.simulation import Limits, plant_of, simulate, tuned_cascade
 
 VALUES = {
@@ -26,15 +26,17 @@ LIMITS, FORCE = Limits((-0.2, 0.2), speed=1.0, acceleration=8.0), 20e3
 SECONDS, RATE, RUNS = 10.0, 4000.0, 12
 
 
-def experiment_of(name: str) -> Experiment:
+def experiment_of(name: str) -> IdentificationTrial:
     """An axis with noise of its force and of the position that is controlled."""
     axis, values = load_axis(name), VALUES[name]
     axis = axis.with_signal(axis.controlled, noise=1e-7).with_signal(axis.drive.signal, noise=1.0)
     controller = tuned_cascade(plant_of(axis, values), axis.controlled, 20.0)
-    return Experiment(axis, model_of(name), values, controller, LIMITS, FORCE)
+    return IdentificationTrial(axis, model_of(name), values, controller, LIMITS, FORCE)
 
 
-def spread(experiment: Experiment, found: dict[int, tuple[dict[str, float], dict[str, float]]]) -> None:
+def spread(
+    experiment: IdentificationTrial, found: dict[int, tuple[dict[str, float], dict[str, float]]]
+) -> None:
     """Print the standard deviation of estimates over the mean of their expected deviations, and their bias."""
     for name, truth in experiment.parameters.items():
         values = np.array([one[0][name] for one in found.values()])

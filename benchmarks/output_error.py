@@ -29,7 +29,7 @@ from scipy import linalg, signal
 import symid
 from symid.axis import Axis
 from symid.output_error import OutputErrorIdentification, identify_output_error
-from symid.output_error.comparison import Comparison
+from symid.output_error.comparison import ErrorModel
 from symid.output_error.starts import rigid_start, spread, with_heavy_bodies
 from symid.simulation import (
     Cascade,
@@ -410,7 +410,7 @@ def print_starts() -> None:
             rough = rigid_start(model, dynamics, [log])
             known = (rough, with_heavy_bodies(dynamics, rough))
             starts = [start for values in known for start in spread(dynamics, values, rate)]
-            fit = Comparison(model, dynamics, symid.Preparation(), "held").fit([log], starts)
+            fit = ErrorModel(model, dynamics, symid.Preparation(), "held").fit([log], starts)
             if fit is None:
                 raise RuntimeError(f"no start at {rate:g} Hz")
             found = fit.search.parameters

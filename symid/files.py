@@ -33,7 +33,7 @@ _KINDS: Final = (
 
 
 def irregular(path: str | os.PathLike[str]) -> str | None:
-    """What a path leads to if that is no regular file, whose reading might never end; None if it is one.
+    """Kind of a file that is not regular, whose reading might never end; None for a regular file.
 
     Raises
     ------
@@ -76,12 +76,12 @@ def require_regular(path: str | os.PathLike[str], error: type[Exception] = Setti
 
 
 def read_json(file: str | os.PathLike[str]) -> Any:
-    """What a JSON file of settings holds.
+    """Content of a JSON file of settings.
 
     Raises
     ------
     SettingError
-        If it is no regular file, too long, not UTF-8, no JSON, or nested too deep.
+        If the file is not regular, too long, not UTF-8, not JSON, or nested too deeply.
     """
     path = Path(file)
     require_regular(path)
@@ -92,7 +92,7 @@ def read_json(file: str | os.PathLike[str]) -> Any:
     except RecursionError as error:
         raise SettingError(f"{path}: is nested too deep: correct it") from error
     except ValueError as error:
-        raise SettingError(f"{path}: is no JSON ({error}): correct it") from error
+        raise SettingError(f"{path}: is not JSON ({error}): correct it") from error
     except OSError as error:
         raise SettingError(f"{path}: cannot be read ({error.strerror}): check the file") from error
 

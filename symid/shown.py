@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Shown:
-    """What a user gets back and looks at.
+    """Result that a user displays.
 
     How each kind looks is written in `symid.report.views`, above all results: it is opened when one is shown, so that
     computing needs no drawing.
@@ -27,14 +27,14 @@ class Shown:
 
     @property
     def headline(self) -> str:
-        """The result in a line."""
+        """One line that summarises the result."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {visible(self.headline)}>"
 
     def _repr_html_(self) -> str:
-        """What notebooks show."""
+        """HTML that notebooks show."""
         return str(_views().as_html(self))
 
     def summary(self) -> str:

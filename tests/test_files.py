@@ -84,9 +84,9 @@ def test_what_is_no_file_is_not_read(name: str, tmp_path: Path) -> None:
     ("text", "says"),
     [
         ("[" * 100_000, "nested too deep"),
-        ("{'a': 1}", "is no JSON"),
-        ("", "is no JSON"),
-        ("\xff\xfe", "is no JSON"),
+        ("{'a': 1}", "is not JSON"),
+        ("", "is not JSON"),
+        ("\xff\xfe", "is not JSON"),
     ],
 )
 def test_json_that_is_none_is_refused_with_its_name(text: str, says: str, tmp_path: Path) -> None:

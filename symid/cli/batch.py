@@ -29,7 +29,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked, working
 from symid.cli.saying import say
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
@@ -87,7 +87,7 @@ batch_options = shared(
 
 
 @click.command(
-    "batch", cls=Command, epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm"
+    "batch", cls=SafeCommand, epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm"
 )
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG ...")

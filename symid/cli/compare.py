@@ -5,12 +5,12 @@ from __future__ import annotations
 import click
 
 from symid.cli.options import json_option, write_json
-from symid.cli.outputs import Command
+from symid.cli.outputs import SafeCommand
 from symid.files import read_json
 from symid.report.comparison import comparison_record, print_comparison, values_of
 
 
-@click.command("compare", cls=Command, epilog="Example: symid compare monday.json friday.json")
+@click.command("compare", cls=SafeCommand, epilog="Example: symid compare monday.json friday.json")
 @click.argument("first", metavar="A.json")
 @click.argument("second", metavar="B.json")
 @json_option

@@ -6,7 +6,7 @@ import click
 
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import working
 from symid.cli.saying import say
 from symid.codegen import load_generated
@@ -22,7 +22,7 @@ PUBLISHED_RECIPE = Preparation(
 """Of the report of Janot, Gautier and Brunot (2019); its deviations divide by the number of rows less one."""
 
 
-@click.command("demo", cls=Command, epilog="Example: symid demo --report emps_report.html")
+@click.command("demo", cls=SafeCommand, epilog="Example: symid demo --report emps_report.html")
 @click.option(
     "--report",
     metavar="OUT.html",

@@ -24,7 +24,7 @@ from symid.cli.options import (
     reference_file,
     write_json,
 )
-from symid.cli.outputs import Command, Output, overwrite_option
+from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import working
 from symid.cli.saying import say
 from symid.data import write_log
@@ -39,7 +39,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
 
 @click.command(
     "diagnose",
-    cls=Command,
+    cls=SafeCommand,
     epilog="Example: symid diagnose emps data/emps/DATA_EMPS.mat --column q=qm "
     "--validation data/emps/DATA_EMPS_PULSES.mat --report emps.html",
 )
@@ -66,7 +66,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
     "experiment",
     metavar="FILE.csv",
     type=Output("log"),
-    help="Write the reference that best tells the cause found from its strongest rival.",
+    help="Write the reference that best distinguishes the cause found from its strongest rival.",
 )
 @click.option(
     "--limit",
@@ -138,7 +138,7 @@ def _controller(axis: Axis, gains: tuple[str, ...]) -> Cascade | None:
 def _write_axis(found: Diagnosis, file: Path) -> None:
     """The axis with the effects found, and values of its parameters."""
     if not found.effects:
-        raise SettingError(f"--write-axis {file}: no effect was found, so there is no other axis to write")
+        raise SettingError(f"--write-axis {file}: no effect was found, so there is no new axis to write")
     explained = explained_axis(found)
     write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
     write_json(explained.values, str(file.with_suffix(".json")))

@@ -22,14 +22,14 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.outputs import Command, Output, overwrite_option
+from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import tracked
 from symid.cli.saying import say
 from symid.cli.simulate import cascade_of, with_imperfections
 from symid.codegen import model_of
 from symid.data import write_log
 from symid.errors import SettingError
-from symid.excitation import Design, Experiment, design
+from symid.excitation import Design, IdentificationTrial, design
 from symid.simulation import Limits, plant_of
 from symid.units import Unit
 
@@ -56,7 +56,7 @@ _run_options = shared(
 
 @click.command(
     "excite",
-    cls=Command,
+    cls=SafeCommand,
     epilog="Example: symid excite rigid_1m --parameters P.json --noise q=1e-7 --noise F=1 "
     "--limits travel=0.4m,speed=1m/s,acceleration=8m/s^2,force=2kN -o reference.csv",
 )
@@ -94,7 +94,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     limits, force = _limits(options["limits_text"], declared)
     controller = cascade_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
     model = model_of(axis, signal_list(options["measured"]))
-    experiment = Experiment(declared, model, parameters, controller, limits, force)
+    experiment = IdentificationTrial(declared, model, parameters, controller, limits, force)
     found = design(
         experiment,
         options["seconds"],
@@ -130,7 +130,7 @@ def _limits(text: str, axis: Axis) -> tuple[Limits, float]:
     return limits, values.get("force", math.inf)
 
 
-def _record(found: Design, experiment: Experiment, output: str) -> dict[str, Any]:
+def _record(found: Design, experiment: IdentificationTrial, output: str) -> dict[str, Any]:
     every = {"designed": found.best, **found.defaults}
     return {
         "axis": experiment.axis.name,
@@ -146,7 +146,7 @@ def _record(found: Design, experiment: Experiment, output: str) -> dict[str, Any
     }
 
 
-def _print(found: Design, experiment: Experiment, output: str) -> None:
+def _print(found: Design, experiment: IdentificationTrial, output: str) -> None:
     best, allowed = found.best, experiment.allowed
     motion = best.trajectory
     low, high = motion.extremes.lowest, motion.extremes.highest

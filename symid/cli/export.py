@@ -17,7 +17,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.cli.saying import say
 from symid.errors import SettingError
 from symid.export import Exported, c_source, mjcf, parameter_record, write_fmu
@@ -33,7 +33,7 @@ def _kind(options: Mapping[str, Any]) -> str:
 
 @click.command(
     "export",
-    cls=Command,
+    cls=SafeCommand,
     epilog="Example: symid export direct_2m1s --parameters P.json --to c --measured q2,ddq1 -o axis.c",
 )
 @click.argument("axis")

@@ -11,7 +11,7 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.options import json_option, signal_list, write_json
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import working
 from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
@@ -27,7 +27,7 @@ from symid.report.fleet import fleet_record, print_fleet
 from symid.signals import is_signal_name
 
 
-@click.command("fleet", cls=Command, epilog="Example: symid fleet results.parquet --report fleet.html")
+@click.command("fleet", cls=SafeCommand, epilog="Example: symid fleet results.parquet --report fleet.html")
 @click.argument("results", metavar="RESULTS.parquet")
 @click.option(
     "--by",
@@ -116,7 +116,5 @@ def write_page(
 def _model(files: Mapping[str, str], axis: str, sensors: tuple[str, ...]) -> GeneratedModel:
     """Model of an axis that results name. A table only names: which file is run, the user says."""
     if axis not in files and not is_signal_name(axis):
-        raise SettingError(
-            f"results name the axis {axis!r}, which is no name: say with --axis which file is meant"
-        )
+        raise SettingError(f"results name the axis {axis!r}, which is not a name: give its file with --axis")
     return model_of(files.get(axis, axis), sensors or None)

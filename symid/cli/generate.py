@@ -7,14 +7,14 @@ import sys
 import click
 
 from symid.cli.options import json_option, measured_option, signal_list, write_json
-from symid.cli.outputs import Command
+from symid.cli.outputs import SafeCommand
 from symid.cli.progress import tracked
 from symid.cli.saying import say
 from symid.codegen.generate import plan
 from symid.codegen.store import write
 
 
-@click.command("generate", cls=Command, epilog="Example: symid generate direct_2m1s")
+@click.command("generate", cls=SafeCommand, epilog="Example: symid generate direct_2m1s")
 @click.argument("axes", nargs=-1, metavar="[AXIS ...]")
 @measured_option
 @click.option(

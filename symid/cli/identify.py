@@ -37,7 +37,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked, working
 from symid.codegen import GeneratedModel, model_of
 from symid.data import AnyLog, Log
@@ -67,7 +67,7 @@ loop_options = shared(
 
 
 @click.command(
-    "identify", cls=Command, epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm"
+    "identify", cls=SafeCommand, epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm"
 )
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
@@ -279,5 +279,5 @@ def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
 
 
 def _drawn(run: AnyLog) -> Log:
-    """What plots show of a log: its first block."""
+    """The part of a log in plots: its first block."""
     return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))

@@ -13,7 +13,7 @@ from rich.table import Table as Shown
 from symid.axis import Axis, load_axis
 from symid.cli.numbers import POSITIVE, Number
 from symid.cli.options import dark_option, json_option, write_json
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
 from symid.data.formats.scope_text import writer_of
@@ -24,8 +24,8 @@ from symid.report.console import report_console
 
 
 @dataclass(frozen=True)
-class Look:
-    """What a foreign file seems to hold."""
+class ForeignFile:
+    """Guesses about a foreign file."""
 
     layout: Layout | None
     table: Table
@@ -35,7 +35,7 @@ class Look:
 
 @click.command(
     "import",
-    cls=Command,
+    cls=SafeCommand,
     epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json",
 )
 @click.argument("log")
@@ -77,7 +77,7 @@ def command(log: str, **options: Any) -> None:
         _show(log, look, mapping, options)
 
 
-def _look(path: Path, rate: float | None) -> Look:
+def _look(path: Path, rate: float | None) -> ForeignFile:
     """Layout, columns and the sampling period that is given or stated."""
     text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
     layout = guessed_layout(path) if text and writer_of(path) is None else None
@@ -85,10 +85,10 @@ def _look(path: Path, rate: float | None) -> Look:
         raise SettingError(f"--rate is {rate:g}: it must be positive")
     table = open_table(path, layout)
     period = 1 / rate if rate else (stated_period(path, layout) if layout else None)
-    return Look(layout, table, foreign_columns(table), period)
+    return ForeignFile(layout, table, foreign_columns(table), period)
 
 
-def _mapping(look: Look, axis: Axis, options: dict[str, Any]) -> LogMapping:
+def _mapping(look: ForeignFile, axis: Axis, options: dict[str, Any]) -> LogMapping:
     return guessed_mapping(
         axis,
         look.columns,
@@ -99,7 +99,7 @@ def _mapping(look: Look, axis: Axis, options: dict[str, Any]) -> LogMapping:
     )
 
 
-def _record(log: str, look: Look, mapping: LogMapping | None) -> dict[str, Any]:
+def _record(log: str, look: ForeignFile, mapping: LogMapping | None) -> dict[str, Any]:
     return {
         "log": log,
         "layout": asdict(look.layout) if look.layout else None,
@@ -115,7 +115,7 @@ def _header_said(layout: Layout) -> str:
     return f"{layout.above} lines above the header, {layout.below} between it and the values"
 
 
-def _show(log: str, look: Look, mapping: LogMapping | None, options: dict[str, Any]) -> None:
+def _show(log: str, look: ForeignFile, mapping: LogMapping | None, options: dict[str, Any]) -> None:
     console = report_console()
     if look.layout:
         of = look.layout

@@ -45,7 +45,7 @@ def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
     Raises
     ------
     SettingError, LogError
-        If there is no such parameter, or a value or its unit cannot be read.
+        If the parameter does not exist, or a value or its unit cannot be read.
     """
     units = axis.parameter_units
     given = assignments(values, "--fix")
@@ -91,7 +91,7 @@ def constraints_of(options: dict[str, Any], axis: Axis, model: GeneratedModel) -
         unit = axis.parameter_units.get(name, Unit())
         if not dots:
             raise SettingError(
-                f"--bounds {name}={text} is no range: write LOW..HIGH, one of them may be left out"
+                f"--bounds {name}={text} is not a range: write LOW..HIGH, one of them may be omitted"
             )
         bounds[name] = (
             quantity(low, unit, f"--bounds {name}") if low else None,

@@ -98,13 +98,13 @@ def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
 
 
 def log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
-    """What the log options say of columns, and the sensors to read."""
+    """Columns from the log options, and the sensors to read."""
     require_known(mapping_of(options), declared)
     return {"measured": signal_list(options["measured"]), **foreign_columns(options)}
 
 
 def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
-    """What mapping and log options say of a foreign file."""
+    """Columns of a foreign file from mapping and log options."""
     mapping, gains = mapping_of(options), assignments(options["gain"], "--gain")
     return {
         "columns": {**mapping.columns, **assignments(options["column"], "--column")},
@@ -117,7 +117,7 @@ def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
-    """What a mapping guessed, as notes; said on standard error."""
+    """Guesses of a mapping as notes, printed on standard error."""
     guesses = mapping_of(options).guesses
     if guesses:
         say(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)

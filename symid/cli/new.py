@@ -9,14 +9,16 @@ import click
 
 from symid.axis import load_axis, sketch, sketch_source
 from symid.cli.options import json_option, write_json
-from symid.cli.outputs import Command
+from symid.cli.outputs import SafeCommand
 from symid.cli.saying import say
 from symid.errors import SettingError
 from symid.signals import is_signal_name
 
 
 @click.command(
-    "new", cls=Command, epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure"
+    "new",
+    cls=SafeCommand,
+    epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure",
 )
 @click.argument("axis")
 @click.option(
@@ -54,7 +56,7 @@ def command(
 ) -> None:
     """Write the file of a new AXIS: models/AXIS.py for a name, or the given path that ends with .py."""
     path = Path(axis) if axis.endswith(".py") else Path("models") / f"{axis}.py"
-    named = axis if not axis.endswith(".py") else path.stem  # a name is no path to elsewhere
+    named = axis if not axis.endswith(".py") else path.stem  # a name is not a path
     if not is_signal_name(named) or iskeyword(named):
         raise SettingError(
             f"{axis!r} cannot name an axis: use letters, digits and underscores, a letter first"

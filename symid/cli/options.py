@@ -108,7 +108,7 @@ def bytes_of(text: str, what: str) -> int:
     Raises
     ------
     SettingError
-        If it is no such text.
+        If the text cannot be read.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def bytes_of(text: str, what: str) -> int:
     sizes = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
     factor = sizes.get(text[-2:])
     if factor is None:
-        raise SettingError(f"{what} {text!r} is no size: write a number with kB, MB or GB, such as 512MB")
+        raise SettingError(f"{what} {text!r} is not a size: write a number with kB, MB or GB, such as 512MB")
     size = number(text[:-2], what)
     if not 1 <= size * factor < 1e18:
         raise SettingError(f"{what} {text!r} is not possible: give a size such as 512MB")
@@ -126,7 +126,7 @@ def bytes_of(text: str, what: str) -> int:
 
 
 def require_signals(axis: Axis, names: Iterable[str]) -> None:
-    """Refuse names that are no signals of an axis.
+    """Refuse names that are not signals of an axis.
 
     Raises
     ------

@@ -25,7 +25,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
     "axis": (),
     "results": (b"",),  # a batch looks into them itself
 }
-"""How files begin that a command may replace: those of its own kind. A log or an axis file may be a user's work."""
+"""First bytes of files that a command may replace: its own kind. A log or axis file may be a user's work."""
 _BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "json"), "c": (".h", "c")}
 """Suffix and kind of a second file that is written beside one of some kind."""
 _LOOK: Final = 4096
@@ -66,7 +66,7 @@ class _Wanted:
         return f"{self.option} {str(self.path)!r}"
 
 
-class Command(click.Command):
+class SafeCommand(click.Command):
     """A command whose outputs are checked before it does anything."""
 
     def invoke(self, ctx: click.Context) -> Any:

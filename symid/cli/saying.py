@@ -1,4 +1,4 @@
-"""What commands print besides reports: visible text, also where a stream is closed or knows only ASCII."""
+"""Messages of commands besides reports: visible text, also where a stream is closed or knows only ASCII."""
 
 from __future__ import annotations
 

@@ -6,13 +6,13 @@ import click
 
 from symid.axis import load_axis
 from symid.cli.options import dark_option, json_option, measured_option, signal_list, write_json
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.report.colours import palette_of
 from symid.report.derivation import derivation_record, print_derivation
 from symid.symbolic import derive
 
 
-@click.command("show", cls=Command, epilog="Example: symid show direct_2m1s --measured q2,ddq1")
+@click.command("show", cls=SafeCommand, epilog="Example: symid show direct_2m1s --measured q2,ddq1")
 @click.argument("axis")
 @measured_option
 @click.option(

@@ -26,7 +26,7 @@ from symid.cli.options import (
     shared,
     write_json,
 )
-from symid.cli.outputs import Command, Output, overwrite_option
+from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import tracked
 from symid.cli.saying import say
 from symid.data import read_log, write_log
@@ -50,7 +50,7 @@ from symid.simulation import (
 _UNIT = 1e-3
 """Amplitude of a trial trajectory, SI."""
 _LONGEST_PERIOD = 500_000
-"""Samples of a multisine's period; frequencies of longer ones are no short fractions."""
+"""Samples of a multisine's period; longer periods need frequencies that are not short fractions."""
 _FADES = 10
 """A multisine is faded in and out in a tenth of its time each."""
 
@@ -120,7 +120,7 @@ controller_options = shared(
 
 
 @click.command(
-    "simulate", cls=Command, epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv"
+    "simulate", cls=SafeCommand, epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv"
 )
 @click.argument("axis")
 @click.option(
@@ -278,7 +278,7 @@ def _reached(trajectory: Trajectory) -> dict[str, float]:
 
 
 def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> str:
-    """What a trajectory reaches of what was asked for, and what kept it from the travel."""
+    """Text on the reached part of the requested limits, and the limit that binds."""
     unit = axis.signal_units[axis.controlled]
     reached = _reached(trajectory)
     units = (str(unit), f"{unit}/s", f"{unit}/s^2")

@@ -23,7 +23,7 @@ from symid.cli.options import (
     signal_list,
     write_json,
 )
-from symid.cli.outputs import Command, Output
+from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
 from symid.codegen import model_of
@@ -50,7 +50,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 
 @click.command(
     "tune",
-    cls=Command,
+    cls=SafeCommand,
     context_settings={"default_map": _DEFAULTS},
     epilog="Example: symid tune direct_2m1s --parameters P.json --measured q2,ddq1 --plot tuning.png",
 )

@@ -11,7 +11,7 @@ from symid.data.filtering import (
     decimation_filter,
     derivatives,
     difference_factors,
-    faithful_share,
+    differencing_bandwidth,
     kept_indices,
 )
 from symid.data.foreign import ForeignColumn, foreign_columns
@@ -52,7 +52,7 @@ __all__ = [
     "decimation_filter",
     "derivatives",
     "difference_factors",
-    "faithful_share",
+    "differencing_bandwidth",
     "foreign_columns",
     "guessed_layout",
     "in_pieces",

@@ -270,7 +270,7 @@ def central_difference_gain(
     return np.asarray(sum(2.0 * k * factor * np.sinc(2.0 * k * turns) for k, factor in factors))[()]
 
 
-def faithful_share(differences: int, gain: float, *, order: int = 2) -> float:
+def differencing_bandwidth(differences: int, gain: float, *, order: int = 2) -> float:
     """Frequency over sampling frequency at which successive central differences keep a gain, equation [36].
 
     [sin(w T) / (w T)]^m = A is solved for w T / (2 pi). A cutoff frequency divided by it is the first guess of the
@@ -294,7 +294,7 @@ def faithful_share(differences: int, gain: float, *, order: int = 2) -> float:
     --------
     The two sampling frequencies of the paper, from -0.08 dB and -0.045 dB at 164.42 Hz:
 
-    >>> [round(164.42 / faithful_share(m, 10 ** (db / 20))) for m, db in ((4, -0.08), (2, -0.045))]
+    >>> [round(164.42 / differencing_bandwidth(m, 10 ** (db / 20))) for m, db in ((4, -0.08), (2, -0.045))]
     [8791, 8289]
     """
     if differences < 1 or not 0.0 < gain < 1.0:

@@ -170,11 +170,14 @@ def corrected_covariance_of_blocks(
     samples = max(fit.rows)
     lags = default_max_lag(samples) if max_lag is None else max_lag
     by_log = _residual_covariances(read, fit, lags)
+    # The covariance of X is H^-1 (W' Gamma W) H^-1. Gamma is banded Toeplitz: autocovariances of the residual, tapered
+    # to zero beyond the lag at which they drown in their own sampling error, since far lags add noise only.
     gamma = np.stack(list(by_log.values()))
     length = correlation_length(gamma, samples)
     taper = flat_top(lags, lags // 2 if length is None else min(length, lags // 2))
     bandwidth = int(np.count_nonzero(taper)) // 2 + 1
     kernel = (gamma * taper)[..., lags - bandwidth + 1 : lags + bandwidth]
+    # A taper with negative side lobes can make Gamma indefinite; its spectrum is clipped to be positive.
     weighted = {
         first: _positive(own * np.multiply.outer(weights, weights)[:, :, None])
         for first, own in zip(by_log, kernel, strict=True)

@@ -1,7 +1,7 @@
-"""Design of the reference for an identification: which motion within limits tells the parameters best."""
+"""Design of the reference for an identification: the motion within limits that determines the parameters best."""
 
 from symid.excitation.design import Design, design
-from symid.excitation.expectation import Expectation, Experiment
+from symid.excitation.expectation import Expectation, IdentificationTrial
 from symid.excitation.references import references
 
-__all__ = ["Design", "Expectation", "Experiment", "design", "references"]
+__all__ = ["Design", "Expectation", "IdentificationTrial", "design", "references"]

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from symid.errors import SettingError
-from symid.excitation.expectation import Expectation, Experiment
+from symid.excitation.expectation import Expectation, IdentificationTrial
 from symid.excitation.references import DEFAULTS, references
 from symid.simulation import Trajectory, plant_of
 
 _FINALISTS, _RUNS = 6, 4
-"""The best of one run each, and the defaults, are judged by so many runs: one tells little of systematic errors."""
+"""Simulated runs that judge the best candidates and the defaults; one run shows little of systematic errors."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Design:
 
 
 def design(
-    experiment: Experiment,
+    experiment: IdentificationTrial,
     seconds: float,
     rate: float,
     *,
@@ -45,7 +45,7 @@ def design(
 
     Parameters
     ----------
-    experiment : Experiment
+    experiment : IdentificationTrial
         Axis, noise, controller and limits.
     seconds, rate : float
         Duration, s, and samples per second of controller and log, Hz.

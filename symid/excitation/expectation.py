@@ -1,4 +1,4 @@
-"""What an identification is expected to give along a reference: simulated, identified, its limits verified.
+"""Expected result of an identification along a reference: simulated, identified, limits verified.
 
 The inverse of the covariance of weighted least squares is the information that the log holds for it, at the filter and
 differences that `identify` chooses. The truth is known here, so that a systematic error is seen as well.
@@ -54,7 +54,7 @@ class Expectation:
 
 
 @dataclass(frozen=True)
-class Experiment:
+class IdentificationTrial:
     """An axis as it will be identified.
 
     Parameters
@@ -93,13 +93,13 @@ class Experiment:
 
     @property
     def allowed(self) -> dict[str, float]:
-        """Limits by name."""
+        """Limits of travel, speed, acceleration, jerk and force by name."""
         low, high = self.limits.travel
         rates = {name: getattr(self.limits, name) for name in ("speed", "acceleration", "jerk")}
         return {"travel": high - low, **rates, "force": self.force}
 
     def reached(self, trajectory: Trajectory, run: Simulation) -> dict[str, float]:
-        """What a simulated axis did at its first sensor; the jerk is that of the reference."""
+        """Extremes of a simulated axis at its first sensor; the jerk is that of the reference."""
         plant = plant_of(self.axis, self.parameters)
         row, _ = plant.sensors[self.axis.controlled]
         n = row.size
@@ -127,7 +127,7 @@ class Experiment:
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
 
     def expectation(self, trajectory: Trajectory, runs: int = 1) -> Expectation | None:
-        """What to expect along a trajectory; None if limits do not allow it or it does not tell the parameters.
+        """Expectation along a trajectory; None if it exceeds limits or does not determine the parameters.
 
         Parameters
         ----------

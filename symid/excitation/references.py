@@ -195,7 +195,7 @@ def _named(motion: Trajectory) -> Trajectory:
 
 
 def _lasting(motion: Trajectory, count: int) -> Trajectory:
-    """With so many samples: at rest after its end."""
+    """The trajectory extended by rest to a number of samples."""
     still = np.zeros(max(count - motion.n_samples, 0))
     return Trajectory(
         np.append(motion.position, still + motion.position[-1])[:count],

@@ -7,7 +7,7 @@ from symid.fleet.journal import journal_file, read_journal
 from symid.fleet.kept_factors import join_results
 from symid.fleet.results import UNITS, read_results, units_in
 from symid.fleet.review import AxisReview, FleetReview, ParameterReview, review_fleet
-from symid.fleet.segments import Change, Segment
+from symid.fleet.segments import Change, TrendSegment
 from symid.fleet.settings import BatchSettings
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
 from symid.fleet.summary import summary_of
@@ -25,9 +25,9 @@ __all__ = [
     "JointIdentification",
     "LogFactors",
     "ParameterReview",
-    "Segment",
     "Spread",
     "SpreadVerdict",
+    "TrendSegment",
     "control_chart",
     "identify_batch",
     "identify_jointly",

@@ -32,7 +32,7 @@ from symid.fleet.table import (
     units_of,
     write_table,
 )
-from symid.fleet.work import Outcome, Task, killed, work
+from symid.fleet.work import LogOutcome, Task, killed, work
 from symid.shown import Shown
 from symid.text import visible
 
@@ -208,7 +208,7 @@ def _identified(
 
 
 def _row_of(
-    task: Task, outcome: Outcome | None, earlier: Mapping[str, Mapping[str, Row]]
+    task: Task, outcome: LogOutcome | None, earlier: Mapping[str, Mapping[str, Row]]
 ) -> tuple[Row, bool]:
     """Row of a log, and whether this run has made it."""
     found = outcome or killed(task)

@@ -25,7 +25,7 @@ import scipy
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
-from symid.fleet.segments import Change, Segment, cut, fitted_segment, places_of_step
+from symid.fleet.segments import Change, TrendSegment, cut, fitted_segment, places_of_step
 
 LEAST_RUNS = 8
 """Runs from which changes are looked for."""
@@ -58,7 +58,7 @@ class ControlChart:
         Runs that stand off their neighbours on both sides, alone or two in a row: nothing else is taken from them.
     between : float
         Standard deviation between runs within the segments.
-    segments : tuple of Segment
+    segments : tuple of TrendSegment
         Their times are days since the first run, or numbers of runs.
     changes : tuple of Change
         In order of time.
@@ -73,7 +73,7 @@ class ControlChart:
     outside: BoolArray
     isolated: BoolArray
     between: float
-    segments: tuple[Segment, ...]
+    segments: tuple[TrendSegment, ...]
     changes: tuple[Change, ...]
 
 
@@ -152,7 +152,7 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
     )  # squares of small values keep their digits
     x, variance, time = series.values / scale, (series.deviations / scale) ** 2, series.time
     outlying = np.zeros(x.size, dtype=bool)
-    segments: tuple[Segment, ...] = ()
+    segments: tuple[TrendSegment, ...] = ()
     between = 0.0
     if x.size >= LEAST_RUNS:
         between = _successive_variance(x, variance)
@@ -190,7 +190,7 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
 
 
 def slope_penalty(runs: int) -> float:
-    """What a slope costs in the criterion: a chi-square of one in a hundred, and more for long series.
+    """Penalty of a slope in the criterion: a chi-square of one in a hundred, and more for long series.
 
     Examples
     --------
@@ -221,7 +221,7 @@ def _stand_off(x: FloatArray, variance: FloatArray) -> BoolArray:
 
 
 def _variance_within(
-    x: FloatArray, variance: FloatArray, time: FloatArray, segments: Sequence[Segment], used: BoolArray
+    x: FloatArray, variance: FloatArray, time: FloatArray, segments: Sequence[TrendSegment], used: BoolArray
 ) -> float:
     """Variance between runs about the lines of the segments: the root of Q = degrees of freedom."""
     freedom = int(used.sum()) - sum(1 + s.drifts for s in segments)
@@ -249,7 +249,7 @@ def _changes(
     time: FloatArray,
     x: FloatArray,
     weights: FloatArray,
-    segments: Sequence[Segment],
+    segments: Sequence[TrendSegment],
 ) -> tuple[Change, ...]:
     """Steps between the segments and drifts within them."""
     freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
@@ -264,7 +264,12 @@ def _changes(
 
 
 def _steps(
-    series: _Series, time: FloatArray, x: FloatArray, weights: FloatArray, before: Segment, after: Segment
+    series: _Series,
+    time: FloatArray,
+    x: FloatArray,
+    weights: FloatArray,
+    before: TrendSegment,
+    after: TrendSegment,
 ) -> list[Change]:
     """The step between two segments; none where a drift begins or ends without one."""
     (old, old_variance), (new, new_variance) = before.at(time[after.first]), after.at(time[after.first])
@@ -289,7 +294,7 @@ def _steps(
     ]
 
 
-def _drift(series: _Series, time: FloatArray, segment: Segment) -> Change:
+def _drift(series: _Series, time: FloatArray, segment: TrendSegment) -> Change:
     first, last = segment.first, segment.end - 1
     length = float(time[last] - time[first])
     begin, end = segment.at(time[first])[0], segment.at(time[last])[0]
@@ -317,6 +322,6 @@ def _in_units(change: Change, scale: float, factor: float) -> Change:
     )
 
 
-def _scaled(s: Segment, scale: float) -> Segment:
+def _scaled(s: TrendSegment, scale: float) -> TrendSegment:
     variances = (s.level_variance * scale**2, s.slope_variance * scale**2)
-    return Segment(s.first, s.end, s.middle, s.level * scale, s.slope * scale, *variances)
+    return TrendSegment(s.first, s.end, s.middle, s.level * scale, s.slope * scale, *variances)

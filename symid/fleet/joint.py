@@ -1,7 +1,7 @@
 """Several logs of one axis as one estimate, from their triangular factors alone.
 
 The information of a log about the parameters is in the triangular factor R of its [W | y], a few hundred numbers.
-With the weight 1/sigma of its own residual, the factors of all logs stacked give the joint weighted estimate, the
+With the weight 1/sigma of each residual, the factors of all logs stacked give the joint weighted estimate, the
 same as if all rows had been read at once [24]-[30]. Its covariance allows for the correlated residual of each log:
 with A_k the weighted information W'S^2 W of log k, A their sum, and C_k the corrected covariance of log k alone,
 
@@ -31,7 +31,7 @@ from symid.identification.verdict import Status, verdict
 
 @dataclass(frozen=True, eq=False)
 class LogFactors:
-    """What a joint identification needs to know of one log.
+    """Data of one log for a joint identification.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ class JointIdentification(EstimatedParameters):
 
     @property
     def disagreement_probability(self) -> float:
-        """Probability of logs that disagree so much if the parameters are the same in all; nan if not known."""
+        """Probability of at least this disagreement if all logs share the parameters; nan if unknown."""
         if not self.degrees_of_freedom:
             return float("nan")
         return float(scipy.stats.chi2.sf(self.disagreement, self.degrees_of_freedom))

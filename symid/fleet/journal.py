@@ -16,7 +16,7 @@ from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
 _TEXTS = {name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str}
 _ROWS = 64
 _SECONDS = 1.0
-"""Rows are forced to the disk after so many of them or so much time; what kills a process loses none in any case."""
+"""Rows and seconds after which rows are forced to the disk; the death of the process alone loses none."""
 
 
 def journal_file(results: Path) -> Path:
@@ -80,7 +80,7 @@ class Journal:
             self._write(b"\n")  # ends a torn line
 
     def append(self, row: Row) -> None:
-        """Keep a row."""
+        """Append a row to the journal."""
         self._write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._pending += 1
         if self._pending >= _ROWS or time.monotonic() - self._since > _SECONDS:

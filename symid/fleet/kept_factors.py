@@ -41,7 +41,7 @@ def unpacked(log: str, text: str) -> LogFactors:
     Raises
     ------
     SettingError
-        If it is no such text.
+        If the text does not hold factors.
     """
     try:
         numbers = np.frombuffer(base64.b64decode(text, validate=True), "<f8")

@@ -1,4 +1,4 @@
-"""What a worker may take: time, memory, and no life after that of its batch.
+"""Limits of a worker: time, memory, and its end with the batch.
 
 The system itself ends a worker that takes too long, by an alarm: no computation, however it holds the interpreter, can
 keep that from happening. Systems without alarms (Windows) have no limits but the check of the parent.
@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from typing import Final
 
 LONGEST: Final = 3600.0
-"""Seconds that a log may take, unless told."""
+"""Default time limit of a log, s."""
 _LEAST_MEMORY: Final = 4e9
 _SHARES: Final = 2.0
 """A worker may take twice its share of the memory, as few need it at the same time, and 4 GB in any case."""

@@ -1,4 +1,4 @@
-"""What a batch is made of: its log files, and its axes in a form that other processes and machines can use."""
+"""Plan of a batch: its log files, and its axes in a form for other processes and machines."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
     logs : path-like or iterable of path-like
         Files, folders or glob patterns. A file that is not there stays, for a row that says so.
     exclude : iterable of path-like
-        Files that are no logs, such as earlier results in the same folder.
+        Files that are not logs, such as earlier results in the same folder.
 
     Raises
     ------

@@ -25,7 +25,7 @@ Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
 _TEXTS = tuple(name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str)
 _LARGEST = 1e150
-"""Of a parameter: the square of what is larger is no number."""
+"""Largest value of a parameter whose square is finite."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
     table : polars.DataFrame
         Results.
     by_folder : bool
-        Whether the folder of a log tells which machine it is from.
+        Whether the folder of a log identifies its machine.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a table of results says of a fleet: axis by axis, parameter by parameter, and over all axes."""
+"""Review of a fleet from a table of results: by axis, by parameter, and over all axes."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def review_fleet(
     without : sequence of str
         Parameters that differ from log to log by their nature, such as the unknown zero of a sensor.
     by_folder : bool
-        Whether the folder of a log tells which machine it is from.
+        Whether the folder of a log identifies its machine.
     by_name : bool
         Whether the names of the logs say in which order they were recorded, and `recorded` does not: it is the time of
         the file, which copying may have changed.

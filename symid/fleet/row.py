@@ -30,7 +30,7 @@ EXAMINED: Mapping[str, type] = {
     "largest_bias": float,
     "notes": str,
 }
-"""What an identification was examined for: the signal that seems late and by how much, the largest expected error of a
+"""Columns of the examination: the signal that seems late and by how much, the largest expected error of a
 parameter as part of its value, and what the logs' reader and the identification noted."""
 TIMES = ("recorded", "finished")
 DIAGNOSIS: Mapping[str, type] = {

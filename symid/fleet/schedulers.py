@@ -33,7 +33,7 @@ Finished = Generator[tuple[Task, Result | None]]
 
 
 class Scheduler(Protocol):
-    """Does tasks."""
+    """Runs tasks in processes or on a cluster."""
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
         """Each task once with its result; None for one that twice killed the process that worked on it."""

@@ -33,7 +33,7 @@ _SHORT = 5.0
 
 
 @dataclass(frozen=True)
-class Segment:
+class TrendSegment:
     """Points `first` up to, not including, `end`, and the line through them.
 
     Parameters
@@ -109,7 +109,7 @@ class Change:
 
 def cut(
     time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
-) -> tuple[Segment, ...]:
+) -> tuple[TrendSegment, ...]:
     """Segments of least penalised cost.
 
     Parameters
@@ -148,6 +148,9 @@ def _best_cut(
     step = 3 * math.log(count) * (1 + _SHORT / count)
     best, came_from = np.full(places.size, np.inf), np.zeros(places.size, dtype=int)
     with_slope = np.zeros(places.size, dtype=bool)
+    # best[k] is the least cost of all runs before place k, came_from[k] the begin of its last segment: any optimal cut
+    # of more runs extends an optimal cut of fewer, so one pass over k compares all cuts. `step` is paid once less than
+    # there are segments.
     best[0] = -step
     for k in range(1, places.size):
         level, line = sums.costs(k)
@@ -175,16 +178,16 @@ def _refined(
     first, middle, last = ends
     places = range(max(middle - reach, first + LEAST_LEVEL), min(middle + reach, last - LEAST_LEVEL) + 1)
 
-    def misfit(place: int) -> float:
+    def error(place: int) -> float:
         sides = ((first, place, sloping[0]), (place, last, sloping[1]))
         return sum(_misfit(time, values, weights, *side) for side in sides)
 
-    return min(places, key=misfit) if reach else middle
+    return min(places, key=error) if reach else middle
 
 
 def fitted_segment(
     time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, *, sloping: bool
-) -> Segment:
+) -> TrendSegment:
     """Level, or line, through a stretch of a series.
 
     Parameters
@@ -208,13 +211,13 @@ def fitted_segment(
     level = float(w @ x / w.sum())
     spread = float(w @ (t - middle) ** 2)
     if not sloping or spread == 0:
-        return Segment(first, end, middle, level, 0.0, float(1 / w.sum()), 0.0)
+        return TrendSegment(first, end, middle, level, 0.0, float(1 / w.sum()), 0.0)
     slope = float(w @ ((t - middle) * x)) / spread
-    return Segment(first, end, middle, level, slope, float(1 / w.sum()), 1 / spread)
+    return TrendSegment(first, end, middle, level, slope, float(1 / w.sum()), 1 / spread)
 
 
 def places_of_step(
-    time: FloatArray, values: FloatArray, weights: FloatArray, before: Segment, after: Segment
+    time: FloatArray, values: FloatArray, weights: FloatArray, before: TrendSegment, after: TrendSegment
 ) -> tuple[int, int]:
     """First and last place at which a step may lie, with 95 % probability: every place is as likely beforehand.
 
@@ -222,7 +225,7 @@ def places_of_step(
     ----------
     time, values, weights : array of shape (n,)
         The series.
-    before, after : Segment
+    before, after : TrendSegment
         On either side of the step.
     """
     places = np.arange(before.first + 1, after.end)

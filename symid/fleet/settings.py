@@ -95,7 +95,7 @@ class BatchSettings:
         return repr(_sorted(replace(self, memory=MEMORY, seconds=LONGEST)))  # limits change no result
 
     def of_axis(self, axis: Axis) -> BatchSettings:
-        """What of the settings concerns an axis: of several axes each has its own signals."""
+        """Settings that concern one axis; each axis has its own signals."""
         known = _signals(axis)
         chosen = None
         if self.measured is not None:
@@ -124,7 +124,9 @@ class BatchSettings:
                 raise SettingError(f"signal {signal!r} is not known: {names} has {', '.join(signals)}")
         forces = [axis.drive.signal for axis in axes]
         if unknown := [signal for signal in self.held if signal not in forces]:
-            raise SettingError(f"held signal {unknown[0]!r} is no force of an axis: give {', '.join(forces)}")
+            raise SettingError(
+                f"held signal {unknown[0]!r} is not a force of an axis: give {', '.join(forces)}"
+            )
         for axis in axes:
             missing = [
                 n for n in axis.physical_parameters if self.nominal is not None and n not in self.nominal

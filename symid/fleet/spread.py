@@ -26,7 +26,7 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 
 LEAST_RUNS = 3
-"""Runs from which a spread is told."""
+"""Least number of runs for a spread."""
 _TAIL = 0.025
 _LEAST_SHARE = 0.1
 """Part of the promised variance by which the spread must exceed it: no interval is known to better than 5 %."""
@@ -229,7 +229,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     if not known:
         most = max((one.runs for one in spreads.values()), default=0)
         return SpreadVerdict(
-            False, (), f"not told: {most} runs with intervals; {LEAST_RUNS} are required", {}
+            False, (), f"not known: {most} runs with intervals; {LEAST_RUNS} are required", {}
         )
     adjusted = dict(zip(known, _holm([one.probability for one in known.values()]), strict=True))
     differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]
@@ -244,7 +244,7 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
 
 
 def _size(name: str, spread: Spread) -> str:
-    """A spread in percent; in the parameter's unit where the mean is not told from 0."""
+    """A spread in percent; in the parameter's unit where the mean may be 0."""
     if abs(spread.mean) > 2 * math.hypot(spread.between, spread.promised):
         sizes = [f"{100 * one:.2g} %" for one in (spread.relative_between, spread.relative_promised)]
     else:
@@ -253,7 +253,7 @@ def _size(name: str, spread: Spread) -> str:
 
 
 def _too_few(x: FloatArray, s: FloatArray) -> Spread:
-    """Mean of fewer runs than tell a spread."""
+    """Mean of too few runs for a spread."""
     nan = math.nan
     if not x.size:
         return Spread(0, nan, nan, nan, (nan, nan), nan, nan, nan)

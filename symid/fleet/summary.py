@@ -17,7 +17,7 @@ _MOST_TROUBLES = 20
 
 
 def summary_of(batch: Batch) -> dict[str, Any]:
-    """What `symid batch --json` writes.
+    """Record of `symid batch --json`.
 
     The spread of a parameter is a standard deviation too, from the median absolute deviation over the logs of status
     "ok", which stray logs do not move; ``std`` is the median of what the logs promise.

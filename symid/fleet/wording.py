@@ -1,4 +1,4 @@
-"""What a fleet review says in words."""
+"""Sentences of a fleet review."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is done with one log, in whatever process: from a path to a row. Nothing that a log holds raises."""
+"""The work on one log in any process: from a path to a row. No content of a log raises."""
 
 from __future__ import annotations
 
@@ -48,15 +48,15 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What came of a log: a new row, or the key of one that holds still."""
+class LogOutcome:
+    """Result for a log: a new row, or the key of a row that is still valid."""
 
     log: str
     row: Row | None
     unchanged: str | None = None
 
 
-def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
+def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
     """Row of one log.
 
     Parameters
@@ -75,20 +75,20 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> Outcome:
         axis = _axis_of(axes, task.path)
         key = hashlib.sha256(f"{content}\n{axis.fingerprint}".encode()).hexdigest()
         if key in task.known:
-            return Outcome(task.log, None, unchanged=key)
+            return LogOutcome(task.log, None, unchanged=key)
         row |= {"key": key, "axis": axis.axis.name, "method": axis.settings.method}
         _keep_freed_memory()
         with _threads().limit(limits=1):
             row |= _identified(axis, task.path)
-    except (Exception, PanicException) as error:  # noqa: BLE001  a row must tell of whatever a log brings about
+    except (Exception, PanicException) as error:  # noqa: BLE001  any failure of a log becomes a row
         row |= trouble(task.path, error)
         if isinstance(error, (MemoryError, OSError, TooLongError)):
             row["key"] = None  # another night may do better
     row |= {"seconds": time.perf_counter() - begin, "finished": time_text(time.time())}
-    return Outcome(task.log, row)
+    return LogOutcome(task.log, row)
 
 
-def killed(task: Task) -> Outcome:
+def killed(task: Task) -> LogOutcome:
     """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
     message = "its worker died twice, as for want of memory or time: use fewer --jobs, more --timeout, or a shorter log"
     row: Row = {
@@ -97,7 +97,7 @@ def killed(task: Task) -> Outcome:
         "message": message,
         "finished": time_text(time.time()),
     }
-    return Outcome(task.log, row)
+    return LogOutcome(task.log, row)
 
 
 def content_of(path: str) -> str:

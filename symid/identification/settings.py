@@ -12,7 +12,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, LowPass, derivatives, difference_factors, faithful_share
+from symid.data import AnyLog, LowPass, derivatives, difference_factors, differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification.scheme import DIFFERENCE_ORDER
 
@@ -200,7 +200,7 @@ def faithful_band(log: AnyLog, model: GeneratedModel) -> float:
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
     """
     order = max(model.highest_derivatives.values())
-    share = faithful_share(order, _FAITHFUL, order=_BAND_ORDER) if order else 0.5
+    share = differencing_bandwidth(order, _FAITHFUL, order=_BAND_ORDER) if order else 0.5
     return share * log.sampling_frequency
 
 

@@ -33,7 +33,7 @@ class InstrumentalFit:
     correlation: float
 
     def strength(self, effective_samples: float) -> float:
-        """F of the weakest direction in the regression of W on Z, for so many independent samples.
+        """F of the weakest direction in the regression of W on Z, for a number of independent samples.
 
         Below about 10 instruments are weak (D. Staiger and J. Stock, Econometrica 65, 1997).
         """
@@ -64,7 +64,7 @@ def estimate_by_instruments(
             z, w = (weight * columns[j][used] @ root for columns in (Z, seen.W))
             rest = weight * (seen.y[j][used] - seen.W[j][used] @ start.solution)
             cross, own, slope = cross + z.T @ w, own + z.T @ z, slope + z.T @ rest
-    gain = np.linalg.pinv(cross)  # instruments that hold nothing are told by their correlation
+    gain = np.linalg.pinv(cross)  # instruments without information show in their correlation
     solution = start.solution + root @ (gain @ slope)
     values, vectors = np.linalg.eigh(own)
     # W T is orthonormal; Z T is made so

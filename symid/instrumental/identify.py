@@ -183,7 +183,7 @@ def _instruments(
 
 
 def _weakness(found: Identification, result: InstrumentalFit) -> str:
-    """What is wrong with the instruments; empty if nothing is."""
+    """Fault of the instruments; empty if there is none."""
     strength = result.strength(found.correlated.effective_samples)
     if strength >= _WEAK:
         return ""

@@ -12,7 +12,7 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.identification import Preparation
 from symid.output_error.closed_loop_error import ClosedLoopError
-from symid.output_error.estimate import Fit, fit_errors
+from symid.output_error.estimate import LikelihoodFit, fit_errors
 from symid.output_error.prediction_error import PredictionError
 from symid.output_error.run import run_of
 from symid.output_error.search import RunError
@@ -23,8 +23,8 @@ _VELOCITY_BAND = 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
-    """What a log is compared with.
+class ErrorModel:
+    """Model and assumptions for the comparison with a log.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Comparison:
         )
         return PredictionError(self.dynamics, run, run.known_motions, self.free_timing)
 
-    def fit(self, logs: Sequence[Log], starts: Sequence[Mapping[str, float]]) -> Fit | None:
+    def fit(self, logs: Sequence[Log], starts: Sequence[Mapping[str, float]]) -> LikelihoodFit | None:
         """Maximum-likelihood estimate from logs; None if no start can be evaluated."""
         nyquist = 0.5 * min(log.sampling_frequency for log in logs)
         try:

@@ -30,7 +30,7 @@ _PASSES = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class LikelihoodFit:
     """Maximum-likelihood estimate.
 
     Parameters
@@ -65,7 +65,7 @@ def fit_errors(
     errors: Sequence[RunError],
     starts: Sequence[Mapping[str, float]],
     nyquist: float,
-) -> Fit:
+) -> LikelihoodFit:
     """Maximum-likelihood parameters of an axis from its runs, the best that any start leads to.
 
     Parameters
@@ -105,7 +105,7 @@ def fit_errors(
         best = best.weighted().improved()
     W, y = best.linearised()
     linear = estimate(triangular_factors(W[None], y[None]))
-    return Fit(best, linear, corrected_covariance(W[None], y[None], linear))
+    return LikelihoodFit(best, linear, corrected_covariance(W[None], y[None], linear))
 
 
 def _seen(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:

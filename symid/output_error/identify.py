@@ -12,8 +12,8 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
-from symid.output_error.comparison import Comparison
-from symid.output_error.estimate import Fit
+from symid.output_error.comparison import ErrorModel
+from symid.output_error.estimate import LikelihoodFit
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.result import OutputErrorIdentification
 from symid.output_error.starts import plausible, rigid_start, spread, with_heavy_bodies
@@ -91,7 +91,7 @@ def identify_output_error(
         to_begin_with = replace(prepared, held=bool(held))
         regression = _least_squares(model, runs, to_begin_with, nominal)
         starts = _starts(model, comparisons[0].dynamics, runs, regression, nominal)
-        fits: list[tuple[Fit, Comparison]] = []
+        fits: list[tuple[LikelihoodFit, ErrorModel]] = []
         for comparison in comparisons:
             fit = comparison.fit(runs, [*starts, *(fit.search.parameters for fit, _ in fits)])
             fits += [(fit, comparison)] if fit else []
@@ -116,14 +116,14 @@ def _comparisons(
     preparation: Preparation,
     held: bool | None,
     loop: ClosedLoop | None,
-) -> list[Comparison]:
+) -> list[ErrorModel]:
     """How the log may have come about: one way if it is declared, else both courses of the force."""
     if loop is not None:
-        return [Comparison(model, dynamics, preparation, "simulated", loop=loop)]
+        return [ErrorModel(model, dynamics, preparation, "simulated", loop=loop)]
     if held is None:
-        smooth = Comparison(model, dynamics, preparation, "smooth", free_timing=True)
-        return [smooth, Comparison(model, dynamics, preparation, "held")]
-    return [Comparison(model, dynamics, preparation, "held" if held else "smooth")]
+        smooth = ErrorModel(model, dynamics, preparation, "smooth", free_timing=True)
+        return [smooth, ErrorModel(model, dynamics, preparation, "held")]
+    return [ErrorModel(model, dynamics, preparation, "held" if held else "smooth")]
 
 
 def _starts(
@@ -154,7 +154,7 @@ def _least_squares(
     preparation: Preparation,
     nominal: Mapping[str, float] | None,
 ) -> Identification | None:
-    """What least squares finds in the logs, examined; None where they cannot be prepared for it."""
+    """Examined least-squares result of the logs; None where they cannot be prepared for it."""
     try:
         return identify(model, logs, preparation=preparation, nominal=nominal)
     except SettingError:

@@ -64,7 +64,7 @@ def minimise(
     longest : array of shape (n,), optional
         No argument moves further in one iteration.
     iterations : int
-        At most so many.
+        Most iterations.
     tolerance : float
         Relative decrease of the sum of squares that counts as none.
 

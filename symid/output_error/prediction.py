@@ -1,4 +1,4 @@
-"""What identified parameters predict of a log."""
+"""Prediction of a log by identified parameters."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.predictor import Predictor, predictor
-from symid.output_error.run import Motion, Run, motion_between
+from symid.output_error.run import LogRun, Motion, motion_between
 from symid.output_error.sampled_plant import SampledPlant, sampled_plant
 from symid.simulation import ForwardDynamics, Plant
 
@@ -40,7 +40,7 @@ class PredictionError:
     ----------
     dynamics : ForwardDynamics
         The axis.
-    run : Run
+    run : LogRun
         The log.
     motions : tuple of Motion
         Motion of every joint with nonlinear laws.
@@ -49,7 +49,7 @@ class PredictionError:
     """
 
     dynamics: ForwardDynamics
-    run: Run
+    run: LogRun
     motions: tuple[Motion, ...]
     free_timing: bool = False
 
@@ -119,14 +119,14 @@ class PredictionError:
     @property
     def is_settled(self) -> bool:
         """Whether nothing follows from the parameters: the motion of all joints is measured, the timing known."""
-        return not self.free_timing and self.run.tells_all_motion
+        return not self.free_timing and self.run.determines_motion
 
     def updated(
         self, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> tuple[PredictionError, FloatArray]:
-        """What follows from the parameters: motion of joints that no sensors tell, timing; the nuisance after it."""
+        """The run with unmeasured motion and timing evaluated anew, and the nuisance parameters for it."""
         motions = self.motions
-        if not self.run.tells_all_motion:
+        if not self.run.determines_motion:
             states, n = self.states(parameters, nuisance), len(self.dynamics.bodies)
             motions = tuple(
                 known
@@ -233,7 +233,7 @@ class PredictionError:
 
 
 def _whitening(found: Predictor) -> tuple[FloatArray, float]:
-    """What makes innovations white at a level that leaves volumes as they are, and that level for unit noise."""
+    """Whitening matrix of determinant 1 for the innovations, and their level for unit noise."""
     root = np.linalg.cholesky(found.covariance)
     level = float(np.exp(np.mean(np.log(np.diag(root)))))
     return np.asarray(scipy.linalg.solve_triangular(root, level * np.eye(len(root)), lower=True)), level

@@ -1,6 +1,6 @@
 """One-step prediction of the readings: the innovations form of a sampled axis.
 
-The log's force is the true one plus white noise, and every reading has white noise of its own. For each further
+The log's force is the true one plus white noise, and every reading has independent white noise. For each further
 reading there is an unknown white force along its direction, so that what the model lacks is not put on the sensors.
 The stationary Kalman gain turns the recursion of the axis into that of its innovations e[k] = y[k] - y^[k | k-1],
 which are white if the model is right.

@@ -1,4 +1,4 @@
-"""What an identification by maximum likelihood leaves."""
+"""Result of an identification by maximum likelihood."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.identification.physical import jacobian
 from symid.identification.result import headline_of
-from symid.output_error.comparison import Comparison
-from symid.output_error.estimate import Fit
+from symid.output_error.comparison import ErrorModel
+from symid.output_error.estimate import LikelihoodFit
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.prediction_error import PredictionError
 from symid.shown import Shown
@@ -37,9 +37,9 @@ class OutputErrorIdentification(Shown):
         Names, units and maps of the parameters.
     logs : tuple of Log
         What they were identified from.
-    comparison : Comparison
+    comparison : ErrorModel
         What the logs were compared with.
-    fit : Fit or None
+    fit : LikelihoodFit or None
         None if there was no start at which the axis could be evaluated.
     status : str
         "ok", or what keeps the result from being complete.
@@ -52,8 +52,8 @@ class OutputErrorIdentification(Shown):
     axis: Axis
     model: GeneratedModel
     logs: tuple[Log, ...]
-    comparison: Comparison
-    fit: Fit | None
+    comparison: ErrorModel
+    fit: LikelihoodFit | None
     status: Status
     message: str
     notes: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What a log says about the forces between its samples, and the stretches in which its axis moves."""
+"""Forces of a log between its samples, and the stretches in which its axis moves."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class LogRun:
     """A log, cut into stretches in which the axis moves; one after the other in each array.
 
     Parameters
@@ -81,7 +81,7 @@ class Run:
     kept : bool array of shape (n,)
         Samples of the log that are in the stretches.
     motions : tuple of Motion or None
-        Motion of each joint with nonlinear laws; None where no sensors tell it.
+        Motion of each joint with nonlinear laws; None where sensors do not determine it.
     starts : tuple of int
         First sample of each stretch.
     """
@@ -106,18 +106,18 @@ class Run:
         return int(self.drive.shape[1])
 
     @property
-    def tells_all_motion(self) -> bool:
-        """Whether sensors tell the motion of every joint with nonlinear laws."""
+    def determines_motion(self) -> bool:
+        """Whether sensors determine the motion of every joint with nonlinear laws."""
         return all(motion is not None for motion in self.motions)
 
     @property
     def known_motions(self) -> tuple[Motion, ...]:
-        """Motions of all joints; one that no sensors tell is taken to rest."""
+        """Motions of all joints; an undetermined one is taken to rest."""
         still = np.zeros(len(self.readings))
         return tuple(motion or motion_between(still, still, self.parts) for motion in self.motions)
 
-    def excerpt(self, n_samples: int) -> Run:
-        """At most so many samples, from a few places spread over the run."""
+    def excerpt(self, n_samples: int) -> LogRun:
+        """A limited number of samples from a few places spread over the run."""
         total = len(self.readings)
         if total <= n_samples:
             return self
@@ -145,8 +145,8 @@ class Run:
             starts=tuple(sorted(starts)),
         )
 
-    def recorded_later(self, samples: float) -> Run:
-        """The same run with the force taken to be recorded later by so many more samples."""
+    def recorded_later(self, samples: float) -> LogRun:
+        """The same run with the force taken as recorded later by a number of samples."""
         late = self.late + samples
         drive, at, rate, rate_at = (x[self.kept] for x in _between(self.force, self.course, self.parts, late))
         return replace(self, drive=drive, drive_at=at, drive_rate=rate, drive_rate_at=rate_at, late=late)
@@ -161,7 +161,7 @@ def run_of(
     cutoff_hz: float,
     late: float = 0.0,
     standstill: float | None = None,
-) -> Run:
+) -> LogRun:
     """Forces and stretches of a log.
 
     Parameters
@@ -197,7 +197,7 @@ def run_of(
             moving &= ~_resting(motion, standstill, margin)
     kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))
     readings = np.stack([log[name] for name in signals], axis=1)
-    return Run(
+    return LogRun(
         signals=tuple(signals),
         period=log.sampling_period,
         readings=readings[kept],
@@ -273,7 +273,7 @@ def motion_between(q: FloatArray, v: FloatArray, parts: int) -> Motion:
 def _resting(motion: Motion, standstill: float | None, margin: int) -> BoolArray:
     """Samples in standstills that last, and around reversals that are far from each other.
 
-    At a reversal friction jumps, at a moment that filtered velocities tell to a few samples only. Where the axis
+    At a reversal friction jumps, at a moment that filtered velocities determine only to a few samples. Where the axis
     reverses all the time little would be left; the jumps are then taken at the sign changes of the filtered velocity.
     """
     speed = np.abs(motion.v_at)

@@ -50,7 +50,7 @@ class RunError(Protocol):
         """Errors scaled so that their sum of squares is the likelihood."""
 
     def updated(self, parameters: Mapping[str, float], nuisance: FloatArray) -> tuple[Self, FloatArray]:
-        """What follows from the parameters, and the nuisance parameters after it."""
+        """The run with its functions of the parameters evaluated anew, and the nuisance parameters for it."""
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
         """Standard deviations of the noise by signal, SI."""

@@ -1,4 +1,4 @@
-"""What keeps an identification by maximum likelihood from being complete, and what its user should know."""
+"""Status and notes of an identification by maximum likelihood."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _FORCES = ("N", "N*m")
 _NO_FRICTION = 1e-3
 """Part of the force (rms) below which three deviations of a friction level determine that there is none."""
 _CORRELATED = 1.5
-"""Ratio of the deviations of correlated innovations to those of white ones that is told."""
+"""Least ratio of the deviations of correlated innovations to those of white ones for a note."""
 _MUCH_CORRELATED = 8.0
 """Such a ratio that is a fault by itself: EMPS, whose friction is not as declared, has 3 to 5."""
 
@@ -72,7 +72,7 @@ def verdict_of(
 
 
 def _vague(found: OutputErrorIdentification, most: float) -> list[str]:
-    """Parameters whose deviation exceeds so much of their value; those that may be 0 by declaration apart."""
+    """Parameters whose deviation exceeds a share of their value, except those that may be 0 by declaration."""
     values = found.physical_parameters
     return [
         name
@@ -116,7 +116,7 @@ def _correlated_remark(found: OutputErrorIdentification) -> str:
 
 
 def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
-    """What the user should know about the estimate."""
+    """Notes on the estimate for the user."""
     if found.fit is None:
         return ()
     remarks = [_course_remark(found)]

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 
 _ORIGIN = 0.5
-"""Where a logarithmic scale begins, in multiples of the noise floor."""
+"""Lower end of a logarithmic scale, in multiples of the noise floor."""
 _MOST_LINEAR = 25.0
 _LEAST = 4.0
-"""A scale reaches at least so far."""
+"""Least upper end of a scale, in multiples of the noise floor."""
 _TICKS = 6
-"""At most so many ticks on a scale."""
+"""Most ticks on a scale."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Scale:
 
 
 def scale_of(multiples: list[float]) -> Scale:
-    """Scale that holds all of these multiples, and the floor with room to tell that it is low.
+    """Scale that contains all of these multiples, with a margin above the floor.
 
     Examples
     --------

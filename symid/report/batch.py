@@ -15,7 +15,7 @@ _MOST_LINES = 10
 
 
 def print_batch(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print what `symid.fleet.summary_of` holds."""
+    """Print the summary of `symid.fleet.summary_of`."""
     console = console or report_console()
     reused = f", {record['reused']} of them as they were" if record["reused"] else ""
     console.print(f"{record['logs']} logs{reused}", highlight=False)

@@ -1,4 +1,4 @@
-"""A residual over position or velocity: means in bins, and the range in which they are seen."""
+"""A residual over position or velocity: means in bins, and the range of the plot."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 from symid.arrays import FloatArray
 
 _BINS, _FEWEST = 24, 5
-"""Bins over the whole range, and the fewest samples of which a mean is shown."""
+"""Bins over the whole range, and the fewest samples of a shown mean."""
 _SEEN = (0.5, 99.5)
 _ROOM = 0.15
-"""Percentiles of the residual that are seen, and the room around them."""
+"""Percentiles of the residual within the plot, and the margin around them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Means:
 
 
 def means_over(x: FloatArray, residual: FloatArray) -> Means:
-    """Means of a residual over a signal in two dozen bins; where the signal changes its sign, 0 parts two of them.
+    """Means of a residual over a signal in two dozen bins; 0 is an edge if the signal changes its sign.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def means_over(x: FloatArray, residual: FloatArray) -> Means:
 
 
 def seen_range(residual: FloatArray, *means: Means) -> tuple[float, float]:
-    """Range of a residual without its rarest values, in which all means are.
+    """Range of a residual without its rarest values, which contains all means.
 
     Examples
     --------

@@ -11,21 +11,21 @@ from matplotlib.axes import Axes
 
 from symid.arrays import FloatArray
 from symid.report.colours import Palette
-from symid.report.motion import COHERENT, Response, degrees_of
+from symid.report.motion import COHERENT, FrequencyResponse, degrees_of
 
 CORRELATED = 0.5
 """Absolute correlation beyond which two parameters get an ellipse."""
 
 
-def draw_bode(place: Any, response: Response, palette: Palette) -> None:
+def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None:
     """Magnitude, phase and coherence below each other.
 
     Parameters
     ----------
     place : matplotlib subfigure
-        Where to draw.
-    response : Response
-        What to draw.
+        Axes to draw on.
+    response : FrequencyResponse
+        Measured and computed response.
     palette : Palette
         Colours.
     """

@@ -1,4 +1,4 @@
-"""Colours of Okabe and Ito's set, told apart by colour-blind readers and in grey print."""
+"""Colours of Okabe and Ito's set, distinguishable by colour-blind readers and in grey print."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ DARK_FILTER = "invert(0.91) hue-rotate(180deg)"
 
 
 def in_dark(colour: str) -> str:
-    """What `DARK_FILTER` makes of a colour, for what stands beside a filtered picture.
+    """Colour after `DARK_FILTER`, for elements beside a filtered picture.
 
     Inverting maps a channel c to 0.91 - 0.82 c; turning the hue by half a circle mirrors each channel at the luminance
     Y (W3C Filter Effects, weights 0.213, 0.715, 0.072): together 0.91 + 0.82 (c - 2 Y).
@@ -37,7 +37,7 @@ def in_dark(colour: str) -> str:
 
 @dataclass(frozen=True)
 class Palette:
-    """Colours of a figure. What is measured is wide and pale, what is computed thin and strong: that prints in grey.
+    """Colours of a figure. Measured curves are wide and pale, computed ones thin and strong, also in grey print.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Two sets of parameters side by side: by how much they differ, and whether their deviations allow it."""
+"""Comparison of two sets of parameters: differences and their significance."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from symid.report.console import plain, report_console
 from symid.report.numbers import MISSING, significant, with_deviation
 
 _DIFFERENT = 3.0
-"""Deviations from which on a difference is called one."""
+"""Standard deviations from which on parameters count as different."""
 _CERTAIN = 1e-3
-"""Probability below which two sets as a whole are called different."""
+"""Probability below which two sets as a whole count as different."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Values:
     Parameters
     ----------
     source, axis, status : str
-        The file, and what it says of axis and status; empty where it says nothing.
+        Name of the file, and its axis and status; empty if missing.
     values, deviations : mapping of str to float
         SI; nan where a deviation is not known.
     units : mapping of str to str
@@ -53,7 +53,7 @@ class Values:
 
 
 def values_of(record: object, source: str) -> Values:
-    """Parameters of what `symid identify`, `symid diagnose` or a user wrote as JSON.
+    """Parameters in the JSON of `symid identify`, `symid diagnose` or a user.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def values_of(record: object, source: str) -> Values:
 
 
 def comparison_record(first: Values, second: Values) -> dict[str, Any]:
-    """What `symid compare --json` writes.
+    """Record of `symid compare --json`.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def comparison_record(first: Values, second: Values) -> dict[str, Any]:
 
 
 def print_comparison(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print what `comparison_record` holds."""
+    """Print the record of `comparison_record`."""
     console = console or report_console()
     for which, file, axis, status in zip(
         "AB", record["files"], record["axis"], record["status"], strict=True
@@ -161,7 +161,7 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
 
 
 def _entry(entry: object) -> tuple[Any, float, str]:
-    """Value, deviation and unit of a parameter; of a diagnosis those with the effects that were found."""
+    """Value, deviation and unit of a parameter; of a diagnosis those with the effects found."""
     if not isinstance(entry, dict):
         return entry, math.nan, ""
     unit = entry.get("unit")
@@ -206,7 +206,7 @@ def _compared(name: str, first: Values, second: Values) -> dict[str, Any]:
 
 
 def _together(first: Values, second: Values) -> dict[str, Any] | None:
-    """Whether both sets as a whole are of one machine: (b - a)' (A + B)^-1 (b - a) against chi-square."""
+    """Test whether both sets as a whole belong to one machine: (b - a)' (A + B)^-1 (b - a) against chi-square."""
     names = list(first.values)
     if first.covariance is None or second.covariance is None or names != list(second.values):
         return None

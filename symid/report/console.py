@@ -15,11 +15,11 @@ from symid.text import visible
 
 _WIDTH_OF_FILES = 160
 _TAGS = ("[bold]", "[/bold]", "[italic]", "[/italic]")
-"""All markup that reports use: other brackets stand in names of files and columns and are printed."""
+"""All markup of reports; other brackets belong to names of files and columns and are printed."""
 
 
 class ReportConsole(Console):
-    """A console to which text is text: brackets in names are no markup, control characters are written out."""
+    """A console that prints brackets in names literally and control characters as escapes."""
 
     def render_str(self, text: str, *, markup: bool | None = None, **options: Any) -> Text:
         """Text with the markup of reports."""
@@ -48,7 +48,7 @@ def plain(text: str, style: str = "") -> Text:
 
 def report_console() -> Console:
     """Console on standard output: as wide as the terminal, and 160 columns where the output goes to a file or pipe."""
-    if sys.stdout is None:  # closed by whoever started the program
+    if sys.stdout is None:  # closed by the parent process
         return ReportConsole(file=io.StringIO(), width=_WIDTH_OF_FILES)
     width = None if sys.stdout.isatty() else _WIDTH_OF_FILES
     return ReportConsole(highlight=False, soft_wrap=True, width=width)

@@ -16,7 +16,7 @@ from symid.report.fleet import change_sentence
 WIDTH, HEIGHT = 760, 190
 _LEFT, _RIGHT, _TOP, _BOTTOM = 64, 10, 12, 24
 _MOST_BARS = 250
-"""Runs up to which each has a bar of its interval and limits of its own."""
+"""Most runs for which each has an interval bar and individual limits."""
 BARS_WIDTH, BARS_HEIGHT = 220, 84
 _BINS = 28
 _REACH = 4.5
@@ -38,7 +38,7 @@ class Tick:
 
 @dataclass(frozen=True)
 class Mark:
-    """A change in a chart: where it is, from where to where it may be, and what it is."""
+    """A change in a chart: its place, the interval of the place, and its kind."""
 
     place: float
     left: float
@@ -114,7 +114,7 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
 
 
 def distribution_shapes(one: ParameterReview, values: FloatArray) -> DistributionShapes:
-    """Shapes of the distribution of a parameter, and what its intervals promise.
+    """Shapes of the distribution of a parameter, with the curve expected from its intervals.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
             density * values.size * (edges[1] - edges[0]) / one.spread.promised / math.sqrt(2 * math.pi)
         )
     known = bool(np.all(np.isfinite(expected)))
-    if known:  # a narrow promise would dwarf the bars: its width is what counts
+    if known:  # a narrow curve would dwarf the bars: only its width matters
         expected *= min(1.0, 1.4 * counts.max() / expected.max())
     top = 1.1 * max(counts.max(), expected.max() if known else 0.0)
     heights = (floor - 2) * counts / top
@@ -169,7 +169,7 @@ def _range(chart: ControlChart) -> tuple[float, float]:
     """Values that are shown: all within twice the limits; a run that is farther off is drawn at the edge."""
     limits = np.minimum(
         _limits(chart), 3 * np.median(chart.limit)
-    )  # one vague log must not flatten the others
+    )  # one poorly determined log must not flatten the others
     low = float(np.min(np.maximum(chart.values, chart.centre - 2 * limits)))
     high = float(np.max(np.minimum(chart.values, chart.centre + 2 * limits)))
     low, high = (
@@ -248,7 +248,7 @@ def _round_values(low: float, high: float) -> list[float]:
 
 
 def _number(value: float, length: float) -> str:
-    """A number with the digits that tell it from others over a length."""
+    """A number with the digits that distinguish it at the resolution of an axis."""
     if value == 0:
         return "0"
     order, size = math.floor(math.log10(length)), math.floor(math.log10(abs(value)))

@@ -13,7 +13,7 @@ from symid.symbolic import DerivedModel
 
 
 def derivation_record(model: DerivedModel) -> dict[str, Any]:
-    """What `symid show --json` writes."""
+    """Record of `symid show --json`."""
     minimal, maps = model.minimal, model.parameter_map
     branches = [{name: str(value) for name, value in branch.items()} for branch in maps.inverse]
     dynamics = minimal.source.source
@@ -38,7 +38,7 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
 
 
 def _passed_over(axis: Axis) -> list[str]:
-    """Imperfections, which no regressor holds."""
+    """Imperfections, which no regressor contains."""
     passed = "passed over by the regressor, simulated only"
     return [f"{type(element).__name__} is {passed}: {element.formula}" for element in axis.imperfections]
 

@@ -40,7 +40,7 @@ _MOST_ALTERNATIVES = 8
 
 
 def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
-    """What `symid diagnose --json` writes; numbers that are not known are nan.
+    """Record of `symid diagnose --json`; unknown numbers are nan.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def _change(change: ParameterChange) -> dict[str, Any]:
 
 
 def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print what `diagnosis_record` holds, the verdict first."""
+    """Print the record of `diagnosis_record`, the verdict first."""
     console = console or report_console()
     console.print(plain(record["sentence"], style="bold"))
     console.print(
@@ -241,7 +241,7 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
 
 
 def closed_line(gap: dict[str, Any]) -> str:
-    """How far the gap shrank, with its interval.
+    """Closed fraction of the gap as text, with its interval.
 
     Examples
     --------
@@ -378,7 +378,7 @@ def _parameters_table(record: dict[str, Any]) -> Table:
 
 
 def _simulated_table(record: dict[str, Any]) -> Table:
-    """What the simulator has beside the machine; empty where no simulator was given."""
+    """Effects of the simulator beside those of the machine; empty without a simulator."""
     own = record.get("simulated", {"log": "", "parameters": {}, "effects": []})
     table = _table(f"The simulator ({own['log']})", ("",), ("simulator", "machine"), ("unit", "remark"))
     rows = [

@@ -1,4 +1,4 @@
-"""Figures that notebooks show by themselves."""
+"""Figures that notebooks display."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 
 class Drawn(Figure):
-    """A figure that no window holds: a notebook shows it with pyplot or without.
+    """A figure without a window; notebooks show it with or without pyplot.
 
     Examples
     --------
@@ -20,7 +20,7 @@ class Drawn(Figure):
     """
 
     def _repr_png_(self) -> bytes:
-        """What notebooks show."""
+        """PNG that notebooks show."""
         picture = io.BytesIO()
         self.savefig(picture, format="png", dpi=110)
         return picture.getvalue()

@@ -1,4 +1,4 @@
-"""The force error of a diagnosis over velocity and over position: what is missing at which speed, and where."""
+"""The force error of a diagnosis over velocity and over position: the missing force by speed and position."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _map(
 
 
 def _means(plot: figure, means: Means, colour: str, fill: str) -> list[Any]:
-    """Means with their doubt, joined by a line."""
+    """Means with their error bars, joined by a line."""
     low, high = means.values - means.doubt, means.values + means.doubt
     source = ColumnDataSource({"x": means.places, "mean": means.values, "low": low, "high": high})
     return [

@@ -17,13 +17,13 @@ from symid.report.numbers import MISSING, percent, probability, significant, wit
 _MOST_EFFECTS = 10
 _MOST_OUTLIERS = 5
 _LARGE = 3.0
-"""A change by more than this part of the value before is not written in percent."""
+"""Relative change above which no percentage is written."""
 
 
 def fleet_record(
     found: FleetReview, joined: Mapping[str, JointIdentification] | None = None
 ) -> dict[str, Any]:
-    """What `symid fleet --json` writes; numbers that are not known are nan.
+    """Record of `symid fleet --json`; unknown numbers are nan.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def moment(when: datetime | float) -> str:
 
 
 def change_sentence(change: Change) -> str:
-    """What changed, when and by how much.
+    """A change in words: parameter, time and size.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def change_sentence(change: Change) -> str:
 
 
 def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print what `fleet_record` holds, the sentence first, then axis by axis."""
+    """Print the record of `fleet_record`: the sentence, then axis by axis."""
     console = console or report_console()
     console.print(plain(record["sentence"], style="bold"))
     if record["effects"]:

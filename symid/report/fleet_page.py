@@ -22,7 +22,7 @@ from symid.report.fleet import fleet_record
 from symid.report.html import html_path, page_templates
 
 _MOST_OPEN = 6
-"""Axes that are shown at once; the others open on a click."""
+"""Number of axes that are open at first; the others open on a click."""
 _MOST_OUTLIERS = 40
 _FIRST = ("log", "axis", "status", "recorded", "verdict", "effect", "at", "probability")
 _LAST = ("message", "residual_relative", "condition_number", "cutoff_hz", "samples", "seconds")
@@ -54,8 +54,7 @@ def write_fleet_html(
 ) -> None:
     """Write the review of a fleet as one HTML file.
 
-    It needs nothing beside it and asks nothing of any network. Without JavaScript everything but the table of all logs
-    stays.
+    The file is self-contained and loads nothing. Without JavaScript only the table of all logs is missing.
 
     Parameters
     ----------
@@ -96,7 +95,7 @@ def _page(found: FleetReview, joined: Mapping[str, JointIdentification] | None) 
 
 
 def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]) -> list[_Section]:
-    """Axes, those with something to see first; the first few are open."""
+    """Axes, those with findings first; the first few are open."""
     pairs = sorted(zip(found.axes, record["axes"], strict=True), key=lambda pair: -_interest(pair[0]))
     return [
         _Section(

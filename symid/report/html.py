@@ -1,4 +1,4 @@
-"""A diagnosis as one HTML file that an engineer can pass on."""
+"""A diagnosis as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MAPS = {
 }
 
 _MOST_SHOWN = 8
-"""Alternatives that are shown at once; an effect that was accepted always is."""
+"""Number of alternatives that are shown at first; accepted effects always are."""
 
 
 def html_path(file: str | Path) -> Path:
@@ -57,7 +57,7 @@ def html_path(file: str | Path) -> Path:
 def write_html(found: Diagnosis, file: str | Path) -> None:
     """Write a diagnosis as one HTML file.
 
-    It needs nothing beside it and asks nothing of any network. Without JavaScript everything but the plots stays.
+    The file is self-contained and loads nothing. Without JavaScript only the plots are missing.
 
     Parameters
     ----------

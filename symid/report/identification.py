@@ -16,11 +16,11 @@ from symid.report.console import report_console
 
 
 def identification_record(found: Identification, validation: Prediction | None = None) -> dict[str, Any]:
-    """What `symid identify --json` writes.
+    """Record of `symid identify --json`.
 
     Deviations come twice: ``std`` is the classical one of the paper [22]-[30], which takes the residual as white;
-    ``std_corrected`` allows for its correlation. ``bias`` is the expected error that neither tells; ``bias_dominates``
-    names the parameters of which it exceeds a tenth of the corrected deviation.
+    ``std_corrected`` allows for its correlation. ``bias`` is the expected systematic error, in neither of them;
+    ``bias_dominates`` names the parameters whose bias exceeds a tenth of the corrected deviation.
     """
     prepared = found.observations[0].preparation
     record: dict[str, Any] = {
@@ -111,7 +111,7 @@ def _covariances(found: Identification) -> dict[str, Any]:
 
 
 def _timing(found: Identification) -> dict[str, Any] | None:
-    """When the force seems to act; ``late_s`` has the sign of ``--late``."""
+    """Estimated delay of the force; ``late_s`` has the sign of ``--late``."""
     timing = found.timing
     if timing is None:
         return None
@@ -127,7 +127,7 @@ def _timing(found: Identification) -> dict[str, Any] | None:
 
 
 def _relations(found: Identification) -> dict[str, Any] | None:
-    """How far the minimal parameters disagree with the structure that relates them."""
+    """Chi-square of the relations between the minimal parameters."""
     if not found.physical or not found.physical[0].relations:
         return None
     estimate = found.physical[0]
@@ -159,7 +159,7 @@ def _distinct(names: list[str]) -> list[str]:
 
 
 def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print what `identification_record` holds."""
+    """Print the record of `identification_record`."""
     console = console or report_console()
     console.print(
         f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",

@@ -1,4 +1,4 @@
-"""An identification as one HTML file: fit, parameters, what the residual still holds, and how it was made."""
+"""An identification as one HTML file: fit, parameters, residual and provenance."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def write_identification_html(
 ) -> None:
     """Write an identification as one HTML file.
 
-    It needs nothing beside it and asks nothing of any network.
+    The file is self-contained and loads nothing.
 
     Parameters
     ----------
     found : Identification
-        What `identify` returned.
+        Result of `identify`.
     file : path-like
         Ends with .html.
     validation : Prediction, optional
@@ -145,7 +145,7 @@ def _svg(figure: Drawn | None, name: str) -> str:
 
 
 def _made(found: Identification, validation: Prediction | None, command: str) -> list[tuple[str, str]]:
-    """When, by what and from what it was made."""
+    """Provenance: time, programs and files."""
     logs = [*found.logs, *([validation.log] if validation is not None else [])]
     hashes = [(f"SHA-256 of {log}", digest) for log in dict.fromkeys(logs) if (digest := _hash(log))]
     libraries = f"NumPy {np.__version__}, SciPy {scipy.__version__}"

@@ -108,7 +108,7 @@ def _compared(curves: list[Curve]) -> list[Curve]:
 def _thinned(found: Diagnosis) -> ColumnDataSource:
     """Columns of the plots over time; errors only where samples are part of the gap.
 
-    What a model says at the ends of a log, far beyond all that was measured, is left out: it would dwarf the rest.
+    Predictions at the ends of a log far beyond the measured range are left out: they would dwarf the rest.
     """
     signals = found.signals
     columns = {name: getattr(signals, name) for name in ("measured", "position", "velocity")}

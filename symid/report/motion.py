@@ -15,9 +15,9 @@ from symid.simulation import plant_of
 from symid.units import Unit
 
 COHERENT = 0.6
-"""Coherence from which a measured point tells something of the axis."""
+"""Least coherence of a shown point."""
 _AVERAGES, _LONGEST = 8, 2**14
-"""At least so many segments of a log are averaged, of at most so many samples."""
+"""Least number of averaged segments of a log, and most samples of a segment."""
 _FEWEST, _MOST = 16, 0.8
 """Coherent points that make a measured response, and their share of the points below its end."""
 _TOP = 0.4
@@ -26,7 +26,7 @@ _SMOOTHED_HZ = 50.0
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SensorMotion:
     """Position and velocity of the first position sensor.
 
     Parameters
@@ -44,7 +44,7 @@ class Motion:
     velocity: FloatArray
 
     @classmethod
-    def of(cls, axis: Axis, log: Log) -> Motion | None:
+    def of(cls, axis: Axis, log: Log) -> SensorMotion | None:
         """That of a log; None if it holds no position."""
         signals = [s.signal for s in axis.sensors if isinstance(s, Position) and s.signal in log.signals]
         if not signals:
@@ -62,7 +62,7 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class FrequencyResponse:
     """A frequency response from the drive force to a reading.
 
     Parameters
@@ -114,7 +114,7 @@ def response_of(
     signal: str,
     logs: Sequence[Log],
     late: Mapping[str, float] | None = None,
-) -> Response:
+) -> FrequencyResponse:
     """Measured and identified response of a sensor, averaged over logs of the same sampling period.
 
     Velocity per force for a sensor of position or velocity, acceleration per force for an accelerometer. A position is
@@ -154,7 +154,7 @@ def response_of(
     attenuation = np.sinc(2 * frequency * period) if isinstance(sensor, Position) else np.ones(frequency.size)
     delay = (late or {}).get(signal, 0.0) - (late or {}).get(axis.drive.signal, 0.0)
     in_time = np.exp(2j * np.pi * frequency * delay)
-    return Response(
+    return FrequencyResponse(
         force=axis.drive.signal,
         signal=signal,
         quantity="velocity" if moves else "acceleration",

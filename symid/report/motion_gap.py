@@ -17,7 +17,7 @@ _MICRO = 1e6
 
 
 def motion_record(motion: Motion) -> dict[str, Any]:
-    """What a diagnosis says of the simulated motion; numbers that are not known are nan."""
+    """Record of the simulated motion of a diagnosis; unknown numbers are nan."""
     return {
         "signal": motion.signal,
         "unit": motion.unit,
@@ -68,7 +68,7 @@ def _cells(error: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _fit(per_cent: float) -> str:
-    """A fit, near 100 with the digits that tell it from that.
+    """A fit in per cent, near 100 with the digits that distinguish it from 100.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def _fit(per_cent: float) -> str:
 
 
 def motion_line(motion: dict[str, Any]) -> str:
-    """How the axis was simulated, and what a simulation lacks or why it failed.
+    """How the axis was simulated, effects left out, and the reason of a failure.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ def significant(value: float, digits: int = 4) -> str:
 
 
 def with_deviation(value: float, deviation: float) -> str:
-    """A value with the digits that its standard deviation leaves, and the deviation to two of its own.
+    """A value with the digits that its standard deviation leaves, and the deviation to two digits.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from symid.report.identification import parameter_records
 def output_error_record(
     found: OutputErrorIdentification, validation: OutputErrorPrediction | None = None
 ) -> dict[str, Any]:
-    """What `symid identify --method oe --json` writes; the residual is that of the one-step predictions."""
+    """Record of `symid identify --method oe --json`; the residual is that of the one-step predictions."""
     fit = found.fit
     record: dict[str, Any] = {
         "axis": found.model.axis,

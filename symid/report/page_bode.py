@@ -16,7 +16,14 @@ from symid.axis import Axis
 from symid.diagnosis import Diagnosis, explained_axis
 from symid.errors import SettingError
 from symid.report.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE
-from symid.report.motion import COHERENT, Response, degrees_of, has_response, identified_response, response_of
+from symid.report.motion import (
+    COHERENT,
+    FrequencyResponse,
+    degrees_of,
+    has_response,
+    identified_response,
+    response_of,
+)
 from symid.report.page_plots import Curve, draw_curves, new_plot, stacked, with_one_crosshair
 
 _MOST_SENSORS = 2
@@ -30,13 +37,13 @@ class _Beside:
 
     Parameters
     ----------
-    of : Response
+    of : FrequencyResponse
         Measured and re-identified.
     explained : complex array of shape (n,), optional
         With the effects; None where there are none.
     """
 
-    of: Response
+    of: FrequencyResponse
     explained: ComplexArray | None
 
 
@@ -53,7 +60,7 @@ def bode_plots(found: Diagnosis) -> dict[str, GridPlot]:
 
 
 def _beside(found: Diagnosis, signal: str) -> _Beside | None:
-    """Responses of a sensor; None where the axis is not known well enough, or the log says too little."""
+    """Responses of a sensor; None where the axis or the measured response is not determined well enough."""
     values = {change.name: change.reidentified for change in found.parameters}
     if found.record is None or not has_response(found.axis, values):
         return None
@@ -63,7 +70,7 @@ def _beside(found: Diagnosis, signal: str) -> _Beside | None:
     return _Beside(of, _explained(found, of) if found.effects else None)
 
 
-def _explained(found: Diagnosis, of: Response) -> ComplexArray | None:
+def _explained(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
     """Response with the effects that were found, as far as they are linear."""
     axis, values = _axis_with_effects(found)
     if not has_response(axis, values):

@@ -1,4 +1,4 @@
-"""What all plots of a page have in common: tools, axes, curves that a click hides, rows of plots with one toolbar.
+"""Common parts of the plots of a page: tools, axes, curves that a click hides, rows of plots with one toolbar.
 
 They are drawn in light colours; in the dark the style of the page turns them.
 """
@@ -119,7 +119,7 @@ def add_legend(plot: figure, items: dict[str, list[Any]]) -> None:
 
 
 def noise_band(limit: float) -> BoxAnnotation:
-    """A grey band around 0."""
+    """A grey band from -limit to limit."""
     return BoxAnnotation(bottom=-limit, top=limit, fill_color=NOISE, fill_alpha=0.2, level="underlay")
 
 

@@ -12,14 +12,14 @@ from matplotlib.axes import Axes
 from symid.arrays import BoolArray, FloatArray
 from symid.report.binned import means_over, seen_range
 from symid.report.colours import Palette
-from symid.report.motion import Motion
+from symid.report.motion import SensorMotion
 
 _MOST_POINTS = 20_000
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """What is drawn of one output of one log.
+    """Data of the panel of one output of one log.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class Panel:
         What is compared.
     time, measured, predicted : array of shape (n,)
         The curves; nan where nothing is compared.
-    motion : Motion, optional
+    motion : SensorMotion, optional
         Of the log.
     """
 
@@ -39,7 +39,7 @@ class Panel:
     time: FloatArray
     measured: FloatArray
     predicted: FloatArray
-    motion: Motion | None = None
+    motion: SensorMotion | None = None
 
 
 def draw_panel(place: Any, panel: Panel, palette: Palette) -> None:

@@ -20,7 +20,7 @@ from symid.identification import Identification, Prediction
 from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
 from symid.report.drawn import Drawn
-from symid.report.motion import Motion, Response, has_response, response_of
+from symid.report.motion import FrequencyResponse, SensorMotion, has_response, response_of
 from symid.report.panels import Panel, draw_panel
 from symid.text import visible
 
@@ -129,7 +129,7 @@ def identification_figure(
 
 def _responses(
     found: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
-) -> list[Response]:
+) -> list[FrequencyResponse]:
     """Frequency responses of the first sensors, where the axis is known well enough."""
     if axis is None or not runs or not has_response(axis, found.physical_parameters):
         return []
@@ -154,7 +154,7 @@ def _parameters(
 def _with_motion(panels: Sequence[Panel], axis: Axis, runs: Sequence[Log]) -> list[Panel]:
     """Panels with the motion of their logs; each log has as many panels."""
     each = len(panels) // len(runs)
-    motions = [motion for run in runs for motion in [Motion.of(axis, run)] * each]
+    motions = [motion for run in runs for motion in [SensorMotion.of(axis, run)] * each]
     return [replace(panel, motion=motion) for panel, motion in zip(panels, motions, strict=True)]
 
 

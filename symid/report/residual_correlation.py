@@ -1,4 +1,4 @@
-"""What a residual remembers: its auto-correlation, and its cross-correlation with what the model predicts."""
+"""Auto-correlation of a residual, and its cross-correlation with the prediction."""
 
 from __future__ import annotations
 

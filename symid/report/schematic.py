@@ -284,7 +284,7 @@ class _Drawing:
         ) + 0.55
 
     def draw(self) -> None:
-        """Everything."""
+        """Draw the whole axis into the figure."""
         ground = self.boxes[GROUND.name]
         symbols.wall(self.axes, (0.0, -ground.height / 2), _WALL, ground.height, self.palette)
         self._stroke([_WALL, _WALL], [-ground.height / 2, ground.height / 2])

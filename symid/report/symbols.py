@@ -34,7 +34,7 @@ class Line:
 
     @property
     def length(self) -> float:
-        """Between its ends."""
+        """Distance between its ends."""
         return float(np.hypot(*np.subtract(self.end, self.begin)))
 
     def points(self, local: Sequence[tuple[float, float]]) -> FloatArray:
@@ -65,7 +65,7 @@ def _leads(
 
 
 def spring(axes: Axes, line: Line, palette: Palette, name: str) -> None:
-    """A zigzag."""
+    """Symbol of a spring: a zigzag line."""
     teeth = 8
     u = np.linspace(-_LENGTH / 2, _LENGTH / 2, teeth + 2)
     w = [0.0, *(_HALF * (-1) ** k for k in range(teeth)), 0.0]

@@ -18,7 +18,7 @@ from symid.tuning import TotalTuning
 
 
 def total_record(found: TotalTuning) -> dict[str, Any]:
-    """What `symid tune --noise-from LOG --json` writes."""
+    """Record of `symid tune --noise-from LOG --json`."""
     return {
         "axis": found.axis,
         "measured": list(found.measured),

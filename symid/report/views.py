@@ -123,7 +123,7 @@ def _console() -> Console:
 
 @singledispatch
 def figure(found: object, **settings: Any) -> Drawn:
-    """A figure of a result."""
+    """Figure of a result, chosen by its type."""
     raise SettingError(f"nothing is known of how a {type(found).__name__} is drawn")
 
 

@@ -38,7 +38,7 @@ class Stage:
 
     @property
     def removed_multiple(self) -> float:
-        """What was removed in multiples of the noise floor; nan where there is nothing to compare with."""
+        """Removed error in multiples of the noise floor; nan for the first model."""
         return self.removed / self.floor.rms if self.floor.rms > 0 else math.nan
 
 

@@ -17,8 +17,8 @@ from symid.simulation.drive_chain import ThroughDrive
 from symid.simulation.imperfect import Moment, misreading, stages, steps_for
 from symid.simulation.loop import Loop
 from symid.simulation.reading import Reader, in_steps
-from symid.simulation.record import Record
-from symid.simulation.run import Run
+from symid.simulation.record import MotionRecord
+from symid.simulation.run import SimulationRun
 from symid.simulation.trajectory import Trajectory
 
 _PART = 8192
@@ -122,18 +122,18 @@ def simulate(
         controller = ThroughDrive(controller, drive, sent)
     fine = max(steps, steps_for(axis, plant, parameters, period))
     loop = Loop(plant, trajectory, controller, readers, fine, moment)
-    record = Record.empty(n_samples, len(plant.bodies), [reader.signal for reader in loop.between])
+    record = MotionRecord.empty(n_samples, len(plant.bodies), [reader.signal for reader in loop.between])
     if start is not None:
         record.states[0] = _state(start, len(plant.bodies))
     if moment is not None:
         moment.begin(record.states[0, : len(plant.bodies)])
-    run = Run(loop, record)
+    run = SimulationRun(loop, record)
     for begin in progress(range(0, n_samples, _PART)):
         end = min(begin + _PART, n_samples)
         while later and later[0][0] < end * period:
             time, changed = later.pop(0)
             run.advance(max(round(time / period), 1))
-            run = Run(replace(loop, plant=changed), record, run)
+            run = SimulationRun(replace(loop, plant=changed), record, run)
         run.advance(end)
     recorded = (record.forces if moment is None else sent) + axis.drive.noise * random.standard_normal(
         n_samples

@@ -18,7 +18,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.simulation.flow import ORDER
-from symid.simulation.mode import Mode, Modes
+from symid.simulation.mode import StickSlipMode, StickSlipModes
 from symid.simulation.plant import Plant
 
 _MOST_EVENTS = 100
@@ -56,7 +56,7 @@ class Engine:
     def __post_init__(self) -> None:
         if self.state.size == 0:
             self.state = np.zeros(2 * len(self.plant.bodies))
-        self._modes = Modes(self.plant)
+        self._modes = StickSlipModes(self.plant)
         self.mode = self._modes.of(self._modes.start(self.state))
 
     def advance(self, drive_force: float, duration: float) -> None:
@@ -148,7 +148,9 @@ class Engine:
         self._release(drive)
         return time * mode.flow.reach, True
 
-    def _margin(self, mode: Mode, i: int, sign: float, series: FloatArray, force: FloatArray) -> FloatArray:
+    def _margin(
+        self, mode: StickSlipMode, i: int, sign: float, series: FloatArray, force: FloatArray
+    ) -> FloatArray:
         """Series of the margin between a stuck joint's force and its limit, on the side of the excess."""
         row = mode.flow.holding_rows[i]
         margin = -sign * (series @ row[: series.shape[1]])

@@ -12,8 +12,8 @@ from symid.arrays import BoolArray, FloatArray
 from symid.simulation.controller import LinearLaw
 from symid.simulation.loop import Loop
 from symid.simulation.loop_system import loop_system
-from symid.simulation.mode import Mode
-from symid.simulation.record import Record
+from symid.simulation.mode import StickSlipMode
+from symid.simulation.record import MotionRecord
 from symid.simulation.recursion import Recursion
 
 _LARGEST = 16
@@ -27,20 +27,20 @@ class LinearLoop:
     ----------
     loop : Loop
         Axis and controller.
-    mode : Mode
+    mode : StickSlipMode
         Which joints slide or stick.
     law : LinearLaw
         The controller.
     """
 
-    def __init__(self, loop: Loop, mode: Mode, law: LinearLaw) -> None:
+    def __init__(self, loop: Loop, mode: StickSlipMode, law: LinearLaw) -> None:
         self._loop, self._mode = loop, mode
         self._system = loop_system(loop, mode, law)
         self._inputs = self._system.inputs.T.copy()
         self._recursion = Recursion(self._system.matrix)
 
     @staticmethod
-    def applies(loop: Loop, mode: Mode) -> bool:
+    def applies(loop: Loop, mode: StickSlipMode) -> bool:
         """Whether a loop in this mode is a linear recursion: nothing varies or is rounded, and it is not too large."""
         size = 2 * len(mode.plant.bodies) + sum(reader.age + 1 for reader in loop.controlled)
         return (
@@ -51,7 +51,7 @@ class LinearLoop:
             and all(reader.step == 0 and reader.order < 2 for reader in loop.controlled)
         )
 
-    def advance(self, record: Record, k: int, end: int, memory: FloatArray) -> tuple[int, FloatArray]:
+    def advance(self, record: MotionRecord, k: int, end: int, memory: FloatArray) -> tuple[int, FloatArray]:
         """Advance from sample k up to `end`; returns the samples made and the controller's state after them."""
         system, inputs, n = self._system, self._loop.inputs[k:end], record.states.shape[1]
         with np.errstate(all="ignore"):
@@ -64,7 +64,7 @@ class LinearLoop:
         self._write(record, k, states[: made + 1, :n], forces[:made])
         return made, np.asarray(system.memory @ states[made])
 
-    def _start(self, record: Record, k: int, memory: FloatArray) -> FloatArray:
+    def _start(self, record: MotionRecord, k: int, memory: FloatArray) -> FloatArray:
         system, n = self._system, record.states.shape[1]
         start = np.zeros(len(system.matrix))
         start[:n] = record.states[k]
@@ -91,7 +91,7 @@ class LinearLoop:
                 good &= (held >= low) & (held <= high)
         return np.asarray(good)
 
-    def _write(self, record: Record, k: int, states: FloatArray, forces: FloatArray) -> None:
+    def _write(self, record: MotionRecord, k: int, states: FloatArray, forces: FloatArray) -> None:
         mode, end, n = self._mode, k + len(forces), states.shape[1]
         record.states[k + 1 : end + 1] = states[1:]
         record.forces[k:end] = forces

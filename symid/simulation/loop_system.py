@@ -15,7 +15,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.simulation.controller import LinearLaw
 from symid.simulation.loop import Loop
-from symid.simulation.mode import Mode
+from symid.simulation.mode import StickSlipMode
 from symid.simulation.reading import Reader
 
 
@@ -45,7 +45,7 @@ class LoopSystem:
     pipes: tuple[slice, ...]
 
 
-def loop_system(loop: Loop, mode: Mode, law: LinearLaw) -> LoopSystem:
+def loop_system(loop: Loop, mode: StickSlipMode, law: LinearLaw) -> LoopSystem:
     """The system of a loop in a mode without varying laws."""
     n, n_memory = 2 * len(mode.plant.bodies), len(law.C)
     pipes = _pipes(n + n_memory, loop.controlled)
@@ -88,7 +88,7 @@ def _pipes(begin: int, readers: Sequence[Reader]) -> tuple[slice, ...]:
     return tuple(pipes)
 
 
-def _readings(loop: Loop, mode: Mode, pipes: Sequence[slice], size: int) -> FloatArray:
+def _readings(loop: Loop, mode: StickSlipMode, pipes: Sequence[slice], size: int) -> FloatArray:
     """Readings of the controller as rows on z."""
     rows = np.zeros((len(pipes), size))
     for row, reader, pipe in zip(rows, loop.controlled, pipes, strict=True):

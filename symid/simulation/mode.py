@@ -18,7 +18,7 @@ _SPEEDS = (JUST_MOVING, *(0.7 * 10.0**power for power in range(-12, 5)))
 
 
 @dataclass(frozen=True)
-class Line:
+class AffineForce:
     """A force level + stiffness q + damping v.
 
     Parameters
@@ -33,7 +33,7 @@ class Line:
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Transition:
     """Motion over a duration: state after it = transition @ state + drive * drive force + offset - gain @ others.
 
     Parameters
@@ -52,7 +52,7 @@ class Step:
     offset: FloatArray
 
 
-class Mode:
+class StickSlipMode:
     """Motion of an axis while the joints in `signs` keep their direction, or stick where that is 0.
 
     Parameters
@@ -63,7 +63,7 @@ class Mode:
         Its motion with the joints that stick.
     signs : tuple of float
         Direction of motion for each law; 0 if its joint sticks, or if it has no level at which it could.
-    lines : sequence of Line or None
+    lines : sequence of AffineForce or None
         Each law in this mode, if it is a straight line.
     sliding : sequence of int
         Laws that can hold their joints and do not now.
@@ -83,7 +83,7 @@ class Mode:
         plant: Plant,
         flow: Flow,
         signs: tuple[float, ...],
-        lines: Sequence[Line | None],
+        lines: Sequence[AffineForce | None],
         sliding: Sequence[int],
     ) -> None:
         self.plant, self.flow, self.signs = plant, flow, signs
@@ -121,9 +121,9 @@ class Mode:
         displacements = state[: len(self.plant.bodies)]
         return np.array([law.limits(float(law.direction @ displacements)) for law in laws]).reshape(-1, 2)
 
-    def _step(self, duration: float) -> Step:
+    def _step(self, duration: float) -> Transition:
         transition, gain = self.flow.transition(duration)
-        return Step(transition, gain, gain @ self.plant.drive, gain @ self.constant)
+        return Transition(transition, gain, gain @ self.plant.drive, gain @ self.constant)
 
 
 def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
@@ -131,14 +131,14 @@ def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
     return law.force(q, sign * max(sign * v, JUST_MOVING) if sign else v)
 
 
-class Modes:
+class StickSlipModes:
     """All modes of a plant, each made when first met.
 
     Examples
     --------
     >>> from symid.axis import load_axis
     >>> from symid.simulation.forward_dynamics import plant_of
-    >>> modes = Modes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))
+    >>> modes = StickSlipModes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))
     >>> modes.of((1.0,)).constant.tolist(), modes.of((0.0,)).limits(np.zeros(2)).tolist()
     ([-4.0], [[-4.0, 4.0]])
     """
@@ -166,12 +166,12 @@ class Modes:
         velocities = state[n:] - self._impulses[joint] * (direction @ state[n:])
         return np.concatenate([state[:n], velocities])
 
-    def _of(self, signs: tuple[float, ...]) -> Mode:
+    def _of(self, signs: tuple[float, ...]) -> StickSlipMode:
         stuck = tuple(j for j, held in enumerate(self.can_hold) if held and signs[j] == 0)
         lines = [None if j in stuck else self._line(j, sign) for j, sign in enumerate(signs)]
         slopes = tuple((line.stiffness, line.damping) if line else (0.0, 0.0) for line in lines)
         sliding = [j for j, held in enumerate(self.can_hold) if held and j not in stuck]
-        return Mode(self.plant, self._flow(stuck, slopes), signs, lines, sliding)
+        return StickSlipMode(self.plant, self._flow(stuck, slopes), signs, lines, sliding)
 
     def _make_flow(self, stuck: tuple[int, ...], slopes: tuple[tuple[float, float], ...]) -> Flow:
         stiffness, damping = self.plant.stiffness, self.plant.damping
@@ -181,14 +181,16 @@ class Modes:
         return Flow(replace(self.plant, stiffness=stiffness, damping=damping), stuck)
 
 
-def _line(law: JointLaw, sign: float) -> Line | None:
+def _line(law: JointLaw, sign: float) -> AffineForce | None:
     """The law for motion in a direction (both, if it is 0) as a straight line, if it is one."""
     if law.timed:
         return None
     directions = (sign,) if sign else (-1.0, 1.0)
     speeds = [side * speed for side in directions for speed in _SPEEDS]
     level = law.force(0.0, speeds[0])
-    line = Line(level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1])
+    line = AffineForce(
+        level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1]
+    )
     places = [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
     places += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
     if not all(map(math.isfinite, (line.level, line.stiffness, line.damping))):

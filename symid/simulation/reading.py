@@ -9,9 +9,9 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import Sensor
-from symid.simulation.mode import Mode
+from symid.simulation.mode import StickSlipMode
 from symid.simulation.plant import Plant
-from symid.simulation.record import Record
+from symid.simulation.record import MotionRecord
 
 _WHOLE = 1e-9
 """Distance from a whole number of samples, relative to one, below which a delay counts as whole."""
@@ -58,7 +58,7 @@ class Reader:
         self.moment = period if late < _WHOLE else (1.0 - late) * period
         self.is_between = self.moment < period
 
-    def of_state(self, mode: Mode) -> tuple[FloatArray, float, float]:
+    def of_state(self, mode: StickSlipMode) -> tuple[FloatArray, float, float]:
         """Value as a row on the state, a factor of the drive force and a constant, in a mode without varying laws."""
         n = self.row.size
         if self.order == 2:
@@ -69,20 +69,20 @@ class Reader:
         row[self.order * n : (self.order + 1) * n] = self.row
         return row, 0.0, 0.0
 
-    def of_begin(self, mode: Mode) -> tuple[FloatArray, float, float]:
+    def of_begin(self, mode: StickSlipMode) -> tuple[FloatArray, float, float]:
         """The same value in terms of the state at the interval's begin."""
         row, drive, constant = self.of_state(mode)
         step = mode.step(self.moment)
         return row @ step.transition, float(row @ step.drive) + drive, float(row @ step.offset) + constant
 
-    def exact(self, record: Record, samples: slice) -> FloatArray:
+    def exact(self, record: MotionRecord, samples: slice) -> FloatArray:
         """Exact values at samples."""
         n = self.row.size
         if self.order == 2:
             return np.asarray(record.accelerations[samples] @ self.row)
         return np.asarray(record.states[samples, self.order * n : (self.order + 1) * n] @ self.row)
 
-    def past(self, record: Record, k: int) -> FloatArray:
+    def past(self, record: MotionRecord, k: int) -> FloatArray:
         """Values of intervals k - 1 - age to k - 1, that of the start before the first one; shape (age + 1,)."""
         intervals = np.arange(k - 1 - self.age, k)
         if self.is_between:
@@ -92,11 +92,11 @@ class Reader:
         values = self.exact(record, slice(first, k + 1))
         return np.concatenate([np.full(self.age + 1 - values.size, values[0]), values])
 
-    def read(self, record: Record, k: int) -> float:
+    def read(self, record: MotionRecord, k: int) -> float:
         """Reading at sample k, for the controller."""
         return float(in_steps(self._read(self.past(record, k)[:1]) + self.noise[k], self.step)[0])
 
-    def read_all(self, record: Record) -> FloatArray:
+    def read_all(self, record: MotionRecord) -> FloatArray:
         """Readings at all samples."""
         exact = self.exact(record, slice(None))
         if self.is_between:

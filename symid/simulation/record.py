@@ -12,7 +12,7 @@ from symid.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class MotionRecord:
     """Exact motion at the samples of a controller, and forces between them.
 
     Parameters

@@ -16,8 +16,8 @@ from symid.arrays import FloatArray
 from symid.simulation.engine import Engine
 from symid.simulation.linear_loop import LinearLoop
 from symid.simulation.loop import Loop, runaway
-from symid.simulation.mode import Mode
-from symid.simulation.record import Record
+from symid.simulation.mode import StickSlipMode
+from symid.simulation.record import MotionRecord
 from symid.simulation.sample_code import compiled
 
 _SHORTEST, _LONGEST = 128, 4096
@@ -28,26 +28,26 @@ _MODES = 64
 """Number of modes whose matrices and code are cached."""
 
 
-class Run:
+class SimulationRun:
     """A simulation in progress.
 
     Parameters
     ----------
     loop : Loop
         Axis and controller.
-    record : Record
+    record : MotionRecord
         Where the motion is written; its first state is that at the beginning.
-    after : Run, optional
+    after : SimulationRun, optional
         Run that this one continues.
     """
 
-    def __init__(self, loop: Loop, record: Record, after: Run | None = None) -> None:
+    def __init__(self, loop: Loop, record: MotionRecord, after: SimulationRun | None = None) -> None:
         self.loop, self.record = loop, record
         self._made: int = after._made if after else 0
         self._memory: FloatArray = after._memory if after else loop.controller.start
         self._engine = Engine(loop.plant, record.states[self._made].copy())
         self._block, self._singly = _SHORTEST, 0
-        self._by_mode: OrderedDict[Mode, _Ways] = OrderedDict()
+        self._by_mode: OrderedDict[StickSlipMode, _Ways] = OrderedDict()
         if loop.is_accelerated and not after:
             record.accelerations[0] = self._engine.acceleration(0.0)
 
@@ -155,7 +155,7 @@ class Run:
 class _Ways:
     """Matrices and code for one mode, made when first needed."""
 
-    def __init__(self, loop: Loop, mode: Mode) -> None:
+    def __init__(self, loop: Loop, mode: StickSlipMode) -> None:
         self._loop, self._mode = loop, mode
         self._sampled: Callable[..., Any] | None = None
         law = loop.law

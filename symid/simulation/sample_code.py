@@ -14,7 +14,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.simulation.controller import LinearLaw
 from symid.simulation.loop import Loop
-from symid.simulation.mode import Mode
+from symid.simulation.mode import StickSlipMode
 from symid.simulation.plant import JUST_MOVING
 from symid.simulation.reading import Reader
 
@@ -36,7 +36,7 @@ def run(columns, pasts, state, memory, limits):
 """
 
 
-def compiled(loop: Loop, mode: Mode) -> Callable[..., Any]:
+def compiled(loop: Loop, mode: StickSlipMode) -> Callable[..., Any]:
     """Function that runs samples of a loop in a mode.
 
     It takes columns of numbers by sample (number of the sample, position, velocity, acceleration, noise of each
@@ -54,7 +54,7 @@ def compiled(loop: Loop, mode: Mode) -> Callable[..., Any]:
 class SampleCode:
     """Writer of the code for a loop in a mode."""
 
-    def __init__(self, loop: Loop, mode: Mode) -> None:
+    def __init__(self, loop: Loop, mode: StickSlipMode) -> None:
         self.loop, self.mode = loop, mode
         self.functions: dict[str, Callable[..., Any]] = {
             f"law{j}_{i}": function

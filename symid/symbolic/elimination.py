@@ -216,7 +216,7 @@ def _driven(
         return equation
     axis = operators.source.axis
     turns = {body.name: body.turns for body in axis.free_bodies}
-    lever = operators.element(Kinematics(axis).lever(axis))
+    metres_per_radian = operators.element(Kinematics(axis).metres_per_radian(axis))
 
     def of_torques(balances: Mapping[str, PolyElement]) -> bool:
         return turns[next(iter(balances))]
@@ -225,7 +225,7 @@ def _driven(
     for other in equations:
         if other.force and other.is_linear:
             power = int(of_torques(other.multipliers)) - int(of_torques(equation.multipliers))
-            sums.append(equation.scaled(lever**power).plus(other))
+            sums.append(equation.scaled(metres_per_radian**power).plus(other))
     return min(
         sums, key=lambda e: (max(e.force), sum(len(t.coefficient) for t in e.motion)), default=equation
     )

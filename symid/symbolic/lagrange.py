@@ -157,7 +157,7 @@ class Kinematics:
             return self.displacement(sensor.body)
         return (self.absolute(sensor.body) - self.absolute(sensor.reference)).expand()
 
-    def lever(self, axis: Axis) -> sp.Expr:
+    def metres_per_radian(self, axis: Axis) -> sp.Expr:
         """A known ratio in metres per radian; 1 where the axis has none."""
         pairs = [(body.geared.to, body, body.geared.ratio) for body in axis.bodies if body.geared]
         joints = [getattr(element, "at", None) for element in (*axis.elements, axis.drive)]

@@ -19,7 +19,7 @@ MOST_TERMS = 400
 
 
 @dataclass(frozen=True)
-class Step:
+class SolvedUnknown:
     """One solved unknown.
 
     Parameters
@@ -46,7 +46,7 @@ class TriangularSolution:
 
     Parameters
     ----------
-    steps : tuple of Step
+    steps : tuple of SolvedUnknown
         Solved unknowns.
     relations : int
         Number of equations that were not needed.
@@ -54,7 +54,7 @@ class TriangularSolution:
         Equations beyond closed form; empty if all is solved.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[SolvedUnknown, ...]
     relations: int
     left: tuple[PolyElement, ...] = field(default=())
 
@@ -92,7 +92,7 @@ def triangular_solution(
     (2, [(1, y - 5), (1, -5, 6)])
     """
     system = [_without_monomials(equation) for equation in equations]
-    steps: list[Step] = []
+    steps: list[SolvedUnknown] = []
     relations = 0
     while True:
         relations += sum(1 for e in system if e.is_ground)
@@ -108,7 +108,9 @@ def triangular_solution(
     return TriangularSolution(tuple(steps), relations)
 
 
-def _next_step(system: Sequence[PolyElement], unknowns: int, simple: bool) -> tuple[PolyElement, Step] | None:
+def _next_step(
+    system: Sequence[PolyElement], unknowns: int, simple: bool
+) -> tuple[PolyElement, SolvedUnknown] | None:
     """The simplest linear step, else a quadratic equation in a single unknown."""
     candidates = []
     for place, equation in enumerate(system):
@@ -123,11 +125,11 @@ def _next_step(system: Sequence[PolyElement], unknowns: int, simple: bool) -> tu
                 candidates.append((cost, unknown, equation, coefficients))
     if candidates:
         _, unknown, equation, coefficients = min(candidates, key=lambda c: (c[0], c[1]))
-        return equation, Step(unknown, coefficients)
+        return equation, SolvedUnknown(unknown, coefficients)
     for equation in () if simple else system:
         held = [unknown for unknown in range(unknowns) if equation.degree(unknown) > 0]
         if len(held) == 1 and equation.degree(held[0]) == 2:
-            return equation, Step(held[0], _by_falling_power(equation, held[0]))
+            return equation, SolvedUnknown(held[0], _by_falling_power(equation, held[0]))
     return None
 
 
@@ -136,7 +138,7 @@ def _complexity(value: Any) -> int:
     return len(value.numer) + len(value.denom) if isinstance(value, FracElement) else 1
 
 
-def _substitute(equation: PolyElement, step: Step) -> PolyElement:
+def _substitute(equation: PolyElement, step: SolvedUnknown) -> PolyElement:
     """Put a step's solution into an equation and clear the denominator; reduce by a quadratic step."""
     degree = equation.degree(step.unknown)
     if degree <= 0:

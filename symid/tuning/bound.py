@@ -151,5 +151,5 @@ def _refined(error: Callable[[float], float], above: float, within: float, bound
         },
     )
     chosen = float(np.exp(np.clip(found.x[0], math.log(above), math.log(within))))
-    # A local minimum away from the bound is no solution; the end of the interval meets the bound.
+    # A local minimum away from the bound is not a solution; the end of the interval meets the bound.
     return chosen if error(chosen) <= bound * (1.0 + 10 * _TOLERANCE) else within

@@ -57,7 +57,7 @@ class ExactRun:
         Parameters
         ----------
         every : int
-            Every so many samples of the controller.
+            Number of controller samples per sample.
         """
         run, kept = self.simulation, slice(1, None, every)
         n = run.accelerations.shape[1]

@@ -1,4 +1,4 @@
-"""What moves an axis while it is tuned, unless a trajectory is given."""
+"""Default trajectory of the tuning."""
 
 from __future__ import annotations
 

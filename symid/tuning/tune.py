@@ -13,7 +13,7 @@ import numpy as np
 from symid.axis import Axis, Law
 from symid.codegen import GeneratedModel
 from symid.codegen.generate import compiled
-from symid.data import faithful_share
+from symid.data import differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
 from symid.shown import Shown
@@ -119,7 +119,7 @@ def first_sampling_frequency(cutoff_hz: float, differences: int) -> float:
     >>> round(first_sampling_frequency(164.42, 4)), round(first_sampling_frequency(164.42, 2))
     (8791, 8289)
     """
-    return cutoff_hz / faithful_share(max(differences, 1), 10 ** (-distortion_db(differences) / 20))
+    return cutoff_hz / differencing_bandwidth(max(differences, 1), 10 ** (-distortion_db(differences) / 20))
 
 
 def tune(

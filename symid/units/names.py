@@ -85,7 +85,7 @@ _COUNTED: Final = """
     Impulse step steps lsb LSB LSBs bit bits Bit Bits digit digits tick ticks qc
 """
 COUNTS: Final = frozenset(_COUNTED.split())
-"""What a reading counts in; how much one is, only its user knows."""
+"""Units of counts, whose size only the user knows."""
 PER_TURN: Final = frozenset({"cpr", "ppr", "CPR", "PPR"})
 """Behind the number of counts of a turn."""
 

@@ -45,7 +45,7 @@ _CLOCKED: Final = ("Hz", "min")
 
 @dataclass(frozen=True)
 class _Read:
-    """What a text says: a factor to SI, a unit, the names in it, and whether a number was in it."""
+    """A parsed unit: factor to SI, unit, the names in it, and whether it has a number."""
 
     factor: float = 1.0
     unit: Unit = _NONE
@@ -106,7 +106,7 @@ def _in(expected: Unit, read: _Read, text: str) -> float:
     if read.unit == expected and not counted:
         return read.factor
     if expected in (Unit.of("m"), _RADIAN) and read.unit * expected == Unit() and (read.number or 1.0) > 1.0:
-        return 1.0 / read.factor  # so many counts per turn or per length
+        return 1.0 / read.factor  # counts per turn or per length
     if expected in _ROTATIONS and expected / read.unit == _RADIAN and not counted:
         if any(name.endswith(_CLOCKED) for name in read.names):
             return 2.0 * math.pi * read.factor
@@ -134,7 +134,7 @@ def _quoted(text: str) -> str:
 
 
 def _parsed(text: str) -> _Read:
-    """What a text says, whatever is expected; LogError if it is no unit."""
+    """Parse a unit without expectation; LogError if it is not a unit."""
     unknown = LogError(
         f"unit {_quoted(text)} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
     )

@@ -1,1 +1,1 @@
-"""What users call: an axis, its name or file, or a model, with logs, files or data frames, everywhere alike."""
+"""The Python interface: every verb takes an axis, its name or file, or a model, and logs, files or data frames."""

@@ -27,7 +27,7 @@ def axis_of(given: AnyAxis) -> Axis:
     SettingError
         If it is none of these.
     SymidError
-        If there is no such axis.
+        If the axis does not exist.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def axis_of(given: AnyAxis) -> Axis:
     if isinstance(axis, Axis):
         return axis
     raise SettingError(
-        f"{type(given).__name__} is no axis: give an Axis, the name or path of its file, or a model of it"
+        f"{type(given).__name__} is not an axis: give an Axis, the name or path of its file, or a model of it"
     )
 
 

@@ -97,7 +97,7 @@ def test_a_diagnosis_counts_with_the_effects_it_found(folder: Path) -> None:
         ("[]", "holds []"),
         ("{}", "holds no parameters"),
         ('{"K": 1}', "share no parameter"),
-        ("{", "is no JSON"),
+        ("{", "is not JSON"),
     ],
 )
 def test_mistakes_are_one_line(

@@ -38,7 +38,7 @@ def test_a_table_names_no_file(name: str, folder: Path, capsys: pytest.CaptureFi
     pl.read_parquet("r.parquet").with_columns(axis=pl.lit(name)).write_parquet("evil.parquet")
     capsys.readouterr()
     assert run("fleet", "evil.parquet", "--joint") == 2
-    assert "which is no name" in capsys.readouterr().err
+    assert "which is not a name" in capsys.readouterr().err
     assert not Path("PWNED").exists()
 
 

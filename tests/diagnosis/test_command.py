@@ -66,7 +66,7 @@ def test_one_run_prints_a_table_and_writes_json_page_and_axis(
         (("rigid_1m", "nothing.csv"), "nothing.csv"),
         (("no_axis", "run.csv"), "no_axis"),
         (("rigid_1m", "run.csv", "--nominal", "lacking.json"), "lacks Fv, Fs"),
-        (("rigid_1m", "run.csv", "--nominal", "run.csv"), "is no JSON"),
+        (("rigid_1m", "run.csv", "--nominal", "run.csv"), "is not JSON"),
         (("rigid_1m", "run.csv", "--validation", "short.csv"), "short.csv"),
         (("rigid_1m", "run.csv", "--report", "gap.pdf"), ".html"),
         (("rigid_1m", "run.csv", "--late", "F=soon"), "soon"),

@@ -9,7 +9,7 @@ import scipy
 from symid.axis import load_axis
 from symid.codegen import load_generated
 from symid.errors import SettingError
-from symid.excitation import Experiment, design, references
+from symid.excitation import IdentificationTrial, design, references
 from symid.identification import Preparation, identify
 from symid.simulation import Limits, plant_of, simulate, tuned_cascade
 
@@ -18,10 +18,10 @@ LIMITS = Limits((-0.1, 0.1), speed=0.5, acceleration=5.0)
 SECONDS, RATE, RUNS = 4.0, 1000.0, 12
 
 
-def experiment_of(force: float = math.inf) -> Experiment:
+def experiment_of(force: float = math.inf) -> IdentificationTrial:
     axis = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=3.0)
     controller = tuned_cascade(plant_of(axis, TRUTH), "q", 10.0)
-    return Experiment(axis, load_generated("rigid_1m"), TRUTH, controller, LIMITS, force)
+    return IdentificationTrial(axis, load_generated("rigid_1m"), TRUTH, controller, LIMITS, force)
 
 
 @pytest.fixture(scope="module")

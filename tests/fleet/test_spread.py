@@ -115,8 +115,8 @@ def test_too_few_runs_and_missing_values_are_no_errors() -> None:
     found = spread_between([1.0, 2.0, np.nan, 4.0], [0.1, 0.1, 0.1, np.nan])
     assert found.runs == 2
     assert found.mean == pytest.approx(1.5)
-    assert judge_spread({"M": found}).sentence.startswith("not told: 2 runs")
+    assert judge_spread({"M": found}).sentence.startswith("not known: 2 runs")
     assert spread_between([], []).runs == 0
-    assert judge_spread({}).sentence.startswith("not told")
+    assert judge_spread({}).sentence.startswith("not known")
     with pytest.raises(SettingError, match="one of each"):
         spread_between([1.0], [1.0, 2.0])

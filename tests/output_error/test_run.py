@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symid import CoulombFriction, Log, load_axis
-from symid.output_error.run import Run, run_of
+from symid.output_error.run import LogRun, run_of
 from symid.simulation import forward_dynamics
 
 PERIOD, N = 1e-3, 2000
@@ -18,7 +18,7 @@ def force_at(t):
     return sum(a * np.sin(2 * np.pi * f * t + phase) for a, f, phase in TONES)
 
 
-def rigid_run(q, force=None, course="smooth", period=PERIOD, **settings) -> Run:
+def rigid_run(q, force=None, course="smooth", period=PERIOD, **settings) -> LogRun:
     log = Log.from_arrays({"q": q, "F": force_at(TIME) if force is None else force}, sampling_period=period)
     return run_of(forward_dynamics(load_axis("rigid_1m")), log, ["q"], course, cutoff_hz=100.0, **settings)
 

@@ -95,7 +95,7 @@ def test_results_are_frames(folder: Path) -> None:
 
 @pytest.mark.parametrize("given", [5, None, ["rigid_1m"]])
 def test_what_is_no_axis_is_refused(given: object) -> None:
-    with pytest.raises(SettingError, match="is no axis"):
+    with pytest.raises(SettingError, match="is not an axis"):
         symid.derive(given)
     with pytest.raises(SymidError):
         symid.identify("no_axis", {"t": [0.0]})
