@@ -139,7 +139,11 @@ class Axis(Shown):
     @cached_property
     def parameter_units(self) -> dict[str, Unit]:
         """Physical parameters, unknown and known, with their units, in the order of the declaration."""
-        return {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
+        units = {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
+        drive = self.drive
+        if drive.constant is None:
+            return units
+        return units | {drive.constant: self.force_unit(drive.at) / Unit.of(drive.unit or "")}
 
     @cached_property
     def signed_parameters(self) -> tuple[str, ...]:
@@ -159,7 +163,9 @@ class Axis(Shown):
             sensor.signal: length_unit(sensor.body) / second ** derivative_order(sensor)
             for sensor in self.sensors
         }
-        return {self.drive.signal: self.force_unit(self.drive.at), **units}
+        drive = self.drive
+        sent = self.force_unit(drive.at) if drive.constant is None else Unit.of(drive.unit or "")
+        return {drive.signal: sent, **units}
 
     @property
     def controlled(self) -> str:
@@ -264,7 +270,7 @@ class Axis(Shown):
 
     def force_unit(self, joint: Joint) -> Unit:
         """Unit of a force (or torque) in a joint, which follows the unit of the drive."""
-        declared = self.drive.unit
+        declared = None if self.drive.constant else self.drive.unit
         turns = _is_angle(joint)
         if declared is None:
             return Unit.of("N*m") if turns else Unit.of("N")

@@ -227,8 +227,9 @@ class Drive:
         Name of the force (or torque) signal, a column of the log.
     at : Body or Between
         The joint of the driven body, or two bodies.
-    gain : float, optional
-        Force per unit of the command, for a log that holds the command instead of the force.
+    gain : float or str, optional
+        Force per unit of the command, for a log that holds the command instead of the force; the name of a parameter
+        where it is unknown: then `signal` is the command, such as a current in the `unit` A.
     command : str, optional
         Name of that command's column, such as a current or a controller output in volts.
     unit : str, optional
@@ -242,12 +243,22 @@ class Drive:
 
     signal: str
     at: Joint
-    gain: float | None = None
+    gain: Parameter | None = None
     command: str | None = None
     unit: str | None = None
     held: bool = False
     noise: float = 0.0
     resolution: float = 0.0
+
+    @property
+    def constant(self) -> str | None:
+        """Name of the parameter by which the signal becomes a force; None if the signal is a force itself."""
+        return self.gain if isinstance(self.gain, str) else None
+
+    @property
+    def factor(self) -> float:
+        """Force per unit of the command; 1 where the log holds the drive's signal."""
+        return float(self.gain) if is_number(self.gain) else 1.0
 
 
 @dataclass(frozen=True)

@@ -227,7 +227,7 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
                 f"{'an angle' if of.turns else 'a displacement'}: measure {of.name!r} alone, "
                 f"or relative to a body that {'turns' if of.turns else 'slides'}"
             )
-    if drive.gain is not None:
+    if drive.gain is not None and drive.constant is None:
         numbers.append(("drive: gain", drive.gain))
     for what, value in numbers:
         if (
@@ -237,10 +237,21 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
             or value == 0
         ):
             yield f"{what} is {value!r}: it must be a finite number other than 0"
-    if (drive.command is None) != (drive.gain is None):
+    if drive.constant is not None:
+        yield from _constant_faults(drive)
+    elif (drive.command is None) != (drive.gain is None):
         yield "drive: command and gain belong together: give both or neither"
     if drive.unit is not None and not Unit.is_named(drive.unit):
         yield f"drive: unit {drive.unit!r} is not known: use N, N*m, A or V"
+
+
+def _constant_faults(drive: Drive) -> Iterator[str]:
+    if not str(drive.constant).isidentifier():
+        yield f"drive: gain {drive.constant!r} is no name of a parameter: use letters, digits and _"
+    if drive.command is not None:
+        yield f"drive: gain {drive.constant!r} is unknown, so that the command is the signal: leave command= out"
+    if drive.unit is None:
+        yield f"drive: gain {drive.constant!r} is a force per unit of the signal: give that, such as unit='A'"
 
 
 def _joint_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:

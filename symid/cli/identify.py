@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options
+from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options, known_by_log
 from symid.cli.logs import (
     known_late,
     log_options,
@@ -48,6 +48,7 @@ from symid.identification import (
     Prediction,
     Preparation,
     identify,
+    identify_with_known,
     measured_signals,
     open_axis_log,
     predict,
@@ -55,6 +56,7 @@ from symid.identification import (
 )
 from symid.report.colours import palette_of
 from symid.report.identification import identification_record, print_identification
+from symid.report.shared_identification import print_shared, shared_record
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
@@ -120,6 +122,9 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
     fixed = fixed_values(options["fixed"], declared)
     known = declared.with_known(fixed) if fixed else declared
+    if options["known"]:
+        _by_known_values(known, runs, signals, options)
+        return
     model = model_of(known if fixed else axis, signals)
     constraints = constraints_of(options, known, model)
     found: Identification | OutputErrorIdentification
@@ -161,6 +166,32 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         write_json(record, options["json_file"])
     if options["json_file"] != "-":
         print_identification(record)
+
+
+def _by_known_values(
+    declared: Axis, runs: Sequence[AnyLog], signals: tuple[str, ...], options: dict[str, Any]
+) -> None:
+    """Identify from logs in each of which values are known, and say what was found."""
+    for name in ("bounds", "prior", "validation", "plot", "report"):
+        if options[name]:
+            raise SettingError(f"--known and --{name} do not go together: leave one of them out")
+    if options["method"] != "wls":
+        raise SettingError(f"--known and --method {options['method']} do not go together: take wls")
+    found = identify_with_known(
+        declared,
+        runs,
+        known_by_log(options["known"], declared, len(runs)),
+        signals,
+        preparation=replace(
+            preparation_of(options, known_late(declared, options)), held=held_force(options["held"], declared)
+        ),
+        nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
+    )
+    record = shared_record(found)
+    if options["json_file"]:
+        write_json(record, options["json_file"])
+    if options["json_file"] != "-":
+        print_shared(record)
 
 
 def _require_page(options: dict[str, Any]) -> None:

@@ -26,6 +26,12 @@ knowledge_options = shared(
         help="Value of a parameter that is known, such as M=95 or M=95kg.",
     ),
     click.option(
+        "--known",
+        multiple=True,
+        metavar="NAME=VALUE,...",
+        help="Value of a parameter in each LOG, in their order, such as the payload: Ml=0,12.5kg.",
+    ),
+    click.option(
         "--bounds",
         multiple=True,
         metavar="NAME=LOW..HIGH",
@@ -54,6 +60,31 @@ def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
             f"--fix {unknown[0]}: axis {axis.name!r} has no such parameter, choose from {', '.join(units)}"
         )
     return {name: quantity(text, units[name], f"--fix {name}") for name, text in given.items()}
+
+
+def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[str, float]]:
+    """Values of ``--known`` for each of some logs, SI.
+
+    Raises
+    ------
+    SettingError, LogError
+        If there is no such parameter, or not one value for each log.
+    """
+    units = axis.parameter_units
+    known: list[dict[str, float]] = [{} for _ in range(logs)]
+    for name, text in assignments(values, "--known").items():
+        if name not in units:
+            raise SettingError(
+                f"--known {name}: axis {axis.name!r} has no such parameter, choose from {', '.join(units)}"
+            )
+        parts = text.split(",")
+        if len(parts) != logs:
+            raise SettingError(
+                f"--known {name}={text} has {len(parts)} values for {logs} logs: give one a log"
+            )
+        for one, part in zip(known, parts, strict=True):
+            one[name] = quantity(part, units[name], f"--known {name}")
+    return known
 
 
 def quantity(text: str, unit: Unit, what: str) -> float:

@@ -137,11 +137,10 @@ def _variable(reference: int, name: str, kind: str, start: float | None = None) 
 def _wrapper(axis: Axis, source: str) -> str:
     """C source of the interface of an exported axis."""
     text = (Path(__file__).parent / "fmi2_interface.c").read_text(encoding="utf-8")
-    gain = 1.0 if axis.drive.gain is None else axis.drive.gain
     words = {
         "AXIS_SOURCE": f'"{axis.name}.c"',
         "AXIS_GUID": f'"{axis.signature}"',
-        "AXIS_GAIN": repr(float(gain)),
+        "AXIS_GAIN": repr(axis.drive.factor),
         "AXIS_PARAMETERS": str(len(axis.physical_parameters)),
     }
     names = {

@@ -81,6 +81,8 @@ class Mechanism:
         Springs with play.
     drive : Path
         Along which the drive pushes.
+    gain : float
+        Force per unit of the drive's command, or of its signal where that is none.
     readings : mapping of str to Path
         What each sensor reads, before it is differentiated.
     losses : tuple of str
@@ -93,6 +95,7 @@ class Mechanism:
     paths: Mapping[Path, Properties]
     plays: tuple[Play, ...]
     drive: Path
+    gain: float
     readings: Mapping[str, Path]
     losses: tuple[str, ...]
 
@@ -169,6 +172,7 @@ class _Collector:
                 self.add(path, "armature", value)
         for element in self.axis.elements:
             self._element(element)
+        constant = self.axis.drive.constant
         return Mechanism(
             bodies=self.axis.free_bodies,
             inertia=inertia,
@@ -176,6 +180,7 @@ class _Collector:
             paths=self.paths,
             plays=tuple(self.plays),
             drive=self.path(self.kinematics.displacement(self.axis.drive.at)),
+            gain=self.axis.drive.factor * (self.values[constant] if constant else 1.0),
             readings={s.signal: self.path(self.kinematics.reading(s)) for s in self.axis.sensors},
             losses=tuple(self.losses),
         )

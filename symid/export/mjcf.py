@@ -190,11 +190,11 @@ class _Writer:
     def _motor(self) -> str:
         drive, axis = self.axis.drive, self.axis
         where, ratio = self._transmission(self.machine.drive)
-        gain = 1.0 if drive.gain is None else drive.gain
+        gain = self.machine.gain
         name = quoteattr(drive.command or drive.signal)
         words = f'name={name} {where} gear="{_written(ratio * gain)}"'
         lags = [e.seconds for e in axis.imperfections if isinstance(e, ActuatorLag)]
-        limits = [e.force / abs(gain) for e in axis.imperfections if isinstance(e, ForceLimit)]
+        limits = [e.force / abs(drive.factor) for e in axis.imperfections if isinstance(e, ForceLimit)]
         delay = sum(e.seconds for e in axis.imperfections if isinstance(e, ActuatorDelay))
         if limits:
             edge = _written(min(limits))

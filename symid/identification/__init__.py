@@ -5,6 +5,7 @@ from symid.identification.constraints import Constraints
 from symid.identification.contradiction import judged, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
 from symid.identification.identify import distrusted, found_from, identify
+from symid.identification.known_per_log import SharedIdentification, identify_with_known
 from symid.identification.logs import measured_signals, open_axis_log, read_axis_log
 from symid.identification.mapping import LogMapping, guessed_mapping, read_mapping, stated_period
 from symid.identification.observation import Observation, observe
@@ -26,6 +27,7 @@ __all__ = [
     "PhysicalEstimate",
     "Prediction",
     "Preparation",
+    "SharedIdentification",
     "Timing",
     "bias_of",
     "distrusted",
@@ -33,6 +35,7 @@ __all__ = [
     "found_from",
     "guessed_mapping",
     "identify",
+    "identify_with_known",
     "judged",
     "measured_signals",
     "observe",

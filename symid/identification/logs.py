@@ -39,9 +39,9 @@ def axis_columns(
         name: unit for name, unit in axis.signal_units.items() if name == axis.drive.signal or name in used
     }
     drive = axis.drive
-    if drive.command is None or drive.gain is None:
+    if drive.command is None:
         return expected, {}
-    return expected, {drive.signal: (drive.command, drive.gain)}
+    return expected, {drive.signal: (drive.command, drive.factor)}
 
 
 def read_axis_log(

@@ -279,6 +279,8 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
     """Nonlinear laws as inputs; the power of the drive and of the laws, whose derivative by a velocity is a force."""
     inputs: dict[tuple[sp.Expr, sp.Expr], LawInput] = {}
     power = sp.Symbol(axis.drive.signal) * kinematics.rate(kinematics.displacement(axis.drive.at), 1)
+    if axis.drive.constant is not None:
+        power *= kinematics.parameter(axis.drive.constant)
 
     def resist(
         parameter: sp.Expr, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str

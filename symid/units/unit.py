@@ -76,6 +76,11 @@ _NAMED: dict[str, Unit] = {
     "rad/s^2": _base("rad") / _SECOND**2,
     "kg*m^2": _NEWTON * _METRE * _SECOND**2 / _base("rad"),  # an inertia: torque per angular acceleration
     "kg*m": _NEWTON * _SECOND**2,
+    **{
+        f"{name}/{base}": force / _base(base)  # the constant of a drive
+        for name, force in (("N", _NEWTON), ("N*m", _NEWTON * _METRE))
+        for base in ("A", "V")
+    },
 }
 _SYMBOLS = {unit: name for name, unit in _NAMED.items()}
 

@@ -1,0 +1,266 @@
+"""Parameters from logs in each of which other values are known, such as the payload.
+
+Each group of logs with the same known values gives minimal parameters X_g with covariance C_g, by the model in which
+these values are known. The physical parameters theta that all groups share minimise
+sum (X_g - X_g(theta))' C_g^-1 (X_g - X_g(theta)). A single log tells masses and friction in units of the drive's
+constant only; two known payloads tell that constant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, FloatArray
+from symid.axis import Axis
+from symid.codegen import GeneratedModel, model_of
+from symid.data import AnyLog
+from symid.errors import SettingError
+from symid.identification.identify import identify
+from symid.identification.physical import correlation_root, jacobian, negative_parameters
+from symid.identification.result import Identification, headline_of
+from symid.identification.settings import Preparation
+from symid.identification.starts import starts
+from symid.shown import Shown
+
+_RANK = 1e-9
+"""Singular value of the scaled sensitivity, relative to the largest, below which a direction is not determined."""
+_PART = 1e-6
+"""Share of a parameter in a direction that is not determined, from which on it is not either."""
+_LEAST_PROBABILITY = 1e-3
+_AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical")
+"""What a group by itself may be: the values that it does not tell, others do."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SharedIdentification(Shown):
+    """Physical parameters that groups of logs share.
+
+    Parameters
+    ----------
+    axis : str
+        Its name.
+    groups : tuple of Identification
+        One for each set of known values.
+    known : tuple of mapping
+        The known values of each group, SI.
+    physical_units : mapping of str to str
+        Unit of each parameter.
+    parameters, covariance : array
+        Values and covariance, nan where they are not determined.
+    disagreement, relations : float, int
+        Chi-square of what the groups contradict each other by, and its degrees of freedom.
+    status, message : str
+        "ok", or what keeps the result from being complete.
+    """
+
+    axis: str
+    groups: tuple[Identification, ...]
+    known: tuple[Mapping[str, float], ...]
+    physical_units: Mapping[str, str]
+    parameters: FloatArray
+    covariance: FloatArray
+    disagreement: float
+    relations: int
+    status: str
+    message: str
+
+    @property
+    def physical_parameters(self) -> dict[str, float]:
+        """Values by name, SI."""
+        return dict(zip(self.physical_units, map(float, self.parameters), strict=True))
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Of the parameters."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def probability(self) -> float:
+        """Of a disagreement as large as this if the model is right; nan where nothing can disagree."""
+        return (
+            float(scipy.stats.chi2.sf(self.disagreement, self.relations))
+            if self.relations > 0
+            else float("nan")
+        )
+
+    @property
+    def headline(self) -> str:
+        """The result in a line."""
+        model = self.groups[0].model
+        return headline_of(
+            model, self.status, self.physical_parameters, self.standard_deviations, self.physical_units
+        )
+
+
+def identify_with_known(
+    axis: Axis,
+    logs: Sequence[AnyLog],
+    known: Sequence[Mapping[str, float]],
+    signals: Sequence[str],
+    *,
+    preparation: Preparation | None = None,
+    nominal: Mapping[str, float] | None = None,
+) -> SharedIdentification:
+    """Identify an axis from logs in each of which values of its parameters are known.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    logs : sequence of logs
+        Runs of it.
+    known : sequence of mapping of str to float
+        For each log the values of the same parameters, SI.
+    signals : sequence of str
+        Sensors to use.
+    preparation : Preparation, optional
+        As in `symid.identify`.
+    nominal : mapping of str to float, optional
+        Where to begin; found without it as a rule.
+
+    Raises
+    ------
+    SettingError
+        If the values are not those of one set of parameters for each log.
+    """
+    _check(axis, logs, known)
+    values = list(dict.fromkeys(tuple(sorted(one.items())) for one in known))
+    found = []
+    for group in values:
+        runs = [log for log, one in zip(logs, known, strict=True) if tuple(sorted(one.items())) == group]
+        model = model_of(axis.with_known(dict(group)), tuple(signals))
+        found.append(identify(model, runs, preparation=preparation))
+    return _shared(axis, tuple(found), tuple(map(dict, values)), nominal)
+
+
+def _check(axis: Axis, logs: Sequence[AnyLog], known: Sequence[Mapping[str, float]]) -> None:
+    if len(known) != len(logs):
+        raise SettingError(
+            f"known values are given for {len(known)} logs, there are {len(logs)}: give one set a log"
+        )
+    names = set(known[0])
+    if lacking := [one for one in known if set(one) != names]:
+        raise SettingError(
+            f"known values are of {', '.join(sorted(names))} in one log and of {', '.join(sorted(lacking[0]))} in "
+            "another: give the same parameters for each"
+        )
+
+
+def _shared(
+    axis: Axis,
+    groups: tuple[Identification, ...],
+    known: tuple[Mapping[str, float], ...],
+    nominal: Mapping[str, float] | None,
+) -> SharedIdentification:
+    models = [group.model for group in groups]
+    units = {name: str(unit) for name, unit in models[0].physical_units.items()}
+    if bad := next((group for group in groups if group.fit.status != "ok"), None):
+        nothing = np.full(len(units), np.nan)
+        return SharedIdentification(
+            axis.name, groups, known, units, nothing, np.diag(nothing), np.nan, 0, bad.status, bad.message
+        )
+    stacked = _Stacked(groups)
+    signed = np.array([name in models[0].signed for name in units])
+    if nominal and all(name in nominal for name in units):
+        guesses = [np.array([nominal[name] for name in units])]
+    else:
+        guesses = list(starts(stacked.forward, stacked.minimal, stacked.spread, signed))
+    fits = [stacked.fitted(guess) for guess in guesses]
+    parameters, cost = min((f for f in fits if f is not None), key=lambda one: one[1])
+    covariance, loose = stacked.covariance(parameters, list(units))
+    relations = stacked.minimal.size - parameters.size
+    found = SharedIdentification(
+        axis.name, groups, known, units, parameters, covariance, cost, relations, "ok", ""
+    )
+    status, message = _verdict(found, loose)
+    values = np.where(np.isin(list(units), loose), np.nan, parameters)
+    return SharedIdentification(
+        axis.name, groups, known, units, values, covariance, cost, relations, status, message
+    )
+
+
+def _verdict(found: SharedIdentification, loose: list[str]) -> tuple[str, str]:
+    if loose:
+        return "no_physical_parameters", (
+            f"the logs do not determine {', '.join(loose)}: give logs with another known payload, or fix one of them"
+        )
+    bad = next((group for group in found.groups if group.status not in _AS_EXPECTED), None)
+    if bad is not None:
+        return bad.status, f"{', '.join(bad.logs)}: {bad.message}"
+    if negative := negative_parameters(found.groups[0].model, found.parameters):
+        return (
+            "not_physical",
+            f"{', '.join(negative)} negative: correct the known values, the model or the logs",
+        )
+    if found.probability < _LEAST_PROBABILITY:
+        return "contradicted", (
+            f"the logs contradict each other with these known values (chi-square {found.disagreement:.3g} of "
+            f"{found.relations}): correct the values, the model or the logs"
+        )
+    return "ok", ""
+
+
+class _Stacked:
+    """The minimal parameters of all groups as one vector."""
+
+    def __init__(self, groups: Sequence[Identification]) -> None:
+        self.models: list[GeneratedModel] = [group.model for group in groups]
+        self.minimal = np.concatenate([group.fit.parameters for group in groups])
+        blocks = [group.covariance for group in groups]
+        self.covariance_of_minimal = np.asarray(scipy.linalg.block_diag(*blocks))
+        self.spread, root = correlation_root(self.minimal, self.covariance_of_minimal)
+        assert root is not None  # a ridge is added
+        self.root = root
+
+    def forward(self, physical: FloatArray) -> FloatArray:
+        """Minimal parameters of all groups."""
+        return np.concatenate([model.minimal_parameters(*physical) for model in self.models])
+
+    def whitened(self, rows: FloatArray) -> FloatArray:
+        """Rows in deviations, uncorrelated."""
+        scaled = rows / self.spread.reshape(-1, *[1] * (rows.ndim - 1))
+        return np.asarray(scipy.linalg.solve_triangular(self.root, scaled, lower=True))
+
+    def slope(self, physical: FloatArray) -> FloatArray:
+        """Derivatives of whitened minimal parameters by the physical ones, in units of these."""
+        columns = np.vstack([jacobian(model, physical) for model in self.models])
+        return self.whitened(columns * _scale(physical))
+
+    def fitted(self, guess: FloatArray) -> tuple[FloatArray, float] | None:
+        """Parameters fitted from a start, and chi-square."""
+        scale = _scale(guess)
+
+        def misfit(relative: FloatArray) -> FloatArray:
+            return self.whitened(self.forward(relative * scale) - self.minimal)
+
+        with np.errstate(all="ignore"):
+            if not np.isfinite(self.slope(guess)).all():
+                return None
+            found = scipy.optimize.least_squares(misfit, guess / scale, x_scale="jac")
+        return found.x * scale, 2.0 * float(found.cost)
+
+    def covariance(self, physical: FloatArray, names: list[str]) -> tuple[FloatArray, list[str]]:
+        """Covariance of the parameters, nan for those that are not determined, and the names of these."""
+        scale, size = _scale(physical), len(names)
+        generic = np.exp(np.random.default_rng(0).normal(size=size))
+        loose = _open(self.slope(generic))[1] | _open(self.slope(physical))[1]
+        axes, _ = _open(self.slope(physical))
+        covariance = np.asarray((axes.T @ axes) * np.outer(scale, scale))
+        covariance[loose, :] = covariance[:, loose] = np.nan
+        return covariance, [name for name, is_loose in zip(names, loose, strict=True) if is_loose]
+
+
+def _open(slope: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Directions that a sensitivity determines, each by its deviation, and which columns have a part in the others."""
+    _, sizes, axes = np.linalg.svd(slope, full_matrices=True)
+    sizes = np.append(sizes, np.zeros(axes.shape[0] - sizes.size))
+    determined = sizes > _RANK * sizes[0]
+    return axes[determined] / sizes[determined, None], np.any(np.abs(axes[~determined]) > _PART, axis=0)
+
+
+def _scale(physical: FloatArray) -> FloatArray:
+    return np.where(physical == 0, 1.0, np.abs(physical))

@@ -1,0 +1,140 @@
+"""A payload known in each of two logs tells the constant of the drive, beside hand calculations and the truth."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import run
+
+from symid import (
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    Geared,
+    Log,
+    Position,
+    ViscousFriction,
+    derive,
+    load_axis,
+    write_axis,
+)
+from symid.data import write_log
+from symid.errors import DeclarationError, SettingError
+from symid.identification import identify_with_known
+from symid.simulation import Cascade, plant_of, simulate, trapezoids
+
+TABLE = Body("table", mass="M")
+LOAD = Body("load", mass="Ml", geared=Geared(to=TABLE, ratio=1.0))
+AXIS = Axis(
+    "current",
+    (TABLE, LOAD, ViscousFriction(TABLE, "Fv"), CoulombFriction(TABLE, "Fs")),
+    Drive("iq", TABLE, gain="Kt", unit="A", held=True, noise=0.02),
+    (Position("q", TABLE, noise=1e-7),),
+)
+TRUE = {"M": 40.0, "Fv": 120.0, "Fs": 30.0, "Kt": 55.0}
+PATH = trapezoids([0.3, 0.1] * 3, 0.4, acceleration=4.0, jerk=80.0, dwell=0.1, sampling_period=1e-3)
+
+
+def log_with(payload: float, seed: int, axis: Axis = AXIS, true: dict[str, float] = TRUE) -> Log:
+    """A run with a payload."""
+    loop = Cascade(axis.controlled, position_gain=20.0, velocity_gain=100.0, integral_gain=10.0)
+    values = true | {"Ml": payload}
+    return replace(simulate(axis, values, PATH, loop, seed=seed).log, source=f"with {payload:g} kg")
+
+
+def test_two_payloads_tell_the_constant_of_the_drive() -> None:
+    found = identify_with_known(
+        AXIS, [log_with(0.0, 1), log_with(12.5, 2)], [{"Ml": 0.0}, {"Ml": 12.5}], ("q",)
+    )
+    assert found.status == "ok", found.message
+    deviations = dict(zip(found.physical_units, found.standard_deviations, strict=True))
+    for name, true in TRUE.items():
+        assert abs(found.physical_parameters[name] - true) < 3.5 * deviations[name], name
+        assert deviations[name] < 0.01 * true
+    # by hand: both masses over Kt are minimal parameters, so that Kt is the payload over their difference
+    empty, loaded = (group.minimal_parameters["X3"] for group in found.groups)
+    assert found.physical_parameters["Kt"] == pytest.approx(12.5 / (loaded - empty), rel=5e-3)
+    assert found.physical_parameters["M"] == pytest.approx(12.5 * empty / (loaded - empty), rel=5e-3)
+
+
+def test_deviations_are_those_of_repetitions() -> None:
+    found = [
+        identify_with_known(
+            AXIS, [log_with(0.0, 2 * k), log_with(12.5, 2 * k + 1)], [{"Ml": 0.0}, {"Ml": 12.5}], ("q",)
+        )
+        for k in range(12)
+    ]
+    scatter = np.std([one.physical_parameters["Kt"] for one in found], ddof=1)
+    said = np.mean([one.standard_deviations[list(one.physical_units).index("Kt")] for one in found])
+    assert 0.55 < said / scatter < 1.8  # 12 runs tell a deviation to 21 %
+
+
+def test_one_payload_does_not_tell_and_a_fixed_mass_does() -> None:
+    logs = [log_with(12.5, 1), log_with(12.5, 2)]
+    found = identify_with_known(AXIS, logs, [{"Ml": 12.5}, {"Ml": 12.5}], ("q",))
+    assert found.status == "no_physical_parameters"
+    assert "Kt" in found.message
+    assert np.isnan(found.parameters).all()
+    weighed = identify_with_known(AXIS.with_known({"M": 40.0}), logs, [{"Ml": 12.5}, {"Ml": 12.5}], ("q",))
+    assert weighed.status == "ok"
+    assert weighed.physical_parameters["Kt"] == pytest.approx(55.0, rel=5e-3)
+
+
+def test_three_payloads_of_which_one_is_wrong_contradict_each_other() -> None:
+    logs = [log_with(payload, seed) for seed, payload in enumerate((0.0, 10.0, 20.0))]
+    right = identify_with_known(AXIS, logs, [{"Ml": m} for m in (0.0, 10.0, 20.0)], ("q",))
+    assert right.status == "ok", right.message
+    wrong = identify_with_known(AXIS, logs, [{"Ml": m} for m in (0.0, 10.0, 15.0)], ("q",))
+    assert wrong.status == "contradicted"
+
+
+def test_a_ball_screw_in_current_units_is_found_without_a_start() -> None:
+    screw = load_axis("ballscrew_2m1s")
+    drive = Drive("iq", screw.drive.at, gain="Kt_drive", unit="A", held=True, noise=0.01)
+    axis = (
+        replace(screw, name="screw_in_current", drive=drive).with_signal("qm", 1e-8).with_signal("ql", 1e-8)
+    )
+    axis = replace(axis, drive=drive)
+    true = {"Mm": 80.0, "Fvm": 120.0, "Fsm": 50.0, "Kt": 6e6, "Ft": 7000.0, "Fvl": 150.0, "Kt_drive": 80.0}
+    logs = [log_with(payload, seed, axis, true) for seed, payload in enumerate((200.0, 320.0))]
+    found = identify_with_known(axis, logs, [{"Ml": 200.0}, {"Ml": 320.0}], ("qm", "ql"))
+    assert set(found.physical_parameters) == set(true)
+    for name in ("Mm", "Kt", "Kt_drive"):
+        assert found.physical_parameters[name] == pytest.approx(true[name], rel=0.05), name
+
+
+def test_the_constant_is_in_equations_and_simulation() -> None:
+    assert str(AXIS.physical_parameters["Kt"]) == "N/A"
+    assert str(AXIS.signal_units["iq"]) == "A"
+    model = derive(AXIS, ("q",))
+    assert [str(p.function.expression) for p in model.minimal.parameters] == ["Fv/Kt", "Fs/Kt", "(M + Ml)/Kt"]
+    assert plant_of(AXIS, TRUE | {"Ml": 1.0}).drive.tolist() == [55.0]
+    with pytest.raises(DeclarationError, match=r"give that, such as unit='A'"):
+        replace(AXIS, drive=Drive("iq", TABLE, gain="Kt"))
+    with pytest.raises(DeclarationError, match="leave command= out"):
+        replace(AXIS, drive=Drive("iq", TABLE, gain="Kt", unit="A", command="u"))
+    with pytest.raises(SettingError, match="give one set a log"):
+        identify_with_known(AXIS, [log_with(0.0, 1)], [{"Ml": 0.0}, {"Ml": 1.0}], ("q",))
+
+
+def test_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_axis(AXIS, Path("current.py"), "A table with a payload.")
+    for name, payload in (("empty", 0.0), ("loaded", 12.5)):
+        write_log(log_with(payload, int(payload)), Path(f"{name}.csv"))
+    logs = ("empty.csv", "loaded.csv")
+    assert run("identify", "current.py", *logs, "--known", "Ml=0,12.5kg", "--json", "found.json") == 0
+    assert "Kt" in capsys.readouterr().out
+    record = json.loads(Path("found.json").read_text())
+    assert record["physical"]["Kt"]["value"] == pytest.approx(55.0, rel=5e-3)
+    assert [group["known"]["Ml"] for group in record["groups"]] == [0.0, 12.5]
+    assert run("identify", "current.py", *logs, "--known", "Ml=12.5kg") == 2
+    assert "1 values for 2 logs" in capsys.readouterr().err
+    assert run("identify", "current.py", *logs, "--known", "Ml=0,1", "--method", "iv") == 2
