@@ -60,8 +60,10 @@ _RIGID = 2
 """Derivatives of a rigid axis; those of modes that it lacks hardly pass a cutoff that follows the motion."""
 _LITTLE_MORE = 1.5
 """Times the smallest residual that counts as little more: noise of the output alone makes 1.26 of a step."""
-_MOST_COULOMB_ROUNDS = 4
-"""Each leaves about a tenth of the error of the one before."""
+_MOST_COULOMB_ROUNDS = 6
+"""Later ones extrapolate by secants: three or four settle where the plain iteration halves its error or grows."""
+_FLATTEST = 0.1
+"""Slope of the line between two rounds below which extrapolation would go far on little."""
 _COULOMB_SETTLED = 0.005
 """Relative change of the friction that ends the rounds: what it leaves in the derivatives is below one per cent of what
 the paper drops."""
@@ -276,21 +278,26 @@ def _left(
 def _with_coulomb(
     model: GeneratedModel, logs: Sequence[tuple[AnyLog, Preparation]], method: Method, ddof: int | None
 ) -> tuple[tuple[Run, ...], LeastSquares]:
-    """Rows and estimate; friction beside a differentiated force is taken off it, and found by fixed-point iteration."""
+    """Rows and estimate; friction beside a differentiated force is taken off it, and found by secants."""
     runs = tuple(Run.of(model, log, prepared) for log, prepared in logs)
     fit = _estimated(runs, method, ddof)
     if not model.coulomb_at_drive or logs[0][1].coulomb is not None:
         return runs, fit
-    places, taken = [parameter for _, parameter in model.coulomb_at_drive], np.zeros(1)
+    places = [parameter for _, parameter in model.coulomb_at_drive]
+    taken, slope = np.zeros(len(places)), np.ones(len(places))
     for _ in range(_MOST_COULOMB_ROUNDS):
-        levels = np.maximum(fit.solution[places], 0.0)
-        if fit.status != "ok" or np.all(np.abs(levels - taken) <= _COULOMB_SETTLED * levels):
+        levels = fit.solution[places]
+        better = np.maximum(taken + (levels - taken) / slope, 0.0)
+        if fit.status != "ok" or np.all(np.abs(better - taken) <= _COULOMB_SETTLED * better):
             break
-        taken = levels
-        coulomb = tuple(map(float, levels))
+        before, taken = (taken, levels), better
+        coulomb = tuple(map(float, taken))
         settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
         runs = tuple(Run.of(model, log, one) for (log, _), one in zip(logs, settled, strict=True))
         fit = _estimated(runs, method, ddof)
+        moved, risen = taken - before[0], fit.solution[places] - before[1]
+        slope = 1.0 - np.divide(risen, moved, out=np.zeros_like(moved), where=moved != 0.0)
+        slope = np.where(np.abs(slope) < _FLATTEST, np.copysign(_FLATTEST, slope), slope)
     return runs, fit
 
 

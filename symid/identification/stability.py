@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
@@ -45,6 +45,12 @@ class Change:
     deviations: FloatArray
     explained: float
 
+    def most_certain(self, among: BoolArray) -> int:
+        """Place of the parameter that differs by the most deviations, of some."""
+        moved = np.abs(self.inside - self.outside)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return int(np.argmax(np.where(among, moved / self.deviations, -1.0)))
+
     def statement(self, model: GeneratedModel, criteria: Criteria = CRITERIA) -> str:
         """What changes, in words; empty if nothing does."""
         moved = np.abs(self.inside - self.outside)
@@ -52,7 +58,7 @@ class Change:
         certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
         if self.explained < criteria.change_explains or not certain.any():
             return ""
-        i = int(np.argmax(np.where(certain, moved / np.maximum(self.deviations, np.finfo(float).tiny), 0.0)))
+        i = self.most_certain(certain)
         name, unit = list(model.minimal_units.items())[i]
         return (
             f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} "

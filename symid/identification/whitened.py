@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -80,6 +81,35 @@ def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRo
             prediction = W @ fit.solution
             rest = weight * seen.y[j][used] - prediction
             yield WhitenedRows(k, j, W @ root, rest, prediction, np.flatnonzero(used) / max(used.size, 1))
+
+
+def segments_of_rows(
+    W: FloatArray, y: FloatArray, fit: LeastSquares, lengths: Sequence[int]
+) -> tuple[Segment, ...]:
+    """Segments of equal length of one equation, whose rows are those of several logs one after the other.
+
+    Parameters
+    ----------
+    W : array of shape (n_rows, n_parameters)
+        Observation matrix in time order.
+    y : array of shape (n_rows,)
+        Output.
+    fit : LeastSquares
+        The estimate from these rows.
+    lengths : sequence of int
+        Rows of each log.
+    """
+    weight, begins, found = fit.weights[0], 0, []
+    for of, length in enumerate(lengths):
+        edges = begins + np.linspace(0, length, max(1, round(_SEGMENTS / len(lengths))) + 1).astype(int)
+        for start, stop in pairwise(edges):
+            Z, r = weight * W[start:stop], weight * (y[start:stop] - W[start:stop] @ fit.solution)
+            Z = Z @ fit.rank.inverse_root
+            share = (start - begins) / max(length, 1)
+            if stop - start >= _LEAST_ROWS:
+                found.append(Segment(share, of, Z.T @ Z, Z.T @ r, float(r @ r), int(stop - start)))
+        begins += length
+    return tuple(found)
 
 
 def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]:

@@ -74,7 +74,7 @@ class ErrorModel:
 
     def fit(self, logs: Sequence[Log], starts: Sequence[Mapping[str, float]]) -> LikelihoodFit | None:
         """Maximum-likelihood estimate from logs; None if no start can be evaluated."""
-        nyquist = 0.5 * min(log.sampling_frequency for log in logs)
+        nyquist = 0.5 * max(log.sampling_frequency for log in logs)
         try:
             return fit_errors(self.model, self.dynamics, [self.error(log) for log in logs], starts, nyquist)
         except np.linalg.LinAlgError:

@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import (
     CorrelatedCovariance,
@@ -22,11 +24,19 @@ from symid.estimation import (
     triangular_factors,
 )
 from symid.identification.physical import jacobian
+from symid.identification.stability import Change, greatest_change, scatter
+from symid.identification.whitened import Segment, segments_of_rows
 from symid.output_error.search import RunError, Search
 from symid.simulation import ForwardDynamics
 
 _PASSES = 3
 """Times that unmeasured motion and timing are brought up to date."""
+_ITERATIONS = 20
+"""On the whole logs: from where the trials end, fits of undamaged logs come to rest within half of it."""
+_HOPELESS = 100.0
+"""Ratio of a trial's mean square to that of the best one beyond which it is given up after its first iterations."""
+_SAME = 1e-3
+"""Relative difference of mean squares below which trials with the same parameters, to ten times that, are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,16 +51,41 @@ class LikelihoodFit:
         Of the model linearised there, in the order of `search.seen`, then the nuisance parameters.
     correlated : CorrelatedCovariance
         Its covariance, corrected for what correlation the innovations have left.
+    promising : tuple of mapping of str to float
+        Parameters of the trials that were left after their first iterations, best first.
+    parts : tuple of Segment
+        Sums over segments of the linearised model's rows.
     """
 
     search: Search
     linear: LeastSquares
     correlated: CorrelatedCovariance
+    promising: tuple[Mapping[str, float], ...]
+    parts: tuple[Segment, ...]
 
     @property
     def cost(self) -> float:
         """Mean square of the scaled innovations: the lower, the likelier."""
         return self.search.cost
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance corrected for correlation, with deviations as large as those by scatter between segments."""
+        corrected = self.correlated.covariance
+        by_segments = np.diag(scatter(self.parts, self.linear))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wider = np.fmax(np.sqrt(by_segments / np.diag(corrected)), 1.0)
+        return np.asarray(corrected * np.outer(wider, wider))
+
+    @cached_property
+    def inflation(self) -> float:
+        """By how much correlation of the innovations raises deviations."""
+        return float(np.sqrt(self.linear.rows[0] / max(self.correlated.effective_samples, 1.0)))
+
+    @cached_property
+    def change(self) -> Change | None:
+        """The span of the logs whose own parameters take most from the innovations."""
+        return greatest_change(self.parts, self.linear, self.inflation**2)
 
     @property
     def noise(self) -> dict[str, float]:
@@ -88,24 +123,56 @@ def fit_errors(
     """
     if not all(error.has_motion for error in errors):
         raise np.linalg.LinAlgError("a run holds no motion")
-    excerpts = [error.excerpt() for error in errors]
+    promising = _promising(model, dynamics, [error.excerpt() for error in errors], starts, nyquist)
+    trials = promising
+    for iterations, survivors in errors[0].trials[1:]:
+        trials = _ranked([trial.improved(iterations) for trial in trials])[:survivors]
+    best = trials[0].continued(errors).weighted().improved(_ITERATIONS)
+    if not all(error.is_settled for error in errors):
+        for _ in range(_PASSES):
+            if best.has_converged:
+                best = best.updated().improved(_ITERATIONS)
+    if len(errors) > 1 and best.has_converged:
+        best = best.weighted().improved(_ITERATIONS)
+    W, y = best.linearised()
+    linear = estimate(triangular_factors(W[None], y[None]))
+    correlated = corrected_covariance(W[None], y[None], linear)
+    parts = segments_of_rows(W, y, linear, best.rows)
+    return LikelihoodFit(best, linear, correlated, tuple(trial.parameters for trial in promising), parts)
+
+
+def _promising(
+    model: GeneratedModel,
+    dynamics: ForwardDynamics,
+    excerpts: Sequence[RunError],
+    starts: Sequence[Mapping[str, float]],
+    nyquist: float,
+) -> list[Search]:
+    """Trials from all starts after a few iterations, best first, without those that are hopeless."""
     limit = nyquist if any(dynamics.at(start).highest_mode < nyquist for start in starts) else math.inf
     beginnings = [Search.at(dynamics, excerpts, _seen(model, start), start, limit) for start in starts]
     trials = [search for search in beginnings if np.isfinite(search.cost)]
     if not trials:
         raise np.linalg.LinAlgError("no start can be evaluated")
-    for iterations, survivors in errors[0].trials:
-        trials = [trial.improved(iterations) for trial in trials]
-        trials = sorted(trials, key=lambda trial: trial.cost)[:survivors]
-    best = trials[0].continued(errors).weighted().improved()
-    if not all(error.is_settled for error in errors):
-        for _ in range(_PASSES):
-            best = best.updated().improved()
-    if len(errors) > 1:
-        best = best.weighted().improved()
-    W, y = best.linearised()
-    linear = estimate(triangular_factors(W[None], y[None]))
-    return LikelihoodFit(best, linear, corrected_covariance(W[None], y[None], linear))
+    iterations, survivors = excerpts[0].trials[0]
+    ranked = _ranked([trial.improved(iterations) for trial in trials])[:survivors]
+    return [trial for trial in ranked if trial.cost <= _HOPELESS * ranked[0].cost]
+
+
+def _ranked(trials: Sequence[Search]) -> list[Search]:
+    """Trials, best first, each minimum once."""
+    found: list[Search] = []
+    for trial in sorted(trials, key=lambda trial: trial.cost):
+        if not any(_is_same(trial, better) for better in found):
+            found.append(trial)
+    return found
+
+
+def _is_same(trial: Search, better: Search) -> bool:
+    if trial.cost > (1 + _SAME) * better.cost:
+        return False
+    pairs = ((trial.parameters[name], better.parameters[name]) for name in trial.seen)
+    return all(abs(x - y) <= 10 * _SAME * abs(y) for x, y in pairs)
 
 
 def _seen(model: GeneratedModel, values: Mapping[str, float]) -> tuple[str, ...]:

@@ -91,11 +91,15 @@ def identify_output_error(
         to_begin_with = replace(prepared, held=bool(held))
         regression = _least_squares(model, runs, to_begin_with, nominal)
         starts = _starts(model, comparisons[0].dynamics, runs, regression, nominal)
-        fits: list[tuple[LikelihoodFit, ErrorModel]] = []
+        fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
         for comparison in comparisons:
-            fit = comparison.fit(runs, [*starts, *(fit.search.parameters for fit, _ in fits)])
-            fits += [(fit, comparison)] if fit else []
-    fit, comparison = min(fits, key=lambda pair: pair[0].cost, default=(None, comparisons[0]))
+            alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []
+            own = [one for one in alone if one is not None]
+            fit = comparison.fit(runs, [one.search.parameters for one in own] or starts)
+            if fit is not None:  # other courses of the force need not begin at all starts again
+                fits.append((fit, comparison, own))
+                starts = [starts[0], fit.search.parameters, *map(dict, fit.promising)]
+    fit, comparison, own = min(fits, key=lambda one: one[0].cost, default=(None, comparisons[0], []))
     found = OutputErrorIdentification(
         axis=axis,
         model=model,
@@ -106,7 +110,7 @@ def identify_output_error(
         message="",
         notes=tuple(note for log in runs for note in log.notes),
     )
-    status, message = verdict_of(found, regression)
+    status, message = verdict_of(found, regression, own)
     return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
 
 
@@ -145,7 +149,8 @@ def _starts(
         known = [
             values for i, values in enumerate((better, rough, heavy)) if values not in (better, rough)[:i]
         ]
-    return [start for values in known for start in spread(dynamics, values, logs[0].sampling_frequency)]
+    rates = dict.fromkeys(log.sampling_frequency for log in logs)
+    return [start for rate in rates for values in known for start in spread(dynamics, values, rate)]
 
 
 def _least_squares(

@@ -117,12 +117,12 @@ class OutputErrorIdentification(Shown):
         return np.asarray(np.sqrt(np.diag(self.physical_covariance(corrected=True))))
 
     def physical_covariance(self, *, corrected: bool) -> FloatArray:
-        """Covariance of the physical parameters, classical or corrected for correlation, (n_physical, n_physical)."""
+        """Covariance of the physical parameters, classical or as deviations are printed, (n_physical, n_physical)."""
         names = list(self.model.physical_units)
         whole = np.full((len(names), len(names)), np.nan)
         if self.fit is not None:
             places = [names.index(name) for name in self.fit.search.seen]
-            covariance = self.fit.correlated.covariance if corrected else self.fit.linear.covariance
+            covariance = self.fit.covariance if corrected else self.fit.linear.covariance
             whole[np.ix_(places, places)] = covariance[: len(places), : len(places)]
         return whole
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol, Self
 
 import numpy as np
@@ -120,12 +121,28 @@ class Search:
         return self._nuisance(self.x)
 
     @property
+    def has_converged(self) -> bool:
+        """Whether its last iterations came to rest."""
+        return self.minimum is not None and self.minimum.converged
+
+    @cached_property
     def cost(self) -> float:
         """Mean square of the weighted scaled innovations; infinite where they are not defined."""
         try:
             return float(np.mean(self.residual(self.x) ** 2))
         except (np.linalg.LinAlgError, SymidError):
             return float("inf")
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Size (rms) of the scaled errors of each run, without its weight."""
+        parts = zip(self._parts(self.x), self.weights, strict=True)
+        return tuple(float(np.sqrt(np.mean(part**2))) / weight for part, weight in parts)
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """Scaled errors of each run."""
+        return tuple(part.size for part in self._parts(self.x))
 
     def residual(self, x: FloatArray) -> FloatArray:
         """Weighted scaled errors of all runs.
@@ -154,12 +171,8 @@ class Search:
         """The search with weights that bring the innovations of all runs to the same level."""
         if len(self.errors) == 1:
             return self
-        levels = [
-            np.sqrt(np.mean(part**2)) / w for part, w in zip(self._parts(self.x), self.weights, strict=True)
-        ]
-        return replace(
-            self, weights=tuple(float(min(levels) / level) if level > 0 else 1.0 for level in levels)
-        )
+        levels = self.levels
+        return replace(self, weights=tuple(min(levels) / level if level > 0 else 1.0 for level in levels))
 
     def updated(self) -> Search:
         """The search with what follows from its parameters brought up to date in the errors of each run."""
@@ -170,7 +183,7 @@ class Search:
 
     def linearised(self) -> tuple[FloatArray, FloatArray]:
         """Observation matrix and output of the model linearised where the search stands, in the parameters' units."""
-        logarithmic, values = _logarithmic(self.dynamics), self.parameters
+        logarithmic, values = self._logarithmic, self.parameters
         at = self.x.copy()
         at[: len(self.seen)] = [values[name] for name in self.seen]
         size = np.ones(at.size)
@@ -178,8 +191,12 @@ class Search:
         W = -central_slope(self.residual, self.x, self._steps()) / size
         return W, self.residual(self.x) + W @ at
 
+    @cached_property
+    def _logarithmic(self) -> frozenset[str]:
+        return _logarithmic(self.dynamics)
+
     def _physical(self, x: FloatArray) -> dict[str, float]:
-        logarithmic, values = _logarithmic(self.dynamics), dict(self.start)
+        logarithmic, values = self._logarithmic, dict(self.start)
         for name, value in zip(self.seen, x, strict=False):
             values[name] = self.start[name] * float(np.exp(value)) if name in logarithmic else float(value)
         return values
@@ -196,17 +213,16 @@ class Search:
     def _longest_moves(self) -> FloatArray:
         """Masses and springs may change by a factor of e in one iteration, noise ratios by its square."""
         moves = np.full(self.x.size, 2.0)
-        logarithmic = _logarithmic(self.dynamics)
-        moves[: len(self.seen)] = [1.0 if name in logarithmic else np.inf for name in self.seen]
+        moves[: len(self.seen)] = [1.0 if name in self._logarithmic else np.inf for name in self.seen]
         return moves
 
     def _steps(self) -> FloatArray:
         """Difference steps: fixed for logarithms, for other parameters such that the innovations change visibly."""
-        here, logarithmic = self.residual(self.x), _logarithmic(self.dynamics)
+        here = self.residual(self.x)
         steps = np.concatenate([np.ones(len(self.seen)), *(error.nuisance_steps for error in self.errors)])
         for i, name in enumerate(self.seen):
             steps[i] = _LOGARITHMIC_STEP
-            if name in logarithmic:
+            if name in self._logarithmic:
                 continue
             trial = max(abs(self.x[i]), 1e-6)
             moved = self.x.copy()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symid.identification import Identification
 from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.noise import noise_levels
 from symid.identification.physical import negative_parameters
+from symid.output_error.estimate import LikelihoodFit
 from symid.output_error.result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0
@@ -16,12 +20,21 @@ _NO_FRICTION = 1e-3
 """Part of the force (rms) below which three deviations of a friction level determine that there is none."""
 _CORRELATED = 1.5
 """Least ratio of the deviations of correlated innovations to those of white ones for a note."""
+_TOGETHER = 1.5
+"""Times the innovations of a log alone that those of it among others may be."""
+_DISAGREE = 5.0
+"""Deviations by which two methods may differ: both see the same noise, and neither knows all of its errors."""
+_NOTICEABLE = 0.05
+"""Relative difference of the two that matters."""
 _MUCH_CORRELATED = 8.0
 """Such a ratio that is a fault by itself: EMPS, whose friction is not as declared, has 3 to 5."""
 
 
 def verdict_of(
-    found: OutputErrorIdentification, regression: Identification | None = None, criteria: Criteria = CRITERIA
+    found: OutputErrorIdentification,
+    regression: Identification | None = None,
+    alone: Sequence[LikelihoodFit] = (),
+    criteria: Criteria = CRITERIA,
 ) -> tuple[Status, str]:
     """Status of an estimate, and a sentence that says what it means and what to do; empty if all is well.
 
@@ -32,6 +45,8 @@ def verdict_of(
     regression : Identification, optional
         What least squares found in the same logs, examined: a fault of a channel that it names holds here too, and
         others where the innovations are not white either.
+    alone : sequence of LikelihoodFit, optional
+        Of each of several logs.
     criteria : Criteria
         What a result has to meet.
     """
@@ -60,6 +75,13 @@ def verdict_of(
         )
     if regression is not None and regression.status == "recording":
         return "recording", regression.message
+    if doubt := (
+        _noise_remark(found, criteria)
+        or _change_remark(found, criteria)
+        or _apart_remark(found, alone)
+        or _regression_remark(found, regression)
+    ):
+        return "poor_fit", doubt
     if _inflation(found) > _CORRELATED:
         if regression is not None and regression.status in ("timing", "poor_fit"):
             return ("timing" if regression.status == "timing" else "poor_fit"), regression.message
@@ -101,10 +123,68 @@ def _absent(found: OutputErrorIdentification) -> frozenset[str]:
     )
 
 
-def _inflation(found: OutputErrorIdentification) -> float:
-    """By how much correlation of the innovations raises deviations."""
+def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
+    """Forces and accelerations that are noise for the most part, beyond what their own spectra show, in words."""
+    log, said = found.logs[0], []
+    levels = noise_levels(found.model, log)
+    orders = {signal: order for signal, (_, order) in found.comparison.dynamics.sensors.items()}
+    for signal, noise in found.noise.items():
+        size = float(np.sqrt(np.mean(log[signal] ** 2)))
+        seen = np.sqrt(levels.get(signal, 0.0) * log.sampling_frequency / 2)
+        is_position = orders.get(signal, 2) < 2
+        if not is_position and noise > max(criteria.worst_fit * size, criteria.noise_explains * seen):
+            said.append(f"{100 * noise / size:.3g} % of {signal}")
+    cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
+    return f"the parameters leave {', '.join(said)}, more than noise explains: {cause}" if said else ""
+
+
+def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
+    """Whether a part of the logs has other parameters, in words."""
     fit = found.fit
-    return float(np.sqrt(fit.linear.rows[0] / max(fit.correlated.effective_samples, 1.0))) if fit else 1.0
+    if fit is None or fit.change is None:
+        return ""
+    inside, outside, names = fit.change.inside, fit.change.outside, fit.search.seen
+    moved = np.abs(inside - outside)
+    certain = (moved > criteria.change_certain * fit.change.deviations) & (
+        moved > criteria.change * np.maximum(np.abs(inside), np.abs(outside))
+    )
+    certain[len(names) :] = False  # noise ratios
+    if not certain.any():
+        return ""
+    i = fit.change.most_certain(certain)
+    return (
+        f"parameters change within the logs: in a part {names[i]} is {inside[i]:.4g}, elsewhere {outside[i]:.4g}: "
+        "gain, payload or machine change, or a part is damaged; identify the parts apart (--trim)"
+    )
+
+
+def _apart_remark(found: OutputErrorIdentification, alone: Sequence[LikelihoodFit]) -> str:
+    """Logs that parameters of their own explain much better than common ones, in words."""
+    if found.fit is None or len(alone) != len(found.logs):
+        return ""
+    levels = zip(found.logs, found.fit.search.levels, alone, strict=True)
+    worse = [log.source for log, level, one in levels if level > _TOGETHER * one.search.levels[0]]
+    cure = "they are of different axes, or one is damaged; identify each alone"
+    return f"common parameters do not explain {', '.join(worse)} as its own do: {cure}" if worse else ""
+
+
+def _regression_remark(found: OutputErrorIdentification, regression: Identification | None) -> str:
+    """Parameters of which least squares, with nothing against it, finds others, in words."""
+    if regression is None or regression.status != "ok":
+        return ""
+    own, other = found.physical_parameters, regression.physical_parameters
+    spread = np.hypot(found.physical_deviations, regression.physical_deviations)
+    far = [
+        f"{name} ({own[name]:.4g}, {other[name]:.4g})"
+        for name, deviation in zip(own, spread, strict=True)
+        if abs(own[name] - other[name]) > max(_DISAGREE * deviation, _NOTICEABLE * abs(other[name]))
+    ]
+    cure = "one of them is misled; compare the logs' noise, timing and drive with what is declared"
+    return f"least squares finds others than output error for {', '.join(far)}: {cure}" if far else ""
+
+
+def _inflation(found: OutputErrorIdentification) -> float:
+    return found.fit.inflation if found.fit else 1.0
 
 
 def _correlated_remark(found: OutputErrorIdentification) -> str:

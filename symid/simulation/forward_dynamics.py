@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import prod
 from types import MappingProxyType
 from typing import Any, Literal
@@ -113,7 +113,12 @@ class ForwardDynamics:
         found = {
             self.generators[i] for _, powers in polynomial.terms for i, power in enumerate(powers) if power
         }
-        return found.difference(self.axis.known_parameters)
+        return found.difference(self._known)
+
+    @cached_property
+    def _known(self) -> dict[str, float]:
+        """Values that the axis knows, once for all evaluations."""
+        return self.axis.known_parameters
 
     def at(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, as `plant_of`."""
@@ -122,7 +127,7 @@ class ForwardDynamics:
             raise SettingError(
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
-        every = self.axis.with_known_values(parameters)
+        every = {**parameters, **self._known}
         values = np.array([float(every[name]) for name in self.generators])
         stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
         if not np.all(np.linalg.eigvalsh(mass) > 0):
