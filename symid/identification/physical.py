@@ -16,6 +16,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
+from symid.identification.starts import starts
 
 _STEP = 1e-30
 """Complex step: the forward map is rational, so its derivative is exact to rounding."""
@@ -127,21 +128,27 @@ def physical_estimates(
     covariance : array of shape (n_minimal, n_minimal)
         Their covariance.
     start : mapping of str to float, optional
-        Nominal values, needed where the inverse map has no closed form.
+        Nominal values, where the inverse map has no closed form; searched for without them.
 
     Returns
     -------
     tuple of PhysicalEstimate
-        Empty if there is neither a closed form nor a start, or no start leads to a determined solution.
+        Empty if no start leads to a determined solution.
     """
     names = list(model.physical_units)
-    starts: list[FloatArray] = []
+    guesses: list[FloatArray] = []
     if model.physical_parameters is not None:
         with np.errstate(all="ignore"):
-            starts += [model.physical_parameters(*minimal, branch=branch) for branch in range(model.branches)]
+            guesses += [
+                model.physical_parameters(*minimal, branch=branch) for branch in range(model.branches)
+            ]
     elif start is not None and all(name in start for name in names):
-        starts.append(np.array([start[name] for name in names], dtype=float))
-    found = [_fitted(model, minimal, covariance, guess) for guess in starts]
+        guesses.append(np.array([start[name] for name in names], dtype=float))
+    elif len(names) <= minimal.size:
+        signed = np.array([name in model.signed for name in names])
+        deviations = np.sqrt(np.diag(covariance))
+        guesses += starts(lambda p: model.minimal_parameters(*p), minimal, deviations, signed)
+    found = [_fitted(model, minimal, covariance, guess) for guess in guesses]
     estimates = [estimate for estimate in found if estimate is not None]
     estimates.sort(key=lambda e: (len(e.negative(model)), np.nan_to_num(e.disagreement)))
     return tuple(_distinct(estimates))

@@ -80,7 +80,10 @@ def verdict(
         )
     if not physical:
         cure = "give --nominal P.json with nominal values as a start"
-        return "no_physical_parameters", f"the inverse map has no closed form: {cure}"
+        return (
+            "no_physical_parameters",
+            f"the inverse map has no closed form, and a search finds no single solution: {cure}",
+        )
     if negative := certainly_negative(physical[0].negative(model), model, physical[0]):
         cause = "the model, the filter, the timing or the log does not fit"
         return "not_physical", f"{', '.join(negative)} came out negative: {cause}"

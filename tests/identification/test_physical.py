@@ -67,6 +67,22 @@ def test_both_branches_of_a_map_give_the_same_minimal_parameters() -> None:
     assert any(branch.parameters == pytest.approx(BALLSCREW, rel=1e-6) for branch in branches)
 
 
+@pytest.mark.parametrize("factor", [1.0, 0.2, 6.0])
+def test_a_map_without_closed_form_is_inverted_without_a_start(factor: float) -> None:
+    """The load on the motor seen from q2 alone: 11 minimal and 9 physical parameters, several solutions."""
+    model = load_generated("direct_3m2s", ("q2",))
+    assert model.physical_parameters is None
+    names = ["Ms", "Fvs", "Ks", "Mm", "Fvm", "Fsm", "Kl", "Fl", "Ml"]
+    true = np.array([3899.0, 5000.0, 3.2e8, 362.6, 1500.0, 40.0, factor * 5e7, 2000.0, factor * 120.0])
+    assert list(model.physical_units) == names
+    exact = model.minimal_parameters(*true)
+    branches = physical_estimates(model, exact, np.diag((1e-5 * exact) ** 2))
+    assert any(branch.parameters == pytest.approx(true, rel=1e-4) for branch in branches)
+    for branch in branches:
+        assert not branch.negative(model)
+        assert model.minimal_parameters(*branch.parameters) == pytest.approx(exact, rel=1e-4)
+
+
 def test_the_disagreement_of_an_overdetermined_map_follows_chi_square() -> None:
     """direct_2m1s from q2 has 7 minimal and 6 physical parameters: one relation."""
     model = load_generated("direct_2m1s", ("q2",))
@@ -83,11 +99,12 @@ def test_the_disagreement_of_an_overdetermined_map_follows_chi_square() -> None:
     assert physical_estimates(model, wrong, covariance)[0].disagreement_probability < 1e-6
 
 
-def test_without_closed_form_a_start_is_needed_and_enough() -> None:
+def test_without_closed_form_a_start_chooses_among_the_solutions() -> None:
     model = load_generated("direct_3m2s", ("q2",))
     exact = model.minimal_parameters(*LOAD_ON_MOTOR)
     covariance = np.diag((1e-5 * exact) ** 2)
-    assert physical_estimates(model, exact, covariance) == ()
+    searched = physical_estimates(model, exact, covariance)
+    assert any(one.parameters == pytest.approx(LOAD_ON_MOTOR, rel=1e-4) for one in searched)
     start = dict(zip(model.physical_units, 1.1 * LOAD_ON_MOTOR, strict=True))
     (found,) = physical_estimates(model, exact, covariance, start)
     assert found.parameters == pytest.approx(LOAD_ON_MOTOR, rel=1e-6)
