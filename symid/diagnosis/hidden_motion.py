@@ -24,6 +24,8 @@ from symid.simulation.postfix import Program, program
 
 _POINTS_PER_ROW = 2
 """Of the integration: the band ends at a quarter of that rate."""
+ARGUMENTS = ("q", "v", "_course", "_z", "_load")
+"""Of the programs of laws, before their values; written anew at each step."""
 _NOTHING = 1e-9
 """Share of a change that rounding leaves in an equation in which it does not stand."""
 
@@ -37,7 +39,7 @@ class Pointwise:
     Parameters
     ----------
     force : sympy expression
-        In displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, and `values`.
+        In displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load` and `values`.
     values : mapping of str to float
         Numbers by their names in `force`.
     course : array of shape (n_fine,), optional
@@ -56,13 +58,13 @@ class Pointwise:
 
     @property
     def program(self) -> Program:
-        """The force as a program of q, v, course, z and the values in their order."""
+        """The force as a program of `ARGUMENTS` and the values in their order."""
         return _program(self.force, tuple(self.values))
 
 
 @cache
 def _program(force: sp.Expr, names: tuple[str, ...]) -> Program:
-    return program(force, ("q", "v", "_course", "_z", *names))
+    return program(force, (*ARGUMENTS, *names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,17 +139,24 @@ def integrated_motion(
         np.tensordot(np.stack([np.ones_like(s), s, s**2]), carried, axes=(0, 0)) * record.motion[:, None]
     )
     n_points, stride = record.n_rows * _POINTS_PER_ROW, record.fine_per_row // _POINTS_PER_ROW
-    pushed = record.grid((known - inertia) @ hidden.balance, n_points)
+    row, by_state = _drive_balance(plant, hidden)
     mass, damping, stiffness = (
         float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
     )
-    q, v = record.grid(record.motion, n_points), record.grid(s * record.motion, n_points)
-    joints = [
-        (float(d @ hidden.carried), float(d @ hidden.free), float(hidden.balance @ d), law) for d, law in laws
-    ]
     step = record.period / n_points
     z, forces = _periodic(
-        (mass, damping, stiffness), pushed, q, v, joints, step, math.ceil(record.duration / step), stride
+        _discretised(mass, damping, stiffness, step),
+        _Driven(
+            record.grid((known - inertia) @ hidden.balance, n_points),
+            record.grid((inertia - known) @ row, n_points),
+            record.grid(record.motion, n_points),
+            record.grid(s * record.motion, n_points),
+        ),
+        np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws]),
+        by_state,
+        [law for _, law in laws],
+        math.ceil(record.duration / step),
+        stride,
     )
     displacement = np.multiply.outer(hidden.carried, record.motion) + np.multiply.outer(
         hidden.free, record.from_grid(z)
@@ -155,64 +164,99 @@ def integrated_motion(
     return displacement, tuple(record.from_grid(f) for f in forces)
 
 
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """What the measured motion determines, at the points of the integration, each of shape (n_points,).
+
+    Parameters
+    ----------
+    pushed : array
+        Force on the hidden coordinate, without that of laws.
+    load : array
+        Drive force without what the hidden coordinate and laws add.
+    q, v : array
+        Driven position and its velocity.
+    """
+
+    pushed: FloatArray
+    load: FloatArray
+    q: FloatArray
+    v: FloatArray
+
+
+def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, FloatArray]:
+    """Combination of balances in which the drive force stands with factor 1 and the hidden acceleration does not.
+
+    Returns
+    -------
+    tuple
+        Row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
+    """
+    body = int(np.argmax(np.abs(plant.drive)))
+    row = np.eye(len(plant.bodies))[body]
+    row = row - hidden.balance * (row @ plant.mass @ hidden.free) / (
+        hidden.balance @ plant.mass @ hidden.free
+    )
+    row = row / plant.drive[body]
+    return row, np.array([row @ plant.stiffness @ hidden.free, row @ plant.damping @ hidden.free])
+
+
 def _periodic(
-    coefficients: tuple[float, float, float],
-    pushed: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
-    joints: Sequence[tuple[float, float, float, Pointwise]],
-    step: float,
+    discretised: tuple[FloatArray, FloatArray, FloatArray],
+    driven: _Driven,
+    joints: FloatArray,
+    by_state: FloatArray,
+    laws: Sequence[Pointwise],
     n_log: int,
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Hidden coordinate and forces on the fine grid; the way back from end to beginning is run twice, so that the
-    course is periodic."""
-    transition, first, second = _discretised(*coefficients, step)
-    given = np.outer(first, pushed) + np.outer(second, np.roll(pushed, -1))
-    order = np.concatenate([np.arange(n_log, q.size), np.arange(q.size)])
-    states, courses = _stepped(transition, first + second, second, given, q, v, joints, order, stride)
+    """Hidden coordinate and forces at the points; the way back from end to beginning is run twice, so that the course
+    is periodic."""
+    n = driven.q.size
+    order = np.concatenate([np.arange(n_log, n), np.arange(n)])
+    states, courses = _stepped(discretised, driven, joints, by_state, laws, order, stride)
     if not np.isfinite(states).all():
         raise OverflowError("the hidden motion grows without bound")
-    back = q.size - n_log
+    back = n - n_log
     blend = np.linspace(0, 1, back)
 
     def closed(course: FloatArray) -> FloatArray:
-        last = (1 - blend) * course[q.size :] + blend * course[:back]
-        return np.concatenate([course[back : q.size], last])
+        last = (1 - blend) * course[n:] + blend * course[:back]
+        return np.concatenate([course[back:n], last])
 
     return closed(states), [closed(course) for course in courses]
 
 
 def _stepped(
-    transition: FloatArray,
-    whole: FloatArray,
-    second: FloatArray,
-    given: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
-    joints: Sequence[tuple[float, float, float, Pointwise]],
+    discretised: tuple[FloatArray, FloatArray, FloatArray],
+    driven: _Driven,
+    joints: FloatArray,
+    by_state: FloatArray,
+    laws: Sequence[Pointwise],
     order: np.ndarray[tuple[int], np.dtype[np.int64]],
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """States and forces in the order of the points, each `stride` points of the fine grid from the last."""
     from symid.diagnosis.hidden_steps import steps  # numba takes 0.3 s to import, and most axes need none
 
-    carried, hidden, balance, laws = zip(*joints, strict=True)
-    programs = [law.program for law in laws]
-    arguments = np.zeros((len(laws), 4 + max(len(law.values) for law in laws)))
-    courses = np.ones((len(laws), q.size))
+    transition, first, second = discretised
+    programs, own = [law.program for law in laws], len(ARGUMENTS)
+    arguments = np.zeros((len(laws), own + max(len(law.values) for law in laws)))
+    courses = np.ones((len(laws), driven.q.size))
     for i, law in enumerate(laws):
-        arguments[i, 4 : 4 + len(law.values)] = list(law.values.values())
+        arguments[i, own : own + len(law.values)] = list(law.values.values())
         if law.course is not None:
             courses[i] = law.course[::stride]
     states, forces = steps(
         transition,
-        np.stack([whole, second]),
-        given,
-        np.multiply.outer(carried, q),
-        np.multiply.outer(carried, v),
+        np.stack([first + second, second]),
+        np.outer(first, driven.pushed) + np.outer(second, np.roll(driven.pushed, -1)),
+        np.multiply.outer(joints[:, 0], driven.q),
+        np.multiply.outer(joints[:, 0], driven.v),
         courses,
-        np.array([hidden, balance, [law.reach for law in laws]]),
+        driven.load,
+        by_state,
+        np.column_stack([joints[:, 1:], [law.reach for law in laws]]).T.copy(),
         np.array([law.dry for law in laws]),
         np.concatenate([p.operations for p in programs]),
         np.concatenate([p.operands for p in programs]),

@@ -14,6 +14,8 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
     q,
     v,
     courses,
+    load,
+    by_state,
     joints,
     dry,
     operations,
@@ -39,14 +41,19 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
         Displacement and velocity of each joint without the hidden coordinate.
     courses : array of shape (n_laws, n_points)
         Factors that follow the time.
-    joints : array of shape (3, n_laws)
-        Displacement for a unit of the hidden coordinate, share of the force that acts on it, reach of Dahl's state.
+    load : array of shape (n_points,)
+        Drive force without the hidden coordinate and the laws.
+    by_state : array of shape (2,)
+        Shares of the hidden coordinate and its rate in the drive force.
+    joints : array of shape (4, n_laws)
+        Displacement for a unit of the hidden coordinate, shares of the force in that of the hidden coordinate and in
+        the drive's, reach of Dahl's state.
     dry : bool array of shape (n_laws,)
         Which are dry friction.
     operations, operands, ends : arrays
         Programs of the laws, one behind the other; where each ends, from 0 on.
-    arguments : array of shape (n_laws, 4 + n_values)
-        Of the programs; the first four are written by the steps.
+    arguments : array of shape (n_laws, 5 + n_values)
+        Of the programs; the first five are written by the steps.
     stack : array
         Space for the programs.
     order : int array of shape (n,)
@@ -55,7 +62,7 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
     n_laws = dry.size
     states, forces = np.zeros(order.size), np.zeros((n_laws, order.size))
     before = np.zeros(n_laws)
-    x, rate, force = 0.0, 0.0, 0.0
+    x, rate, force, before_drive = 0.0, 0.0, 0.0, 0.0
     for i in range(order.size):
         k = order[i]
         if i:
@@ -63,15 +70,23 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
             ahead = transition[0, 0] * x + transition[0, 1] * rate + given[0, last] - inputs[0, 0] * force
             rate = transition[1, 0] * x + transition[1, 1] * rate + given[1, last] - inputs[0, 1] * force
             x = ahead
+        drive = load[k] + by_state[0] * x + by_state[1] * rate
+        if i:
+            for j in range(n_laws):
+                drive += joints[2, j] * forces[j, i - 1]
+        # dry friction acts over the step that ends here, smooth forces act at its end
+        midway = 0.5 * (drive + before_drive) if i else drive
+        before_drive = drive
         total = 0.0
         for j in range(n_laws):
+            arguments[j, 4] = midway if dry[j] else drive
             if dry[j]:
                 continue
             place = q[j, k] + joints[0, j] * x
             arguments[j, 0], arguments[j, 1] = place, v[j, k] + joints[0, j] * rate
             arguments[j, 2] = courses[j, k]
-            if np.isfinite(joints[2, j]):
-                decay = np.exp(-abs(place - before[j]) / joints[2, j])
+            if np.isfinite(joints[3, j]):
+                decay = np.exp(-abs(place - before[j]) / joints[3, j])
                 z = arguments[j, 3]
                 arguments[j, 3] = 1 - (1 - z) * decay if place >= before[j] else (1 + z) * decay - 1
                 before[j] = place

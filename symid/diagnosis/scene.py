@@ -301,6 +301,7 @@ def scene_of(
     parameters: Mapping[str, float],
     *,
     before: Scene | None = None,
+    like: Scene | None = None,
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
@@ -316,6 +317,8 @@ def scene_of(
     before : Scene, optional
         An earlier scene, whose law forces move joints that no sensor sees; without it they are taken to be moved by
         the linear part alone.
+    like : Scene, optional
+        A scene whose frequency response, impedances and weights are taken over.
     forces : array of shape (n_bins, n_bodies), optional
         Forces of effects on the bodies.
     impedances : sequence of Impedance
@@ -325,7 +328,9 @@ def scene_of(
     """
     levels = () if before is None else before.levels
     if before is not None and before.parameters == parameters and not (impedances or before.impedances):
-        response, weights = before.response, before.density  # an implicit force looks for its balance
+        like = before  # an implicit force looks for its balance
+    if like is not None:
+        response, weights, impedances = like.response, like.density, like.impedances
     else:
         response = response_of(record, parameters, impedances)
         weights = noise_weights(record, response, levels)

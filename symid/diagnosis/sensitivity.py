@@ -35,10 +35,12 @@ def derivatives(state: State) -> ComplexArray:
 def _by_differences(state: State) -> ComplexArray:
     """The same where hidden motion is integrated: no frequency response says how friction that holds answers."""
     scene, parameters, placed = state.scene, state.scene.parameters, state.placed
+    # from the same state as the moved ones: an implicit force comes nearer to its balance each time
+    _, here = predicted(state, parameters, placed, nearby=True)
 
     def column(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
-        _, errors = predicted(state, parameters, placed)
-        return np.asarray((state.errors - errors) / (_INTEGRATED_STEP * value))
+        _, errors = predicted(state, parameters, placed, nearby=True)
+        return np.asarray((here - errors) / (_INTEGRATED_STEP * value))
 
     columns = list(_by_parameters(scene, placed))
     for k, name in enumerate(scene.record.dynamics.parameters):

@@ -140,13 +140,17 @@ def evaluated(
 
 
 def predicted(
-    state: State, parameters: Mapping[str, float], placed: tuple[Placed, ...]
+    state: State, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool = False
 ) -> tuple[Scene, ComplexArray]:
-    """The scene with other parameters and effects, and the errors that it leaves."""
-    scene = _acted_on(state.scene, parameters, placed)
-    if any(item.effect.implicit for item in placed):
+    """The scene with other parameters and effects, and the errors that it leaves.
+
+    `nearby` values differ so little that the frequency response, which counts little where hidden motion is integrated,
+    stays that of the state.
+    """
+    scene = _acted_on(state.scene, parameters, placed, nearby=nearby)
+    if any(item.effect.implicit and not item.integrated for item in placed):
         for _ in range(_BALANCED):
-            scene = _acted_on(scene, parameters, placed)
+            scene = _acted_on(scene, parameters, placed, nearby=nearby)
     errors = scene.record.measured - scene.predicted
     for item in placed:
         if not isinstance(item.effect, JointEffect):
@@ -154,29 +158,41 @@ def predicted(
     return scene, errors
 
 
-def _acted_on(before: Scene, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> Scene:
+def _acted_on(
+    before: Scene, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
+) -> Scene:
     """The scene that follows when effects act as the motion and the forces of another one ask for."""
-    record = before.record
-    forces = np.zeros_like(before.forces)
+    record, forces = before.record, np.zeros_like(before.forces)
     impedances, integrated = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
             continue
         joint = item.effect.joint(before, item.at)
-        if isinstance(item.effect, LinearEffect):
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
+        if law is not None:
+            integrated.append((joint.direction, law))
+            if not nearby:
+                impedances.append((joint.direction, _equivalent(_force(before, item, joint), joint)))
+        elif isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-            continue
-        force = np.tensordot(item.amplitudes, item.effect.forces_at(before, joint, item.shape), 1)
-        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
-        if law is None:
-            forces -= np.multiply.outer(force, joint.direction)
+            if any(other.integrated for other in placed):  # which knows forces and no impedances
+                forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
         else:
-            impedances.append((joint.direction, _equivalent(force, joint)))
-            integrated.append((joint.direction, law))
+            forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
+    if nearby:
+        response = replace(before.response, plant=record.dynamics.at(parameters))
+        like = replace(before, response=response)
+        return scene_of(record, parameters, before=before, like=like, forces=forces, integrated=integrated)
     return scene_of(
         record, parameters, before=before, forces=forces, impedances=impedances, integrated=integrated
     )
+
+
+def _force(scene: Scene, item: Placed, joint: Joint) -> ComplexArray:
+    """Spectrum of the force of an effect that acts on the motion of a scene."""
+    assert isinstance(item.effect, JointEffect)
+    return np.tensordot(item.amplitudes, item.effect.forces_at(scene, joint, item.shape), 1)
 
 
 def is_hidden(scene: Scene, joint: Joint) -> bool:

@@ -9,22 +9,27 @@ import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.diagnosis.effects.friction import dahl_state
-from symid.diagnosis.hidden_motion import Pointwise, _discretised, _stepped
+from symid.diagnosis.hidden_motion import Pointwise, _discretised, _Driven, _stepped
 
 MASS, DAMPING, STIFFNESS = 2.0, 3.0, 4000.0
 STEP, N = 2e-4, 8000
 TIME = np.arange(N) * STEP
 PUSH = 60 * np.sin(2 * np.pi * 3 * TIME) + 25 * np.sin(2 * np.pi * 7.3 * TIME)
+LOAD, LOAD_BY_PLACE = 30 * np.cos(2 * np.pi * 5 * TIME), 2000.0
 Q, V, SPEED, COURSE, Z, NUMBER = sp.symbols("q v speed _course _z number")
 
 
 def stepped(law: Pointwise, n: int = N) -> tuple[FloatArray, FloatArray]:
     """Motion and force of a mass on a spring to the ground under a push, with one law more."""
-    transition, first, second = _discretised(MASS, DAMPING, STIFFNESS, STEP)
-    given = np.outer(first, PUSH) + np.outer(second, np.roll(PUSH, -1))
     still = np.zeros(N)
     states, (force,) = _stepped(
-        transition, first + second, second, given, still, still, [(0.0, 1.0, 1.0, law)], np.arange(n), 1
+        _discretised(MASS, DAMPING, STIFFNESS, STEP),
+        _Driven(PUSH, LOAD, still, still),
+        np.array([[0.0, 1.0, 1.0, 0.0]]),
+        np.array([LOAD_BY_PLACE, 0.0]),
+        [law],
+        np.arange(n),
+        1,
     )
     return states, force
 
@@ -93,3 +98,15 @@ def test_a_level_that_varies_does_not_fall_below_zero():
     below = states[1:-1] < -1e-4
     assert np.abs(force[1:-1][below]).max() < 0.2
     assert np.abs(force).max() > 5
+
+
+def test_friction_by_the_load_follows_the_drive_force():
+    load = sp.Symbol("_load")
+    states, force = stepped(Pointwise(NUMBER * sp.Abs(load), {"number": 0.3}, dry=True))
+
+    def by_load(t: float, q: float, v: float) -> float:
+        return 0.3 * abs(30 * np.cos(2 * np.pi * 5 * t) + LOAD_BY_PLACE * q) * np.tanh(v / 2e-5)
+
+    expected = integrated(by_load)
+    assert np.abs(states - expected).max() < 5e-3 * np.abs(expected).max()
+    assert np.abs(force).max() > 10

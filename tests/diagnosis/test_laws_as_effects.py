@@ -52,7 +52,7 @@ def trial(effect: LawEffect) -> tuple[str, tuple[float, ...], tuple[float, ...]]
 
 def force_at(law: Pointwise, q: float, v: float) -> float:
     """By the program that the compiled steps run."""
-    own, arguments = law.program, np.array([q, v, 1.0, 0.0, *law.values.values()])
+    own, arguments = law.program, np.array([q, v, 1.0, 0.0, 0.0, *law.values.values()])
     return float(evaluate(own.operations, own.operands, arguments, np.zeros(own.depth)))
 
 
