@@ -106,7 +106,7 @@ def measured(paths: list[Path], rounds: int) -> dict[str, np.ndarray]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--logs", type=int, default=1000)
     parser.add_argument("--rounds", type=int, default=3)

@@ -86,7 +86,7 @@ def judged(name: str, table: pl.DataFrame, expected: pl.DataFrame) -> bool:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--logs", type=int, default=1000)
     options = parser.parse_args()

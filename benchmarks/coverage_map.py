@@ -276,7 +276,7 @@ def coverage(errors: FloatArray, half: FloatArray) -> FloatArray:
 
 
 def cases(quick: bool) -> Iterator[Case]:
-    """Rows of the map."""
+    """Settings of the rows of the map."""
     force, white, steps = (("F", 20.0),), (("F", 1.0), ("q", 5e-6)), (("F", 1.0), ("q", 2e-5))
     rigid = Case("rigid_1m", ("q",), "wls", 1000.0, 20.0, None, force)
     yield rigid

@@ -57,7 +57,7 @@ GRAPHS = {
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one process."""
+    """Time and memory of one process."""
 
     seconds: float
     peak_mb: float
@@ -117,7 +117,7 @@ def within(file: Path) -> tuple[float, int]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     with tempfile.TemporaryDirectory() as folder:
         files = axis_files(Path(folder) / "models")
         # the peak of a process counts from that of its parent, so sympy is not loaded here before all are done

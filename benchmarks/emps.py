@@ -83,7 +83,7 @@ def print_comparison(title: str, published: Table, ours: Table, default: Table) 
 
 
 def main() -> None:
-    """Print the tables."""
+    """Run the benchmark and print its tables."""
     for axis, published in (("emps", SYMMETRIC), ("emps_asymmetric", ASYMMETRIC)):
         model, log, pulses = (
             symid.load_generated(axis),

@@ -71,7 +71,7 @@ def detection(kind: str, runs: int, size: float, draws: int, between: float = 2.
 
 
 def main() -> None:
-    """Print both tables."""
+    """Run the benchmark and print its tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", type=int, default=300)
     draws = parser.parse_args().draws

@@ -219,7 +219,7 @@ def simulate(axis: str, folder: Path, samples: int) -> None:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     if sys.argv[1:2] == [
         "--simulate"
     ]:  # in a process of its own: peaks of memory are handed down to children

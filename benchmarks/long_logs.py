@@ -105,7 +105,7 @@ def slope(samples: list[int], seconds: list[float]) -> float:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--largest", type=float, default=1e7)
     parser.add_argument(

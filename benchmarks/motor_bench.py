@@ -183,7 +183,7 @@ def print_bias() -> None:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Run the benchmark and print its tables."""
     logs = {which: read(which) for which in "AB"}
     fits = {which: response_fit(log, LINES[which]) for which, log in logs.items()}
     ideal = {which: simulated(log, LINES[which], fits["A"]) for which, log in logs.items()}

@@ -93,7 +93,7 @@ def rows(pair: Rivals, sizes: tuple[float, ...], runs: int) -> Iterator[Row]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=50, help="of each experiment with either cause [50]")
     runs = parser.parse_args().runs

@@ -150,7 +150,7 @@ def _root(value: Fraction) -> Decimal:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     print(f"{'certified digits':18}{'parameters':^27}{'standard dev.':^18}{'residual dev.':^18}")
     print(f"{'':18}" + f"{'symid':>9}{'refined':>9}{'lstsq':>9}" + 2 * f"{'symid':>9}{'lstsq':>9}")
     for name in PROBLEMS:

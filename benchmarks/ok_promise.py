@@ -92,7 +92,7 @@ def cases(n: int, seed: int, kind: str):
 
 
 def table(outcomes: list[Outcome], title: str, key) -> list[str]:
-    """Counts by a key."""
+    """Lines of counts of outcomes, grouped by a key."""
     groups: dict[str, list[Outcome]] = defaultdict(list)
     for outcome in outcomes:
         groups[key(outcome.case)].append(outcome)
@@ -122,7 +122,7 @@ def summary(outcomes: list[Outcome]) -> str:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Run the benchmark and print its tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

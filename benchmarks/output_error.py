@@ -54,7 +54,7 @@ DATA = Path(__file__).parent.parent / "data" / "flex_motor_bench"
 
 
 def direct() -> Axis:
-    """The paper's axis."""
+    """The paper's axis, direct_2m1s."""
     return symid.load_axis("direct_2m1s")
 
 
@@ -153,7 +153,7 @@ def compared(log: symid.Log, truth: Mapping[str, float], *, held: bool = True) -
 
 
 def print_paper(quick: bool) -> None:
-    """(a) Errors at 250 Hz."""
+    """Part (a): errors at 250 Hz."""
     print("\n(a) paper's axis at 250 Hz, trapezoids: errors in % (Table 10: Ms 24, Fvs 93, Ks 92)")
     print(f"{'':44}" + "".join(f"{name:>9}" for name in PAPER))
     cases = [(SMOOTH, QUIET), (PAPER, QUIET), (SMOOTH, LOUD), (PAPER, LOUD)]
@@ -429,7 +429,7 @@ def print_starts() -> None:
 
 
 def main() -> None:
-    """Print the parts."""
+    """Run the benchmark and print its parts."""
     parser = argparse.ArgumentParser(description="Output error at low rates.")
     parser.add_argument(
         "--quick", action="store_true", help="the first row of (a), few draws, one row of (d)"

@@ -214,7 +214,7 @@ def print_timing(draws: int) -> None:
 
 
 def main() -> None:
-    """Print both."""
+    """Run the benchmark and print both results."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -39,7 +39,7 @@ def ratios(axis: str, measured: tuple[str, ...], samples: int, repetitions: int)
 
 
 def main() -> None:
-    """Print the table."""
+    """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=10_000_000)
     parser.add_argument("--repetitions", type=int, default=9)

@@ -57,7 +57,7 @@ class Loop:
 
 
 def rigid(M: float, Fv: float, Fs: float) -> Machine:
-    """One mass."""
+    """Rigid axis with one mass for both simulators."""
     xml = f"""<body><joint name="motor" type="slide" axis="1 0 0" damping="{Fv}" frictionloss="{Fs}"/>
         <geom size="0.1" mass="{M}"/></body>"""
     one = np.ones(1)

@@ -158,7 +158,7 @@ def cells(quick: bool) -> list[Cell]:
 
 
 def line(outcome: Outcome) -> str:
-    """One row of the table."""
+    """Row of the table for one cell."""
     tuned, best = outcome.tuned_setting, outcome.best_setting
     return (
         f"{outcome.cell}{tuned.cutoff_hz:7.1f} /{tuned.decimation:3}{best.cutoff_hz:8.1f} /{best.decimation:3}"

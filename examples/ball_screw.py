@@ -1,4 +1,4 @@
-"""A ball screw with an elastic nut: the motor's encoder and a scale on the table tell screw, nut and table apart."""
+"""A ball screw with an elastic nut: motor encoder and table scale identify screw, nut and table separately."""
 
 from math import pi
 

@@ -26,7 +26,7 @@ def recorded() -> Log:
 
 
 def write_matlab(log: Log, file: Path) -> None:
-    """Variables with names of their own, in mm and N."""
+    """Variables with foreign names, in mm and N."""
     scipy.io.savemat(file, {"time_s": log.time, "x_mm": 1e3 * log["q"], "force": log["F"]})
 
 

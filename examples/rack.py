@@ -1,4 +1,4 @@
-"""Rack and pinion without play: which parameters a log can tell, and how a data sheet tells the rest."""
+"""Rack and pinion without play: the parameters that a log determines, and how a data sheet provides the rest."""
 
 from symid import (
     Axis,

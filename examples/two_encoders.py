@@ -1,4 +1,4 @@
-"""Two incremental encoders around a coupling: the zero between them is unknown, and it is no part of the machine."""
+"""Two incremental encoders around a coupling: the zero between them is unknown and differs from log to log."""
 
 from math import pi, sqrt
 from pathlib import Path

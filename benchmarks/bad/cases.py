@@ -109,7 +109,7 @@ class Case:
     change: str = ""
 
     def prepare(self, folder: Path) -> None:
-        """Change the file."""
+        """Apply the change to the file in a folder."""
         if self.file.endswith(".parquet"):
             _change_table(folder / self.file, *self.change.split(" ", 1))
         elif self.file:

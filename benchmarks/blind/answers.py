@@ -63,7 +63,7 @@ def diagnose_set(
 
 
 def read(folder: Path) -> dict[str, dict[str, Any]]:
-    """Answers by case."""
+    """Answers of a folder by the name of the case."""
     return {
         path.stem: json.loads(path.read_text()) for path in sorted((folder / "answers").glob("case*.json"))
     }

@@ -29,7 +29,7 @@ STRONGEST, SMALL, TOGETHER, OTHERS = (4.0, 60.0), (0.12, 0.25), (0.8, 1.25), 3
 
 @dataclass(frozen=True)
 class Plan:
-    """One case to be drawn."""
+    """Plan of a case before it is drawn."""
 
     name: str
     group: str
@@ -57,7 +57,7 @@ class Wish:
             raise ValueError("bounds of a size need the one kind of effect that has it, and no worldly cases")
 
     def shares(self) -> dict[str, float]:
-        """Of each group."""
+        """Share of the cases in each group."""
         chosen = self.group or (("worldly" if self.worldly else "single") if self.kind else None)
         return {chosen: 1.0} if chosen else WORLDLY if self.worldly else SHARES
 

@@ -41,7 +41,7 @@ def nan_run(columns: Columns, rng: Generator, extent: float) -> Columns:
 
 
 def infinite(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """Infinite values."""
+    """A span of one channel is infinite."""
     value = rng.choice([np.inf, -np.inf])
     return _changed(columns, str(rng.choice(["t", "q", "F"])), _span(columns, rng, extent * 0.1), value)
 
@@ -82,7 +82,7 @@ def reversed_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
 
 
 def time_jump(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """A gap in the time."""
+    """The time jumps once by more than a sampling period."""
     t = columns["t"].copy()
     t[int(rng.integers(1, t.size)) :] += 0.002 + 10 * extent
     return {**columns, "t": t}
@@ -102,7 +102,7 @@ def lost_rows_untold(columns: Columns, rng: Generator, extent: float) -> Columns
 
 
 def jittering_time(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """Times with noise."""
+    """White noise is added to the times."""
     t = columns["t"] + 2e-3 * extent**2 * rng.standard_normal(columns["t"].size)
     return {**columns, "t": t}
 
@@ -198,7 +198,7 @@ def moved(columns: Columns, rng: Generator, extent: float) -> Columns:
 
 
 def few_rows(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """Hardly any rows."""
+    """Only the first few rows, 60 at most, are left."""
     rows = int(rng.integers(0, 60))
     return {name: x[:rows] for name, x in columns.items()}
 
@@ -216,7 +216,7 @@ def missing_column(columns: Columns, rng: Generator, extent: float) -> Columns:
 
 
 def single_precision(columns: Columns, rng: Generator, extent: float) -> Columns:
-    """Signals of 32 bit."""
+    """Signals are rounded to 32 bit numbers."""
     return {name: x if name == "t" else x.astype(np.float32) for name, x in columns.items()}
 
 
@@ -276,12 +276,12 @@ def flipped(content: bytes, rng: Generator, extent: float) -> bytes:
 
 
 def garbage(content: bytes, rng: Generator, extent: float) -> bytes:
-    """No log at all."""
+    """Random bytes replace the file."""
     return rng.integers(0, 256, 1 + int(extent * 20_000), dtype=np.uint8).tobytes()
 
 
 def empty(content: bytes, rng: Generator, extent: float) -> bytes:
-    """Nothing."""
+    """The file has no content."""
     return b""
 
 

@@ -68,7 +68,7 @@ class Damage:
         return f"{self.kind}:{self.form}:{'blocks' if self.blocks else 'whole'}:{self.extent!r}:{self.seed}"
 
     def file(self, folder: Path) -> Path:
-        """The damaged file."""
+        """Write the damaged log into a folder."""
         columns, rng = good_log(self.seed), np.random.default_rng(self.seed)
         if self.kind in OF_TEXT:
             return write(folder, OF_TEXT[self.kind](columns, rng, self.extent), "csv")

@@ -44,7 +44,7 @@ class Case:
 
     @property
     def force(self) -> str:
-        """Signal of the drive."""
+        """Name of the drive's signal."""
         return FORCE[self.axis]
 
     def changed(self, fault: str, **signals: np.ndarray) -> Case:

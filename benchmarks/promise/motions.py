@@ -98,7 +98,7 @@ def multisine(low: float, high: float, speed: float, acceleration: float, rng: n
 
 
 def together(*parts: Motion) -> Motion:
-    """Sum of motions."""
+    """Motion that is the sum of several motions."""
 
     def motion(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         found = np.sum([part(t) for part in parts], axis=0)

@@ -68,39 +68,15 @@ def _(log: Log, console: Console) -> None:
         console.print(f"note: {note}", markup=False)
 
 
-@show.register
-def _(model: DerivedModel, console: Console) -> None:
-    print_derivation(model, console)
-
-
-@show.register
-def _(found: Identification, console: Console) -> None:
-    print_identification(identification_record(found), console)
-
-
-@show.register
-def _(found: OutputErrorIdentification, console: Console) -> None:
-    print_identification(output_error_record(found), console)
-
-
-@show.register
-def _(found: Tuning, console: Console) -> None:
-    print_tuning(found, console)
-
-
-@show.register
-def _(found: TotalTuning, console: Console) -> None:
-    print_total_tuning(found, console)
-
-
-@show.register
-def _(batch: Batch, console: Console) -> None:
-    print_batch(summary_of(batch), console)
-
-
-@show.register
-def _(found: Diagnosis, console: Console) -> None:
-    print_diagnosis(diagnosis_record(found), console)
+show.register(DerivedModel, print_derivation)
+show.register(Tuning, print_tuning)
+show.register(TotalTuning, print_total_tuning)
+show.register(Identification, lambda found, to: print_identification(identification_record(found), to))
+show.register(
+    OutputErrorIdentification, lambda found, to: print_identification(output_error_record(found), to)
+)
+show.register(Batch, lambda batch, to: print_batch(summary_of(batch), to))
+show.register(Diagnosis, lambda found, to: print_diagnosis(diagnosis_record(found), to))
 
 
 def as_text(found: object) -> str:
