@@ -31,9 +31,12 @@ from symid.simulation.forward_dynamics import forward_dynamics
 
 _HELD_OUT = 3
 _BLOCKS = 12
+_ELSEWHERE = 5.0
+"""Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which on
+something acts there that does not act here."""
 _ONLY_IN_VALIDATION = (
-    "The model fits the log: the effect shows in the validation log alone. It was identified from two thirds of that, "
-    "and the gap measured on the rest."
+    "The effect shows in the validation log and hardly in the other one. It was identified from two thirds of the "
+    "former, and the gap measured on the rest."
 )
 
 
@@ -148,7 +151,7 @@ def _either_way(
     """Identified from the logs, or from the validation logs where these alone show the effect."""
     found = _diagnosed(axis, runs, nominal, recorded, library)
     validation = runs[1]
-    if validation is None or found.verdict != "unexplained" or not _fits_its_log(found):
+    if validation is None or found.verdict != "unexplained" or not _shows_in_validation(found):
         return found
     other = _diagnosed(axis, (validation, None), nominal, recorded, library)
     if other.verdict not in ("effect", "partly"):
@@ -156,9 +159,13 @@ def _either_way(
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
 
 
-def _fits_its_log(found: Diagnosis) -> bool:
-    """Whether the re-identified model leaves no more than noise of the log that it was identified from."""
-    return bool(found.search) and found.search[0].before.mean_square < NOISE_ALONE
+def _shows_in_validation(found: Diagnosis) -> bool:
+    """Whether the re-identified model leaves noise alone of its own log, or many times as much of the other."""
+    if not found.search:
+        return False
+    own = found.search[0].before.mean_square
+    other = (found.gap.reidentified.rms / found.gap.noise_floor.rms) ** 2
+    return own < NOISE_ALONE or other > _ELSEWHERE * own
 
 
 def _diagnosed(
