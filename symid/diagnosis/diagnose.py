@@ -32,8 +32,8 @@ from symid.simulation.forward_dynamics import forward_dynamics
 _HELD_OUT = 3
 _BLOCKS = 12
 _ELSEWHERE = 5.0
-"""Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which on
-something acts there that does not act here."""
+"""Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
+on something acts there that does not act here."""
 _ONLY_IN_VALIDATION = (
     "The effect shows in the validation log and hardly in the other one. It was identified from two thirds of the "
     "former, and the gap measured on the rest."
