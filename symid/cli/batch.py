@@ -7,9 +7,10 @@ from typing import Any
 
 import click
 
-from symid.axis import load_axis
+from symid.axis import Axis, load_axis
 from symid.cli.fleet import page_of, write_page
 from symid.cli.identify import loop_options
+from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, priors_of
 from symid.cli.logs import (
     foreign_columns,
     late_of,
@@ -98,6 +99,7 @@ batch_options = shared(
 @measured_option
 @log_options
 @preparation_options
+@knowledge_options
 @loop_options
 @click.option("--ddof", type=click.IntRange(0, 10**6), help="As in symid identify.")
 @click.option(
@@ -112,12 +114,13 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     """
     said_guesses(options)
     page = page_of(options["report"])
+    axes = _axes((axis, *options["also"]), options["fixed"])
     try:
         batch = identify_batch(
-            (axis, *options["also"]),
+            axes,
             logs,
             output=options["output"],
-            settings=_settings(axis, options),
+            settings=_settings(axis, axes, options),
             jobs=options["jobs"],
             scheduler=options["scheduler"],
             track=lambda rows, total: tracked(rows, "logs", total),
@@ -135,14 +138,29 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
         print_batch(record)
 
 
-def _settings(axis: str, options: dict[str, Any]) -> BatchSettings:
+def _axes(names: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[str | Axis, ...]:
+    """Axes with the values of ``--fix``; each is one of the first axis that has such a parameter."""
+    if not fixed:
+        return names
+    declared = [load_axis(name) for name in names]
+    for value in fixed:
+        name = value.partition("=")[0]
+        place = next((i for i, axis in enumerate(declared) if name in axis.parameter_units), 0)
+        declared[place] = declared[place].with_known(fixed_values((value,), declared[place]))
+    return tuple(declared)
+
+
+def _settings(name: str, axes: tuple[str | Axis, ...], options: dict[str, Any]) -> BatchSettings:
+    first = axes[0] if isinstance(axes[0], Axis) else load_axis(axes[0])
     return BatchSettings(
         method=options["method"],
         measured=signal_list(options["measured"]),
         preparation=preparation_of(options, late_of(options)),
         held=options["held"],
         ddof=options["ddof"],
-        nominal=parameter_file(options["nominal"], load_axis(axis)) if options["nominal"] else None,
+        nominal=parameter_file(options["nominal"], load_axis(name)) if options["nominal"] else None,
+        bounds=bounds_of(options["bounds"], first),
+        prior=priors_of(options["prior"], first),
         controller=cascade_gains(options["gains"]),
         rate_hz=options["rate"],
         diagnose=options["diagnose"],

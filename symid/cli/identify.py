@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options, known_by_log
+from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options, known_by_log, known_option
 from symid.cli.logs import (
     known_late,
     log_options,
@@ -84,6 +84,7 @@ loop_options = shared(
 @log_options
 @preparation_options
 @knowledge_options
+@known_option
 @loop_options
 @click.option(
     "--ddof",

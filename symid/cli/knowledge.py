@@ -26,12 +26,6 @@ knowledge_options = shared(
         help="Value of a parameter that is known, such as M=95 or M=95kg.",
     ),
     click.option(
-        "--known",
-        multiple=True,
-        metavar="NAME=VALUE,...",
-        help="Value of a parameter in each LOG, in their order, such as the payload: Ml=0,12.5kg.",
-    ),
-    click.option(
         "--bounds",
         multiple=True,
         metavar="NAME=LOW..HIGH",
@@ -42,6 +36,14 @@ knowledge_options = shared(
         metavar="P.json",
         help='Means and deviations known beforehand, {"M": [95, 2]} in SI, or what identify --json wrote.',
     ),
+)
+
+
+known_option = click.option(
+    "--known",
+    multiple=True,
+    metavar="NAME=VALUE,...",
+    help="Value of a parameter in each LOG, in their order, such as the payload: Ml=0,12.5kg.",
 )
 
 
@@ -112,32 +114,44 @@ def constraints_of(options: dict[str, Any], axis: Axis, model: GeneratedModel) -
     SettingError, LogError
         If they cannot be read, or do not fit the model.
     """
-    prior = _priors(options["prior"], model) if options["prior"] else None
-    ranges = [value for value in options["bounds"] if value != "physical"]
+    return Constraints.of(model, bounds_of(options["bounds"], axis), priors_of(options["prior"], axis))
+
+
+def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | None, float | None]]:
+    """Ranges of ``--bounds``, SI; 'physical' is 0 for what cannot be negative.
+
+    Raises
+    ------
+    SettingError, LogError
+        If one is no range, or its unit cannot be read.
+    """
+    ranges = tuple(value for value in values if value != "physical")
     bounds: dict[str, tuple[float | None, float | None]] = {}
-    if len(ranges) < len(options["bounds"]):
-        bounds |= Constraints.of(model, "physical", None).bounds
-    for name, text in assignments(tuple(ranges), "--bounds").items():
+    if len(ranges) < len(values):
+        bounds |= {n: (0.0, None) for n in axis.physical_parameters if n not in axis.signed_parameters}
+    for name, text in assignments(ranges, "--bounds").items():
         low, dots, high = text.partition("..")
         unit = axis.parameter_units.get(name, Unit())
         if not dots:
             raise SettingError(
-                f"--bounds {name}={text} is not a range: write LOW..HIGH, one of them may be omitted"
+                f"--bounds {name}={text} is no range: write LOW..HIGH, one of them may be left out"
             )
         bounds[name] = (
             quantity(low, unit, f"--bounds {name}") if low else None,
             quantity(high, unit, f"--bounds {name}") if high else None,
         )
-    return Constraints.of(model, bounds, prior)
+    return bounds
 
 
-def _priors(file: str, model: GeneratedModel) -> dict[str, Any]:
-    """Pairs of mean and deviation of a file; of a result of symid identify those of the parameters that are asked."""
+def priors_of(file: str | None, axis: Axis) -> dict[str, Any]:
+    """Pairs of mean and deviation of ``--prior``; of a result of symid identify those of the axis' parameters."""
+    if file is None:
+        return {}
     values = read_json(file)
     if not isinstance(values, dict):
         raise SettingError(f'{file} holds no priors: write {{"NAME": [mean, deviation], ...}} in SI units')
     if isinstance(values.get("physical"), dict):
-        found = {name: one for name, one in values["physical"].items() if name in model.physical_units}
+        found = {name: one for name, one in values["physical"].items() if name in axis.physical_parameters}
         return {name: _pair_of_result(file, name, one) for name, one in found.items()}
     return values
 

@@ -41,6 +41,10 @@ class BatchSettings:
         As in `symid.identify`.
     nominal : mapping of str to float, optional
         Nominal physical parameters, SI: a start of the identification, and the simulation that is diagnosed.
+    bounds : mapping of str to (float or None, float or None)
+        Between which physical parameters lie, None for no bound.
+    prior : mapping of str to (float, float)
+        Mean and standard deviation of what is known of physical parameters beforehand.
     controller : mapping of str to float
         Gains of the machine's controller by the fields of `symid.simulation.Cascade`, for "iv" and "oe".
     rate_hz : float, optional
@@ -75,6 +79,8 @@ class BatchSettings:
     held: tuple[str, ...] = ()
     ddof: int | None = None
     nominal: Mapping[str, float] | None = None
+    bounds: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
+    prior: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     controller: Mapping[str, float] = field(default_factory=dict)
     rate_hz: float | None = None
     diagnose: bool = False
@@ -88,6 +94,10 @@ class BatchSettings:
             raise SettingError(f"method {self.method!r} is not known: choose from {', '.join(METHODS)}")
         if self.joint and self.method not in ROW_METHODS:
             raise SettingError(f"method {self.method!r} leaves no factors to join: take one of wls, ols")
+        if self.method == "oe" and (self.bounds or self.prior):
+            raise SettingError(
+                "bounds and priors are not possible with method 'oe': take wls, ols or iv, or fix values"
+            )
 
     @property
     def canonical(self) -> str:
@@ -109,6 +119,8 @@ class BatchSettings:
             columns=_of(self.columns, known),
             units=_of(self.units, known),
             gains=_of(self.gains, known),
+            bounds=_of(self.bounds, frozenset(axis.physical_parameters)),
+            prior=_of(self.prior, frozenset(axis.physical_parameters)),
             preparation=replace(self.preparation, late=late, held=held),
             held=(),
         )
@@ -122,6 +134,11 @@ class BatchSettings:
                 names = ", ".join(axis.name for axis in axes)
                 signals = dict.fromkeys(name for axis in axes for name in axis.signal_units)
                 raise SettingError(f"signal {signal!r} is not known: {names} has {', '.join(signals)}")
+        free = {name for axis in axes for name in axis.physical_parameters}
+        if strange := [name for name in (*self.bounds, *self.prior) if name not in free]:
+            raise SettingError(
+                f"{strange[0]!r} is no unknown parameter: choose from {', '.join(sorted(free))}"
+            )
         forces = [axis.drive.signal for axis in axes]
         if unknown := [signal for signal in self.held if signal not in forces]:
             raise SettingError(

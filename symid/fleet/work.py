@@ -24,7 +24,7 @@ from symid.fleet.limits import TooLongError
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
 from symid.fleet.settings import ROW_METHODS
-from symid.identification import Identification, identify, measured_signals, open_axis_log
+from symid.identification import Constraints, Identification, identify, measured_signals, open_axis_log
 from symid.text import visible
 
 
@@ -181,6 +181,7 @@ def _whole(log: AnyLog) -> Log:
 def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
     """Least squares or instrumental variables."""
     settings = axis.settings
+    constraints = Constraints.of(model, dict(settings.bounds), dict(settings.prior))
     if settings.method == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
         from symid.simulation import ClosedLoop
@@ -192,6 +193,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
             loop,
             preparation=settings.preparation,
             nominal=settings.nominal,
+            constraints=constraints,
             examine=settings.examine,
         )
     return identify(
@@ -201,6 +203,7 @@ def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Ident
         preparation=settings.preparation,
         ddof=settings.ddof,
         nominal=settings.nominal,
+        constraints=constraints,
         examine=settings.examine,
     )
 
