@@ -36,8 +36,8 @@ from symid.diagnosis.result import (
     SimulatedParameter,
     Simulator,
 )
-from symid.diagnosis.screening import PRICE
-from symid.diagnosis.search import LEAST_WORTH, search
+from symid.diagnosis.screening import PENALTY
+from symid.diagnosis.search import LEAST_PENALISED_GAIN, search
 from symid.diagnosis.start import fitted_axis, starting_parameters
 from symid.diagnosis.state import State, first_state, with_effects
 from symid.diagnosis.weighting import Weighting
@@ -166,7 +166,7 @@ def _machine(state: State, weighting: Weighting) -> Fit:
         others = tuple(other for other in model.state.placed if other.key != item.key)
         without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)
         gain = model.predicted - without.predicted
-        if gain - PRICE * item.n_free < LEAST_WORTH:
+        if gain - PENALTY * item.n_free < LEAST_PENALISED_GAIN:
             model = without
     return model
 

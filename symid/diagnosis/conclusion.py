@@ -7,7 +7,15 @@ from collections.abc import Mapping, Sequence
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.deviations import standard_deviations
-from symid.diagnosis.evidence import INDISTINGUISHABLE, NOISE_ALONE, Errors, Outcome, is_there, odds, outcome
+from symid.diagnosis.evidence import (
+    INDISTINGUISHABLE,
+    NOISE_ALONE,
+    Errors,
+    Outcome,
+    is_there,
+    outcome,
+    probabilities,
+)
 from symid.diagnosis.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.gap import Gap, Level
@@ -128,7 +136,7 @@ def _effects(
     values = effect_values(last)[known:]
     found = []
     for i, turn in enumerate(accepted):
-        chance = odds(turn, driven(comparison.record))
+        chance = probabilities(turn, driven(comparison.record))
         item = last.state.placed[known + i]
         best, rivals = item.key, [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != item.key]
         there = chances.effect if i == 0 else is_there(turn)
@@ -159,7 +167,7 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
 
 
 def _alternatives(comparison: Comparison, turn: Turn, chances: Outcome) -> tuple[Alternative, ...]:
-    chance = odds(turn, driven(comparison.record))
+    chance = probabilities(turn, driven(comparison.record))
     confirmed = {c.key: c for c in turn.confirmed}
     gains = {c.placed.key: c.gain for c in turn.screened}
     found = []
@@ -178,7 +186,7 @@ def _shares(comparison: Comparison, accepted: Sequence[Turn], turns: Sequence[Tu
     """Share of the excess error by place: what its effects take away; without effects, what they could."""
     shares: dict[str, float] = {}
     if not accepted:
-        chance = odds(turns[0], driven(comparison.record)) if turns else {}
+        chance = probabilities(turns[0], driven(comparison.record)) if turns else {}
         for (_, place), probability in chance.items():
             shares[place] = shares.get(place, 0.0) + probability
         return shares

@@ -16,8 +16,8 @@ import numpy as np
 from symid.diagnosis.blocks import deviation
 from symid.diagnosis.priors import DOUBT, prior, temperature
 from symid.diagnosis.result import Verdict
-from symid.diagnosis.screening import PRICE
-from symid.diagnosis.search import LEAST_WORTH, Turn
+from symid.diagnosis.screening import PENALTY
+from symid.diagnosis.search import LEAST_PENALISED_GAIN, Turn
 
 _DRIVEN_BONUS = 0.3
 _LEAST_REMOVED = 0.1
@@ -43,7 +43,7 @@ INDISTINGUISHABLE = 0.15
 Key = tuple[str, str]
 
 
-def odds(turn: Turn, driven: str) -> dict[Key, float]:
+def probabilities(turn: Turn, driven: str) -> dict[Key, float]:
     """Probability of each candidate of a turn, if one of them is right.
 
     Parameters
@@ -53,23 +53,23 @@ def odds(turn: Turn, driven: str) -> dict[Key, float]:
     driven : str
         Body that the drive moves: where places cannot be told apart, it is a little more likely.
     """
-    worth = _worths(turn)
-    least = min(worth.values(), default=0.0)
+    penalised_gain = _worths(turn)
+    least = min(penalised_gain.values(), default=0.0)
     for candidate in turn.screened:
         if not (
             turn.confirmed and candidate.placed.contains(turn.confirmed[0].key)
         ):  # put aside for the best
-            worth.setdefault(candidate.placed.key, min(candidate.worth, least))
-    if not worth:
+            penalised_gain.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
+    if not penalised_gain:
         return {}
-    best = max(worth.values())
+    best = max(penalised_gain.values())
     doubt = _doubts(turn)
     likelier = {c.key: prior(c.fit.state, turn.before.nominal) for c in turn.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
         + _DRIVEN_BONUS * (key[1] == driven)
         + likelier.get(key, 0.0)
-        for key, value in worth.items()
+        for key, value in penalised_gain.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
@@ -81,20 +81,22 @@ def _worths(turn: Turn) -> dict[Key, float]:
     One that is linear and holds a simpler one, as an asymmetry of friction holds a constant force, is worth at least as
     much less what its further values cost: with these at 0 it is the simpler one.
     """
-    worth = {c.key: c.worth for c in turn.confirmed}
+    penalised_gain = {c.key: c.penalised_gain for c in turn.confirmed}
     for own in turn.confirmed:
         for other in turn.confirmed:
             if not own.placed.shape and own.placed.contains(other.key):
                 further = own.placed.n_free - other.placed.n_free
-                worth[own.key] = max(worth[own.key], other.worth - PRICE * further)
-    return worth
+                penalised_gain[own.key] = max(
+                    penalised_gain[own.key], other.penalised_gain - PENALTY * further
+                )
+    return penalised_gain
 
 
 def _doubts(turn: Turn) -> dict[Key, float]:
     """Deviation of what each candidate that was fitted gains less than the best: blocks of a log disagree."""
     if not turn.confirmed:
         return {}
-    best = max(turn.confirmed, key=lambda c: c.worth)
+    best = max(turn.confirmed, key=lambda c: c.penalised_gain)
     n = turn.before.n_rows
     return {c.key: DOUBT * deviation(best.squares, c.squares, n) for c in turn.confirmed}
 
@@ -103,7 +105,7 @@ def is_there(turn: Turn) -> float:
     """Probability that the best candidate of a turn is more than noise."""
     if not turn.confirmed:
         return 0.0
-    return _logistic((turn.confirmed[0].worth - LEAST_WORTH) / 4)
+    return _logistic((turn.confirmed[0].penalised_gain - LEAST_PENALISED_GAIN) / 4)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.diagnosis.conclusion import driven
-from symid.diagnosis.evidence import Key, odds
+from symid.diagnosis.evidence import Key, probabilities
 from symid.diagnosis.manoeuvres import Room
 from symid.diagnosis.performed import Performed, performed
 from symid.diagnosis.record import Record
@@ -128,10 +128,10 @@ def next_experiment_of(
     largest = force or float(np.abs(drive).max())
     best = rehearsed(rivals, trials(rivals, room, largest))
     considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
-    worth = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
-    if not worth:
+    penalised_gain = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
+    if not penalised_gain:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
-    chosen, run, message = _kept(rivals, worth, limits, largest)
+    chosen, run, message = _kept(rivals, penalised_gain, limits, largest)
     if chosen is None:
         return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
     text = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of(run, message)
@@ -140,11 +140,11 @@ def next_experiment_of(
 
 
 def _kept(
-    rivals: Rivals, worth: Sequence[Trial], limits: Limits, force: float
+    rivals: Rivals, penalised_gain: Sequence[Trial], limits: Limits, force: float
 ) -> tuple[Trial | None, Performed | None, str]:
     """The best motion in which the simulated axis keeps its limits, or the best if it cannot be simulated."""
     said: list[str] = []
-    for trial in worth:
+    for trial in penalised_gain:
         try:
             run = performed(rivals, trial.trajectory)
         except (SymidError, np.linalg.LinAlgError, OverflowError) as error:
@@ -187,7 +187,7 @@ def rivals_of(found: Diagnosis) -> Rivals | None:
     ranked = []
     for turn in found.search:
         confirmed = {c.key: c for c in turn.confirmed}
-        chance = odds(turn, driven(turn.before.state.scene.record)) if confirmed else {}
+        chance = probabilities(turn, driven(turn.before.state.scene.record)) if confirmed else {}
         keys = [key for key in chance if key in confirmed][:2]
         if len(keys) == 2:
             ranked.append(Rivals(turn, (confirmed[keys[0]], confirmed[keys[1]]), chance[keys[1]]))

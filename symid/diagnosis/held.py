@@ -5,7 +5,7 @@ from __future__ import annotations
 from symid.diagnosis.effects import ACTUATOR, Delay, Placed
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.hidden_starts import Start
-from symid.diagnosis.search import LATE_FORCES, LEAST_CERTAINTY, LEAST_WORTH, confirmed_from
+from symid.diagnosis.search import LATE_FORCES, LEAST_CERTAINTY, LEAST_PENALISED_GAIN, confirmed_from
 
 HELD = (
     "{} is held from each sample to the next: it acts half a sample after its record, which is accounted for."
@@ -18,7 +18,7 @@ def shows_hold(fit: Fit) -> bool:
     """Whether a delay of the force by half a sample explains a part of what a model leaves."""
     period = fit.state.scene.record.log.sampling_period
     found = confirmed_from(fit, Start.of(fit, Placed(Delay(), ACTUATOR, (period / 2,), (1.0,))))
-    if found is None or found.worth < LEAST_WORTH or found.certainty < LEAST_CERTAINTY:
+    if found is None or found.penalised_gain < LEAST_PENALISED_GAIN or found.certainty < LEAST_CERTAINTY:
         return False
     return is_held(found.fit)
 

@@ -77,7 +77,7 @@ class Start:
         return with_effects(self.state, self.weighting, (*self.state.placed, placed))
 
 
-def twins(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
+def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
     """The effects of fitted models at hidden joints, begun with the values found for them or for their twin.
 
     Parameters

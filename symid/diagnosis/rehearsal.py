@@ -25,7 +25,7 @@ from symid.diagnosis.fit import Fit, fitted
 from symid.diagnosis.manoeuvres import Room, manoeuvres
 from symid.diagnosis.priors import temperature
 from symid.diagnosis.record import Record, record_of
-from symid.diagnosis.screening import PRICE
+from symid.diagnosis.screening import PENALTY
 from symid.diagnosis.search import Confirmed, Turn
 from symid.diagnosis.state import State
 from symid.diagnosis.weighting import Weighting
@@ -264,7 +264,7 @@ def _fitted(model: State, truth: State, weighting: Weighting) -> float:
 
 def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -> float:
     own, other = (rivals.pair[i].placed.n_free for i in (right, 1 - right))
-    return (over_other - PRICE * (own - other)) / temperature(over_none - PRICE * own)
+    return (over_other - PENALTY * (own - other)) / temperature(over_none - PENALTY * own)
 
 
 def rehearsed(rivals: Rivals, trials: Sequence[Trial]) -> list[Trial]:

@@ -22,7 +22,7 @@ from symid.diagnosis.screening import screened
 from symid.diagnosis.search import (
     LATE_FORCES,
     LATE_READING,
-    LEAST_WORTH,
+    LEAST_PENALISED_GAIN,
     Confirmed,
     Turn,
     confirmed_from,
@@ -158,7 +158,7 @@ def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[
     if best and own.key in found and not _clearly(best[0], found[own.key], first):
         best = [found[own.key], *(c for c in best if c.key != own.key)]
     chosen = Turn(before, tuple(best), turn.screened)
-    if not chosen.is_worth_another(first):
+    if not chosen.justifies_another(first):
         return None
     return chosen if len(best) > 1 else _in_place_of(turn, before, best[0])
 
@@ -173,7 +173,7 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
         likelier = prior(best.fit.state, first.nominal) - prior(own.fit.state, first.nominal)
         return likelier > 0
     doubt = deviation(own.squares, best.squares, own.fit.n_rows)
-    return best.worth - own.worth > max(LEAST_WORTH, doubt)
+    return best.penalised_gain - own.penalised_gain > max(LEAST_PENALISED_GAIN, doubt)
 
 
 def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[Turn, ...] | None:
@@ -185,7 +185,7 @@ def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[Turn, ..
         if found is None:
             return None
         turn = _in_place_of(member.turn, before, found)
-        if not turn.is_worth_another(first):
+        if not turn.justifies_another(first):
             return None
         chain.append(turn)
         before = found.fit.after(before)

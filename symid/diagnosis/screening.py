@@ -13,7 +13,7 @@ from symid.diagnosis.effects import Effect, Placed, Shape
 from symid.diagnosis.fit import Fit
 from symid.diagnosis.weighting import Autoregression, autoregression, unweighted
 
-PRICE = 4.5
+PENALTY = 4.5
 """Price of a free value, of the logarithm of the likelihood: half the logarithm of 8000 rows (Schwarz)."""
 _BATCH = 1_000_000
 """Values of the columns of shapes that are tried at a time."""
@@ -39,14 +39,14 @@ class Candidate:
     white_gain: float
 
     @property
-    def worth(self) -> float:
+    def penalised_gain(self) -> float:
         """The gain, less what its free values would gain in noise."""
-        return self.gain - PRICE * self.placed.n_free
+        return self.gain - PENALTY * self.placed.n_free
 
     @property
-    def white_worth(self) -> float:
+    def white_penalised_gain(self) -> float:
         """The same after an autoregressive model."""
-        return self.white_gain - PRICE * self.placed.n_free
+        return self.white_gain - PENALTY * self.placed.n_free
 
 
 def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
@@ -57,7 +57,7 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     projections = (_Projection(fit, plain), _Projection(fit, white))
     wanted = fit.weighting.back(left)
 
-    def pull(response: ComplexArray) -> FloatArray:
+    def matched_filter(response: ComplexArray) -> FloatArray:
         return scene.record.fine(np.sum(response.conj() * wanted, axis=0))
 
     best: dict[tuple[str, str], Candidate] = {}
@@ -66,7 +66,7 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
         for place in effect.places(scene):
             if (effect.name, place) in present:
                 continue
-            shapes = list(effect.shapes(scene, place, pull))
+            shapes = list(effect.shapes(scene, place, matched_filter))
             for found in _best_shapes(fit, projections, effect, place, shapes):
                 key = found.placed.key
                 if key not in best or max(found.gain, found.white_gain) > max(

@@ -15,14 +15,14 @@ from symid.diagnosis.credibility import is_credible
 from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.effects import Effect, LawEffect, Placed
 from symid.diagnosis.fit import LEAST_INERTIA, Fit, fitted, refitted, settled
-from symid.diagnosis.hidden_starts import Start, can_integrate, of_grid, twins
+from symid.diagnosis.hidden_starts import Start, can_integrate, from_other_places, of_grid
 from symid.diagnosis.priors import DOUBT, prior, temperature
 from symid.diagnosis.scene import Scene
-from symid.diagnosis.screening import PRICE, Candidate, screened
+from symid.diagnosis.screening import PENALTY, Candidate, screened
 from symid.errors import SettingError
 
-LEAST_WORTH = 30.0
-"""Gain of the logarithm of the likelihood, less its price, that an effect must bring: the best of all places and shapes
+LEAST_PENALISED_GAIN = 30.0
+"""Gain of the logarithm of the likelihood, less its penalty, that an effect must bring: the best of all places and shapes
 brings less in noise alone."""
 LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
@@ -32,7 +32,7 @@ _LEAST_OF_FIRST = 0.006
 """Share of the mean square of the first model that a further effect must take away."""
 _EXPLAINED = 1.4
 _INTEGRATED = 2
-_TWINS = 3
+_OTHER_PLACES = 3
 _COULOMB = "coulomb_friction"
 LATE_FORCES = ("delay", "actuator_lag")
 """Nearly the same: beside each other they tell nothing."""
@@ -87,9 +87,9 @@ class Confirmed:
     spoils: bool = False
 
     @property
-    def worth(self) -> float:
+    def penalised_gain(self) -> float:
         """The gain, less what its free values would gain in noise."""
-        return self.gain - PRICE * self.placed.n_free
+        return self.gain - PENALTY * self.placed.n_free
 
     @property
     def placed(self) -> Placed:
@@ -132,9 +132,13 @@ class Turn:
             return False
         best = self.confirmed[0]
         closed = _taken(self.before, best.fit, self.before)
-        return best.worth > LEAST_WORTH and closed > LEAST_SHARE and best.certainty > LEAST_CERTAINTY
+        return (
+            best.penalised_gain > LEAST_PENALISED_GAIN
+            and closed > LEAST_SHARE
+            and best.certainty > LEAST_CERTAINTY
+        )
 
-    def is_worth_another(self, first: Fit) -> bool:
+    def justifies_another(self, first: Fit) -> bool:
         """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
         if not self.accepts:
             return False
@@ -173,7 +177,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
     nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library, None if turns else nominal)
-        if turns and not turn.is_worth_another(fit):
+        if turns and not turn.justifies_another(fit):
             break
         turns.append(turn)
         if not turn.accepts:
@@ -192,7 +196,7 @@ def _turn(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> Turn:
     confirmed: dict[tuple[str, str], Confirmed] = {}
     for stage in _stages(fit, found, library, nominal, confirmed):
         _confirm(fit, stage, confirmed)
-        best = max(confirmed.values(), key=lambda c: c.worth, default=None)
+        best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < _EXPLAINED:
             break
     _confirm(fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
@@ -208,11 +212,11 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     """
     candidates = list(confirmed)
     driven = getattr(before.state.scene.axis.drive.at, "name", None)
-    most = max((c.worth for c in candidates), default=0.0)
+    most = max((c.penalised_gain for c in candidates), default=0.0)
 
     def order(own: Confirmed) -> tuple[bool, bool, float]:
-        timing = own.key[0] == LATE_READING and own.worth > _TIMING_FIRST * most
-        return own.spoils, not timing, -own.worth - _TIE * (own.key[1] == driven)
+        timing = own.key[0] == LATE_READING and own.penalised_gain > _TIMING_FIRST * most
+        return own.spoils, not timing, -own.penalised_gain - _TIE * (own.key[1] == driven)
 
     found = sorted(candidates, key=order)
     while found and not _is_certain(found[0].fit):
@@ -224,9 +228,9 @@ def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     """Whether what contains the best candidate and explains as much is likelier than it by what else is known."""
     if not own.placed.contains(best.key):
         return False
-    doubt = temperature(best.worth) + DOUBT * deviation(best.squares, own.squares, before.n_rows)
+    doubt = temperature(best.penalised_gain) + DOUBT * deviation(best.squares, own.squares, before.n_rows)
     odds = prior(own.fit.state, before.nominal) - prior(best.fit.state, before.nominal)
-    return odds + (own.worth - best.worth) / doubt > 0
+    return odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
 
 
 def _is_certain(fit: Fit) -> bool:
@@ -258,7 +262,7 @@ def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
         if plain is None or not more.placed.contains(plain.key):
             continue
         doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
-        clearly = more.worth - plain.worth > max(_HARDLY_MORE * plain.worth, doubt)
+        clearly = more.penalised_gain - plain.penalised_gain > max(_HARDLY_MORE * plain.penalised_gain, doubt)
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
         if not clearly or _is_nearly_constant(more.fit.state.scene, more.placed):
             del confirmed[name, place]
@@ -282,10 +286,10 @@ def _stages(
     confirmed: Mapping[tuple[str, str], Confirmed],
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
-    best_worth = max((max(c.worth, c.white_worth) for c in found), default=0.0)
-    least = max(LEAST_WORTH / 2, _PROMISING * best_worth)
-    promising = [c for c in found if max(c.worth, c.white_worth) > least]
-    white = sorted(promising, key=lambda c: -c.white_worth)
+    best_gain = max((max(c.penalised_gain, c.white_penalised_gain) for c in found), default=0.0)
+    least = max(LEAST_PENALISED_GAIN / 2, _PROMISING * best_gain)
+    promising = [c for c in found if max(c.penalised_gain, c.white_penalised_gain) > least]
+    white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
@@ -297,8 +301,8 @@ def _stages(
         return
     hidden = [replace(s, placed=replace(s.placed, integrated=True)) for s in other]
     yield [s for s in hidden if can_integrate(nominal.state.scene, s.placed)][:_INTEGRATED]
-    best = sorted(confirmed.values(), key=lambda c: -c.worth)
-    yield islice(twins(fit, [c.fit for c in best]), _TWINS)
+    best = sorted(confirmed.values(), key=lambda c: -c.penalised_gain)
+    yield islice(from_other_places(fit, [c.fit for c in best]), _OTHER_PLACES)
     if _least_left(confirmed) > _HARDLY * fit.mean_square:
         yield of_grid(fit, nominal, library)
 

@@ -1,7 +1,15 @@
 """The library of effects: everything that a diagnosis considers."""
 
 from symid.axis import Cogging
-from symid.diagnosis.effects.base import ACTUATOR, Effect, JointEffect, LinearEffect, Placed, Pull, Shape
+from symid.diagnosis.effects.base import (
+    ACTUATOR,
+    Effect,
+    JointEffect,
+    LinearEffect,
+    MatchedFilter,
+    Placed,
+    Shape,
+)
 from symid.diagnosis.effects.forces import CoggingEffect, FlexibleMode, PayloadChange, PeriodicDisturbance
 from symid.diagnosis.effects.friction import (
     FrictionDrift,
@@ -59,10 +67,10 @@ __all__ = [
     "LawEffect",
     "LinearEffect",
     "LoadDependentFriction",
+    "MatchedFilter",
     "PayloadChange",
     "PeriodicDisturbance",
     "Placed",
-    "Pull",
     "Saturation",
     "Shape",
     "effects_of",

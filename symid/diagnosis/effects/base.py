@@ -19,7 +19,7 @@ from symid.units import Unit
 Shape = tuple[float, ...]
 """Values of the shape parameters of an effect: those in which its force is not linear."""
 
-Pull = Callable[[ComplexArray], FloatArray]
+MatchedFilter = Callable[[ComplexArray], FloatArray]
 """For the response of the outputs to a signal: the course of the signal, on the fine grid, that the residual asks for
 (the adjoint of the weighting applied to the residual)."""
 
@@ -61,7 +61,7 @@ class Effect(ABC):
     def places(self, scene: Scene) -> Iterable[str]:
         """Where it may sit."""
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         """Shapes worth a trial."""
         return ((),)
 

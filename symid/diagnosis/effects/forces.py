@@ -14,8 +14,8 @@ from symid.diagnosis.effects.base import (
     Effect,
     JointEffect,
     LinearEffect,
+    MatchedFilter,
     Placed,
-    Pull,
     Shape,
     best_peaks,
     joint_units,
@@ -51,10 +51,10 @@ class CoggingEffect(LawEffect):
     def places(self, scene: Scene) -> Iterable[str]:
         return [name for name, joint in scene.joints.items() if joint.stroke > _LEAST_STROKE]
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         joint = scene.joints[place]
         response = -scene.response.of_force(joint.direction)
-        return repeating_pitches(scene, joint, pull(response), response)
+        return repeating_pitches(scene, joint, matched_filter(response), response)
 
     def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
         """Sine and cosine along the stroke, without what lies above the band."""
@@ -70,7 +70,7 @@ def ripple(scene: Scene, joint: Joint, pitch: float) -> tuple[FloatArray, FloatA
 
 
 def repeating_pitches(
-    scene: Scene, joint: Joint, pull: FloatArray, response: ComplexArray
+    scene: Scene, joint: Joint, matched_filter: FloatArray, response: ComplexArray
 ) -> Iterable[Shape]:
     """Pitches at which a signal that repeats along the stroke would explain most of the residual.
 
@@ -81,7 +81,7 @@ def repeating_pitches(
     least = 2 * math.pi / MOST_WAVES if turns(scene) else LEAST_PITCH
     n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
-    along = np.bincount(place, weights=pull[inside], minlength=n)
+    along = np.bincount(place, weights=matched_filter[inside], minlength=n)
     padded = scipy.fft.next_fast_len(4 * n, real=True)
     waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
     strength = np.abs(scipy.fft.rfft(along, padded)) ** 2
@@ -122,10 +122,10 @@ class PeriodicDisturbance(JointEffect):
             return False
         return not is_line_of_motion(scene, placed.shape[0], math.hypot(*placed.amplitudes))
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = -scene.response.of_force(scene.joints[place].direction)
         record = scene.record
-        wanted = pull(response) * record.in_log
+        wanted = matched_filter(response) * record.in_log
         padded = 4 * wanted.size
         frequency = np.fft.rfftfreq(padded, d=record.fine_time[1])
         strength = np.abs(np.fft.rfft(wanted, padded)) ** 2
@@ -197,14 +197,14 @@ class PayloadChange(Effect):
     def places(self, scene: Scene) -> Iterable[str]:
         return tuple(scene.bodies)
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         body, record = scene.bodies[place], scene.record
         response = -scene.response.of_force(body.direction)
         felt = record.from_grid(body.a)
         energy = np.sum(record.fine(response * scene.density * felt) ** 2, axis=0) * record.in_log
         if not 0 < energy.sum() < np.inf:
             return []
-        later = np.cumsum((pull(response) * body.a * record.in_log)[::-1])[::-1]
+        later = np.cumsum((matched_filter(response) * body.a * record.in_log)[::-1])[::-1]
         after = np.cumsum(energy[::-1])[::-1] / energy.sum()
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
@@ -254,7 +254,7 @@ class FlexibleMode(LinearEffect):
     def joint(self, scene: Scene, place: str) -> Joint:
         return scene.bodies[place]
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         highest = _SHARE_OF_MOTION * scene.record.motion_hz
         return [(float(f), d) for f in np.geomspace(_LOWEST_MODE, highest, _MODES) for d in _DAMPINGS]
 

@@ -11,7 +11,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
-from symid.diagnosis.effects.base import JointEffect, Placed, Pull, Shape, joint_units, sampled
+from symid.diagnosis.effects.base import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.hidden_motion import Pointwise
 from symid.diagnosis.scene import Joint, Scene
@@ -39,7 +39,7 @@ class PreslidingFriction(JointEffect):
     shape_names = ("reach",)
     positive = True
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [(float(x),) for x in _REACHES]
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
@@ -155,7 +155,7 @@ class FrictionDrift(JointEffect):
         wanted = [names for names, changes in zip(both, (self.coulomb, self.viscous), strict=True) if changes]
         return [name for name in scene.joints if all(name in names for names in wanted)]
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [(x * scene.record.duration,) for x in _WARM_UPS]
 
     def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
@@ -202,7 +202,7 @@ class SteadyFrictionDrift(FrictionDrift):
         """It changes declared friction by no more than a few times that within the log."""
         return self.is_moderate(scene, placed, scene.record.duration)
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [()]
 
     def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:

@@ -13,7 +13,15 @@ import sympy as sp
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
 from symid.axis.elements import Joint as Place
-from symid.diagnosis.effects.base import JointEffect, LinearEffect, Placed, Pull, Shape, joint_units, sampled
+from symid.diagnosis.effects.base import (
+    JointEffect,
+    LinearEffect,
+    MatchedFilter,
+    Placed,
+    Shape,
+    joint_units,
+    sampled,
+)
 from symid.diagnosis.hidden_motion import Pointwise
 from symid.diagnosis.scene import Joint, Scene
 from symid.simulation.law_functions import array_function
@@ -73,7 +81,7 @@ class LawEffect(JointEffect):
         widths = zip(self.shape_parameters, placed.shape, strict=True)
         return all(x / 2 < _scale(number, joint) for number, x in widths if number.scale == "deflection")
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         joint = self.joint(scene, place)
         return product(*(_trials(number, joint) for number in self.shape_parameters))
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects.base import ACTUATOR, Effect, Placed, Pull, Shape
+from symid.diagnosis.effects.base import ACTUATOR, Effect, MatchedFilter, Placed, Shape
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.scene import Joint, Scene
 
@@ -71,7 +71,7 @@ class Delay(TransferEffect, DriveEffect):
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:
         return abs(placed.shape[0]) < _LONGEST_DELAY
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [(float(x * scene.record.log.sampling_period),) for x in _DELAYS]
 
     def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
@@ -106,7 +106,7 @@ class Saturation(DriveEffect):
     def is_plausible(self, scene: Scene, placed: Placed) -> bool:
         return placed.shape[0] > 1.01 * _least_limit(scene)
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         top, least = _top_force(scene), _least_limit(scene)
         return [(share * top,) for share in _LIMITS if share * top > least]
 
@@ -180,9 +180,9 @@ class EncoderRipple(Effect):
         sensors = scene.record.dynamics.sensors
         return [name for name in scene.record.signals if sensors[name][1] == 0]
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = self._response(scene, place)
-        return repeating_pitches(scene, _reading(scene, place), pull(response), response)
+        return repeating_pitches(scene, _reading(scene, place), matched_filter(response), response)
 
     def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
         return self._response(scene, place) * self._waves(scene, place, shape)[:, None, :]
@@ -222,7 +222,7 @@ class SensorDelay(TransferEffect):
     def places(self, scene: Scene) -> Iterable[str]:
         return scene.record.signals[1:]
 
-    def shapes(self, scene: Scene, place: str, pull: Pull) -> Iterable[Shape]:
+    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         period = scene.record.log.sampling_period
         times = [float(x * period) for x in _DELAYS]
         return [(time,) for time in (*times, *_apparent_delay(scene, place)) if abs(time) < _LONGEST_DELAY]
