@@ -22,7 +22,7 @@ from symid.diagnosis.screening import PENALTY, Candidate, screened
 from symid.errors import SettingError
 
 LEAST_PENALISED_GAIN = 30.0
-"""Gain of the logarithm of the likelihood, less its penalty, that an effect must bring: the best of all places and shapes
+"""Gain of the log-likelihood, less its penalty, that an effect must bring: the best of all places and shapes
 brings less in noise alone."""
 LEAST_SHARE = 0.006
 """Share of the mean square that it must take away."""
