@@ -188,7 +188,7 @@ class Weight:
     Parameters
     ----------
     body : Body
-        A body that slides and has no gear.
+        A body that slides, also one that is geared, such as the table of a vertical ball screw.
     acceleration : float
         Component of gravity against the positive direction, in m/s^2: g for a vertical axis, g sin(angle) on an
         incline, negative where the coordinate points downwards.

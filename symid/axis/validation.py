@@ -263,8 +263,8 @@ def _joint_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
             kinds = {end.turns for end in (at.first, at.second) if isinstance(end, Body)}
             if len(kinds) == 2 and at.ratio == 1:
                 yield f"{_label(holder)} joins a turning and a sliding body: give the ratio in metres per radian"
-        if isinstance(holder, Weight) and (holder.body.turns or holder.body.geared is not None):
-            yield f"{_label(holder)}: a weight acts on a sliding body without gear; use PendulumWeight where it turns"
+        if isinstance(holder, Weight) and holder.body.turns:
+            yield f"{_label(holder)}: a weight acts on a sliding body; use PendulumWeight where it turns"
         if isinstance(holder, PendulumWeight) and not holder.body.turns:
             yield f"{_label(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
 
