@@ -54,7 +54,7 @@ def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
     >>> round(levels["q"] * 500 * 1e12, 1), round(levels["F"] * 500, 1)
     (1.0, 9.0)
     """
-    length = max(16, min(_SEGMENT, log.n_samples // 8))
+    length = min(max(16, min(_SEGMENT, log.n_samples // 8)), log.n_samples - 2)
     window = np.hanning(length)
     frequency = np.fft.rfftfreq(length)
     upper = (frequency > _FROM) & (frequency < 0.5)

@@ -160,8 +160,9 @@ class PredictionError:
 
     @cached_property
     def _units(self) -> FloatArray:
-        """Sizes in which the noise of the readings is counted: that of their second differences."""
-        steps = np.diff(self.run.readings, n=2, axis=0)
+        """Sizes in which the noise of the readings is counted: that of their second differences within stretches."""
+        joints = [start - k for start in self.run.starts[1:] for k in (1, 2)]
+        steps = np.delete(np.diff(self.run.readings, n=2, axis=0), joints, axis=0)
         typical = np.sqrt(np.mean(steps**2, axis=0))
         return np.asarray(np.where(typical > 0, typical, 1.0))
 

@@ -22,7 +22,7 @@ _CORRELATED = 1.5
 """Least ratio of the deviations of correlated innovations to those of white ones for a note."""
 _TOGETHER = 1.5
 """Times the innovations of a log alone that those of it among others may be."""
-_DISAGREE = 5.0
+_DISAGREE = 3.0
 """Deviations by which two methods may differ: both see the same noise, and neither knows all of its errors."""
 _NOTICEABLE = 0.05
 """Relative difference of the two that matters."""

@@ -173,3 +173,16 @@ def test_the_noise_is_that_of_a_log_that_begins_in_motion() -> None:
     nuisance = still.first_nuisance
     here, there = still.noise(TRUTH, nuisance), moving.noise(TRUTH, nuisance)
     assert here == pytest.approx(there, rel=0.05)
+
+
+def test_noise_is_counted_alike_in_an_excerpt_of_a_long_travel() -> None:
+    """Joints between its parts are jumps of the position, not noise."""
+    axis = load_axis("rigid_1m")
+    dynamics, values = forward_dynamics(axis), {"M": 2.0, "Fv": 3.0, "Fs": 0.0}
+    t = np.arange(40_000) * 1e-3
+    q = 0.1 * t + 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    log = Log.from_arrays({"q": q, "F": np.full(t.size, 0.3)}, sampling_period=1e-3)
+    run = run_of(dynamics, log, ("q",), "held", cutoff_hz=200.0, standstill=0.0)
+    whole = PredictionError(dynamics, run, run.known_motions)
+    costs = [np.mean(e.scaled(values, e.first_nuisance) ** 2) for e in (whole, whole.excerpt())]
+    assert costs[1] == pytest.approx(costs[0], rel=0.2)
