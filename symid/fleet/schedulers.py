@@ -60,7 +60,7 @@ class Processes:
     seconds: float = LONGEST
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
-        """See `Scheduler`."""
+        """Run tasks, as `Scheduler.run`."""
         if self.jobs == 1:
             for task in tasks:
                 with raising_after(self.seconds):
@@ -138,7 +138,7 @@ class Cluster:
     address: str
 
     def run(self, work: Callable[[Task], Result], tasks: Sequence[Task]) -> Finished[Task, Result]:
-        """See `Scheduler`."""
+        """Run tasks, as `Scheduler.run`."""
         distributed = _distributed()
         try:
             client = distributed.Client(self.address, timeout=_PATIENCE, set_as_default=False)

@@ -37,7 +37,7 @@ class Minimum:
 
     @property
     def cost(self) -> float:
-        """Sum of squares."""
+        """Sum of squares of the residual."""
         return float(self.residual @ self.residual)
 
 

@@ -53,7 +53,7 @@ class TotalErrors:
 
     @cached_property
     def noisy(self) -> tuple[Log, ...]:
-        """Logs with noise."""
+        """The logs with drawn noise."""
         pairs = zip(cycle(self.runs), range(self.draws), strict=False)
         return tuple(with_noise(log, self.noise, seed) for log, seed in pairs)
 
