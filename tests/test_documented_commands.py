@@ -29,8 +29,8 @@ CHANGING = ("diagnose", "generate")
 """Commands whose figures the benchmarks measure, and one before which a page changes a file by hand."""
 LONG = ("docs/diagnosis.md", "docs/output_error.md", "docs/tuning.md")
 """Pages whose commands take a minute or many; what they do is tested with the diagnosis, output error and tuning."""
-ELSEWHERE = ("--scheduler tcp://10.0.0.1", "diagnose emps")
-"""Commands that need more than a folder, or minutes: the diagnosis of EMPS is run by the Python code of its pages."""
+ELSEWHERE = ("--scheduler tcp://10.0.0.1", "diagnose emps", "identify current.py")
+"""Commands that need more than a folder, or minutes: the Python code of their pages does the same."""
 PAPER = {"Ms": 3899.0, "Fvs": 3949.17, "Ks": 1e9, "Mm": 362.58, "Fvm": 88.6, "Fsm": 146.0}
 RIGID = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
 
