@@ -33,7 +33,7 @@ _LIMIT = 3.0
 _STANDS_OFF = 4.5
 _TOLD = 3.0
 """Standard deviations that the jump between two segments must have to be called a step."""
-_MEDIAN_OF_SQUARE = float(scipy.stats.chi2.median(1))
+_MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
 _ROUNDS = 5
 _NEIGHBOURS = 5
 
@@ -197,7 +197,7 @@ def slope_penalty(runs: int) -> float:
     >>> round(slope_penalty(100), 1)
     11.2
     """
-    return float(scipy.stats.chi2.isf(1e-2, 1)) + math.log(runs)
+    return float(scipy.special.chdtri(1, 1e-2)) + math.log(runs)
 
 
 def _successive_variance(x: FloatArray, variance: FloatArray) -> float:
@@ -253,7 +253,7 @@ def _changes(
 ) -> tuple[Change, ...]:
     """Steps between the segments and drifts within them."""
     freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
-    factor = float(scipy.stats.t.isf(0.025, freedom))
+    factor = float(scipy.special.stdtrit(freedom, 0.975))
     found = []
     for i, after in enumerate(segments):
         if i:

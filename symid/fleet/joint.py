@@ -153,7 +153,7 @@ class JointIdentification(EstimatedParameters):
         """Probability of at least this disagreement if all logs share the parameters; nan if unknown."""
         if not self.degrees_of_freedom:
             return float("nan")
-        return float(scipy.stats.chi2.sf(self.disagreement, self.degrees_of_freedom))
+        return float(scipy.special.chdtrc(self.degrees_of_freedom, self.disagreement))
 
 
 def identify_jointly(

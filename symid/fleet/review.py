@@ -257,7 +257,7 @@ def _outliers(logs: Sequence[str], values: FloatArray, deviations: FloatArray) -
     scale = np.fmax(_TO_SIGMA * np.median(np.abs(away)), deviations)
     with np.errstate(divide="ignore", invalid="ignore"):
         z = away / scale
-    limit = max(_LEAST_OUTLYING, float(scipy.stats.norm.isf(_FALSE_OUTLIERS / 2 / values.size)))
+    limit = max(_LEAST_OUTLYING, -float(scipy.special.ndtri(_FALSE_OUTLIERS / 2 / values.size)))
     far = [i for i in np.argsort(-np.abs(z)) if abs(z[i]) > limit]
     return tuple(Outlier(logs[i], float(values[i]), float(z[i])) for i in far)
 

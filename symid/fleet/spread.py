@@ -144,7 +144,9 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     )  # squares of very small parameters would leave the range of numbers
     x, variance = x / unit, (s / unit) ** 2
     tau2 = variance_at(x, variance, freedom)
-    ends = [variance_at(x, variance, scipy.stats.chi2.isf(tail, freedom)) for tail in (_TAIL, 1 - _TAIL)]
+    ends = [
+        variance_at(x, variance, float(scipy.special.chdtri(freedom, tail))) for tail in (_TAIL, 1 - _TAIL)
+    ]
     low, high = (math.sqrt(end) * unit for end in ends)
     weights = 1 / (variance + tau2)
     mean = float(weights @ x / weights.sum())
@@ -158,7 +160,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
         between_interval=(low, high),
         promised=math.sqrt(_typical_variance(variance)) * unit,
         statistic=Q,
-        probability=float(scipy.stats.chi2.sf(Q, freedom)),
+        probability=float(scipy.special.chdtrc(freedom, Q)),
     )
 
 

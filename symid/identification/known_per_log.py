@@ -82,7 +82,7 @@ class SharedIdentification(Shown):
     def probability(self) -> float:
         """Of a disagreement as large as this if the model is right; nan where nothing can disagree."""
         return (
-            float(scipy.stats.chi2.sf(self.disagreement, self.relations))
+            float(scipy.special.chdtrc(self.relations, self.disagreement))
             if self.relations > 0
             else float("nan")
         )

@@ -67,7 +67,7 @@ class PhysicalEstimate:
     def disagreement_probability(self) -> float:
         """Probability of a disagreement as large as this if the structure is right; nan without relations."""
         return (
-            float(scipy.stats.chi2.sf(self.disagreement, self.relations)) if self.relations else float("nan")
+            float(scipy.special.chdtrc(self.relations, self.disagreement)) if self.relations else float("nan")
         )
 
     def negative(self, model: GeneratedModel) -> tuple[str, ...]:

@@ -108,7 +108,7 @@ def draw_ellipse(
     spread, directions = np.linalg.eigh(part / np.sqrt(np.outer(np.diag(part), np.diag(part))))
     turn = np.linspace(0, 2 * np.pi, 181)
     for level, style in ((0.95, "-"), (0.68, "--")):
-        radii = np.sqrt(scipy.stats.chi2.ppf(level, 2) * np.maximum(spread, 0.0))
+        radii = np.sqrt(scipy.special.chdtri(2, 1 - level) * np.maximum(spread, 0.0))
         outline = directions @ (radii[:, None] * np.array([np.cos(turn), np.sin(turn)]))
         x, y = deviations[:, None] * outline
         axes.fill(x, y, facecolor=palette.fill, edgecolor="none", alpha=0.6)

@@ -218,7 +218,7 @@ def _together(first: Values, second: Values) -> dict[str, Any] | None:
     scaled = difference / scale
     solved, *_ = np.linalg.lstsq(covariance / np.outer(scale, scale), scaled, rcond=None)
     square = float(scaled @ solved)
-    probability = float(scipy.stats.chi2.sf(square, len(names)))
+    probability = float(scipy.special.chdtrc(len(names), max(square, 0.0)))
     return {
         "chi_square": square,
         "parameters": len(names),

@@ -25,7 +25,7 @@ from symid.report.identification import identification_record
 from symid.report.plots import identification_figure
 from symid.report.residual_correlation import correlation_figure, residual_correlations
 
-_INTERVAL = float(scipy.stats.norm.ppf(0.975))
+_INTERVAL = float(scipy.special.ndtri(0.975))
 
 
 def write_identification_html(

@@ -16,7 +16,7 @@ from symid.report.drawn import Drawn
 from symid.text import visible
 
 MOST_LAGS = 40
-_BAND = float(scipy.stats.norm.ppf(0.995))
+_BAND = float(scipy.special.ndtri(0.995))
 """Half width of the 99 % band of a white residual, in deviations."""
 
 
