@@ -134,11 +134,13 @@ def _effects(
 ) -> tuple[FoundEffect, ...]:
     last, known = fits[-1], len(fits[0].state.placed)
     values = effect_values(last)[known:]
+    named = {item.key for item in last.state.placed[known:]}
     found = []
     for i, turn in enumerate(accepted):
         chance = probabilities(turn, driven(comparison.record))
         item = last.state.placed[known + i]
-        best, rivals = item.key, [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != item.key]
+        best = item.key
+        rivals = [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k not in named]
         there = chances.effect if i == 0 else is_there(turn)
         found.append(
             FoundEffect(

@@ -44,6 +44,8 @@ showed 2 % more for presliding friction, whose reach the log told badly."""
 _VARIES = 0.4
 _HARDLY = 0.05
 """With more of the mean square left, no candidate has explained it."""
+_BESIDE_BEST = 0.2
+"""Share of the gain of the best candidate from which on another is accepted in its place."""
 _HOPELESS = 4.0
 """Multiple of the mean square that the best candidate leaves from which on another is not fitted to the end."""
 _TIE = 2.0
@@ -128,15 +130,26 @@ class Turn:
     @property
     def accepts(self) -> bool:
         """Whether the best candidate is worth its acceptance."""
-        if not self.confirmed:
-            return False
-        best = self.confirmed[0]
-        closed = _taken(self.before, best.fit, self.before)
-        return (
-            best.penalised_gain > LEAST_PENALISED_GAIN
-            and closed > LEAST_SHARE
-            and best.certainty > LEAST_CERTAINTY
-        )
+        return bool(self.confirmed) and self._accepts(self.confirmed[0])
+
+    def _accepts(self, own: Confirmed) -> bool:
+        closed = _taken(self.before, own.fit, self.before)
+        gains = own.penalised_gain > LEAST_PENALISED_GAIN and closed > LEAST_SHARE
+        return gains and own.certainty > LEAST_CERTAINTY
+
+    def with_acceptable(self) -> Turn:
+        """The same, where the best candidate is not accepted with the next one first that is, if it gains enough.
+
+        An effect that a few blocks show, such as a mass that changes once, is certain when the others are dealt with.
+        """
+        if self.accepts or not self.confirmed:
+            return self
+        least = _BESIDE_BEST * self.confirmed[0].penalised_gain
+        found = [own for own in self.confirmed if own.penalised_gain > least and self._accepts(own)]
+        if not found:
+            return self
+        others = (own for own in self.confirmed if own is not found[0])
+        return replace(self, confirmed=(found[0], *others))
 
     def justifies_another(self, first: Fit) -> bool:
         """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
@@ -177,6 +190,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
     nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library, None if turns else nominal)
+        turn = turn if turns else turn.with_acceptable()
         if turns and not turn.justifies_another(fit):
             break
         turns.append(turn)
