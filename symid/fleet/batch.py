@@ -232,7 +232,8 @@ def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dic
 def _kept(rows: int, journal: Path | None) -> str:
     if journal is None:
         return f"{rows} rows were finished and are lost: give an output file"
-    return f"{rows} finished rows are kept in {journal}: run the same command again to do the rest"
+    kept = len(read_journal(journal))  # an interrupt may come between a line of the journal and its count
+    return f"{kept} finished rows are kept in {journal}: run the same command again to do the rest"
 
 
 def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
