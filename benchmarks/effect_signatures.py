@@ -28,7 +28,7 @@ from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.fit import unfitted
+from symid.diagnosis.fit import Fit
 from symid.diagnosis.joined import joined
 from symid.diagnosis.start import fitted_axis
 from symid.diagnosis.state import first_state
@@ -189,7 +189,7 @@ def residual_of(effect: str) -> Residual:
     record = data_of(axis, (joined([log]), None), Recorded({}, held=None)).record
     start = {name: true[name] for name in axis.physical_parameters}
     begun = first_state(record, start)
-    base = unfitted(*begun) if signature.at == READING else fitted_axis(*begun)
+    base = Fit(*begun) if signature.at == READING else fitted_axis(*begun)
     comparison = compared(record, None, [base], None)
     signals = comparison.signals()
     time, rate = signals.time, 1 / (signals.time[1] - signals.time[0])

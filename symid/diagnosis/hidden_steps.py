@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from symid.compiled import compiled
+from symid.jit import compiled
 from symid.simulation.evaluation import evaluate
 
 

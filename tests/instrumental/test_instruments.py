@@ -151,7 +151,7 @@ def test_mistakes_are_refused() -> None:
     bare = Log.from_arrays({"q": log["q"], "F": log["F"]}, sampling_period=1 / RATE)
     with pytest.raises(SettingError, match="reference"):
         identify_by_instruments(model, bare, loop)
-    with pytest.raises(SettingError, match="no multiple"):
+    with pytest.raises(SettingError, match="not a multiple"):
         identify_by_instruments(model, log, ClosedLoop(load_axis("rigid_1m"), rate_hz=1500.0))
     with pytest.raises(SettingError, match="positive"):
         ClosedLoop(load_axis("rigid_1m"), rate_hz=-1.0)
