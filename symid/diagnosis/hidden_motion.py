@@ -279,6 +279,9 @@ def _discretised(
     system[0, 1] = 1.0
     system[1] = [-stiffness / mass, -damping / mass, 1 / mass, 0.0]
     system[2, 3] = 1 / step
-    whole = scipy.linalg.expm(system * step)
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = scipy.linalg.expm(system * step)
+    if not np.isfinite(whole).all():
+        raise OverflowError("the hidden motion grows without bound")
     held, ramp = whole[:2, 2], whole[:2, 3]
     return whole[:2, :2], held - ramp, ramp

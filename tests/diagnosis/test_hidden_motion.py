@@ -8,8 +8,16 @@ import scipy
 import sympy as sp
 
 from symid.arrays import FloatArray
+from symid.axis import CoulombFriction, load_axis
+from symid.diagnosis.effects import effects_of
 from symid.diagnosis.effects.friction import dahl_state
-from symid.diagnosis.hidden_motion import Pointwise, _discretised, _Driven, _stepped
+from symid.diagnosis.fit import Fit, fitted
+from symid.diagnosis.hidden_motion import Pointwise, _discretised, _Driven, _stepped, acts_on_hidden
+from symid.diagnosis.hidden_starts import of_grid
+from symid.diagnosis.record import record_of
+from symid.diagnosis.start import fitted_axis
+from symid.diagnosis.state import first_state
+from symid.simulation import Cascade, forward_dynamics, plant_of, simulate, trapezoids
 
 MASS, DAMPING, STIFFNESS = 2.0, 3.0, 4000.0
 STEP, N = 2e-4, 8000
@@ -110,3 +118,39 @@ def test_friction_by_the_load_follows_the_drive_force():
     expected = integrated(by_load)
     assert np.abs(states - expected).max() < 5e-3 * np.abs(expected).max()
     assert np.abs(force).max() > 10
+
+
+@pytest.mark.parametrize(
+    ("name", "acts"),
+    [("Ms", True), ("Fvs", True), ("Ks", True), ("Mm", True), ("Fvm", False), ("Fsm", False)],
+)
+def test_what_the_drive_alone_feels_does_not_act_on_hidden_motion(name: str, acts: bool) -> None:
+    """The motor pushes itself off the structure: its friction is between the two, its mass is not."""
+    axis = load_axis("direct_2m1s")
+    values = {"Ms": 3899.0, "Fvs": 3e4, "Ks": 1e9, "Mm": 362.58, "Fvm": 90.0, "Fsm": 50.0}
+    plant, other = (plant_of(axis, each) for each in (values, values | {name: 1.1 * values[name]}))
+    assert acts_on_hidden(plant, other, plant.sensors["q2"][0]) is acts
+
+
+def test_a_structure_that_friction_holds_is_found_from_weak_to_strong() -> None:
+    """The linear model absorbs it in mass and damping of the structure, and no search leads back from there."""
+    axis = load_axis("direct_2m1s").with_signal("q2", noise=1e-8).with_signal("Fm", noise=1.0)
+    structure = next(body for body in axis.bodies if body.name == "structure")
+    values = {"Ms": 2800.0, "Fvs": 3e4, "Ks": 2.2e8, "Mm": 390.0, "Fvm": 150.0, "Fsm": 150.0}
+    held = axis.with_effect(CoulombFriction(structure, "Fc"))
+    gains = Cascade("q2", position_gain=30.0, velocity_gain=5e4, integral_gain=15.0)
+    moves = trapezoids([0.05, 0.1, 0.02], [0.3, 0.15], acceleration=4.0, jerk=200.0, sampling_period=1e-3)
+    log = simulate(held, values | {"Fc": 400.0}, moves, gains).log
+    record = record_of(
+        forward_dynamics(axis), log, None, {"Fm": -0.5e-3}
+    )  # a force that is held acts half a sample late
+    nominal = {name: value * (1.1 if name == "Ks" else 0.95) for name, value in values.items()}
+    state, weighting = first_state(record, nominal)
+    (coulomb,) = effects_of(CoulombFriction)
+    plain = fitted_axis(state, weighting)
+    starts = of_grid(plain, Fit(state, weighting), [coulomb])
+    fits = [fitted(best, start.weighting, 12) for start in starts if (best := start.best_state()) is not None]
+    found = min(fits, key=lambda fit: fit.mean_square)
+    assert found.state.placed[-1].amplitudes[0] == pytest.approx(400.0, rel=0.02)
+    assert found.mean_square < 0.2 * plain.mean_square
+    assert found.parameters["Ks"] == pytest.approx(values["Ks"], rel=0.05)
