@@ -53,43 +53,40 @@ def probabilities(turn: Turn, driven: str) -> dict[Key, float]:
     driven : str
         Body that the drive moves: where places cannot be told apart, it is a little more likely.
     """
-    penalised_gain = _worths(turn)
-    least = min(penalised_gain.values(), default=0.0)
+    gains = _penalised_gains(turn)
+    least = min(gains.values(), default=0.0)
     for candidate in turn.screened:
-        if not (
-            turn.confirmed and candidate.placed.contains(turn.confirmed[0].key)
-        ):  # put aside for the best
-            penalised_gain.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
-    if not penalised_gain:
+        put_aside = turn.confirmed and candidate.placed.contains(turn.confirmed[0].key)
+        if not put_aside:
+            gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
+    if not gains:
         return {}
-    best = max(penalised_gain.values())
+    best = max(gains.values())
     doubt = _doubts(turn)
     likelier = {c.key: prior(c.fit.state, turn.before.nominal) for c in turn.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
         + _DRIVEN_BONUS * (key[1] == driven)
         + likelier.get(key, 0.0)
-        for key, value in penalised_gain.items()
+        for key, value in gains.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())
     return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
 
 
-def _worths(turn: Turn) -> dict[Key, float]:
-    """Worth of each candidate that was fitted.
+def _penalised_gains(turn: Turn) -> dict[Key, float]:
+    """Penalised gain of each candidate that was fitted.
 
-    One that is linear and holds a simpler one, as an asymmetry of friction holds a constant force, is worth at least as
-    much less what its further values cost: with these at 0 it is the simpler one.
+    One that is linear and holds a simpler one, as an asymmetry of friction holds a constant force, gains at least as
+    much less the penalty of its further values: with these at 0 it is the simpler one.
     """
-    penalised_gain = {c.key: c.penalised_gain for c in turn.confirmed}
+    gains = {c.key: c.penalised_gain for c in turn.confirmed}
     for own in turn.confirmed:
         for other in turn.confirmed:
             if not own.placed.shape and own.placed.contains(other.key):
                 further = own.placed.n_free - other.placed.n_free
-                penalised_gain[own.key] = max(
-                    penalised_gain[own.key], other.penalised_gain - PENALTY * further
-                )
-    return penalised_gain
+                gains[own.key] = max(gains[own.key], other.penalised_gain - PENALTY * further)
+    return gains
 
 
 def _doubts(turn: Turn) -> dict[Key, float]:

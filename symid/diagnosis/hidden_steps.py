@@ -7,6 +7,21 @@ from symid.simulation.evaluation import evaluate
 
 
 @compiled
+def _at(j, place, speed, course, operations, operands, ends, arguments, stack):  # type: ignore[no-untyped-def]
+    """Value of the program of a law where its joint is; load and Dahl's state stand in its arguments already."""
+    arguments[j, 0], arguments[j, 1], arguments[j, 2] = place, speed, course
+    begin, end = ends[j], ends[j + 1]
+    return evaluate(operations[begin:end], operands[begin:end], arguments[j], stack)
+
+
+@compiled
+def _built_up(z, path, reach):  # type: ignore[no-untyped-def]
+    """Dahl's state after a path, exact where the motion on it is monotone."""
+    decay = np.exp(-abs(path) / reach)
+    return 1 - (1 - z) * decay if path >= 0 else (1 + z) * decay - 1
+
+
+@compiled
 def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
     transition,
     inputs,
@@ -82,16 +97,11 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
             arguments[j, 4] = midway if dry[j] else drive
             if dry[j]:
                 continue
-            place = q[j, k] + joints[0, j] * x
-            arguments[j, 0], arguments[j, 1] = place, v[j, k] + joints[0, j] * rate
-            arguments[j, 2] = courses[j, k]
+            place, speed = q[j, k] + joints[0, j] * x, v[j, k] + joints[0, j] * rate
             if np.isfinite(joints[3, j]):
-                decay = np.exp(-abs(place - before[j]) / joints[3, j])
-                z = arguments[j, 3]
-                arguments[j, 3] = 1 - (1 - z) * decay if place >= before[j] else (1 + z) * decay - 1
+                arguments[j, 3] = _built_up(arguments[j, 3], place - before[j], joints[3, j])
                 before[j] = place
-            begin, end = ends[j], ends[j + 1]
-            own = evaluate(operations[begin:end], operands[begin:end], arguments[j], stack)
+            own = _at(j, place, speed, courses[j, k], operations, operands, ends, arguments, stack)
             forces[j, i] = own
             total += joints[1, j] * own
         x -= inputs[1, 0] * (total - force)
@@ -99,11 +109,8 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
         for j in range(n_laws):
             if not dry[j]:
                 continue
-            speed = v[j, k] + joints[0, j] * rate
-            arguments[j, 0], arguments[j, 1] = q[j, k] + joints[0, j] * x, speed
-            arguments[j, 2] = courses[j, k]
-            begin, end = ends[j], ends[j + 1]
-            level = evaluate(operations[begin:end], operands[begin:end], arguments[j], stack)
+            place, speed = q[j, k] + joints[0, j] * x, v[j, k] + joints[0, j] * rate
+            level = _at(j, place, speed, courses[j, k], operations, operands, ends, arguments, stack)
             own = speed / (joints[0, j] * inputs[0, 1] * joints[1, j])
             own = level if own > level else -level if own < -level else own
             forces[j, i] = own
