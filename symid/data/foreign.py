@@ -30,7 +30,7 @@ _WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("time", r"t|time|timestamp|zeit|temps|sec|ms"),
     ("acceleration", r"acc\w*|beschl\w*|ddq\w*"),
     ("velocity", r"vel\w*|speed|geschw\w*|drehzahl|v"),
-    ("force", r"torque|trq|moment|drehmoment|force|kraft|fm?|tau"),
+    ("force", r"torque|trq|effort|moment|drehmoment|force|kraft|fm?|tau"),
     ("current", r"current|cur|iq|i|strom|amps?"),
     ("position", r"pos\w*|lage|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
 )

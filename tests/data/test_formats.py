@@ -13,6 +13,12 @@ import openpyxl
 import polars as pl
 import pytest
 import scipy.io
+from mcap.writer import Writer as McapWriter
+from mcap_ros2.writer import Writer as Ros2McapWriter
+from rosbags.rosbag1 import Writer as BagWriter
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as FolderWriter
+from rosbags.typesys import Stores, get_typestore
 
 from symid.data import Layout, guessed_layout, open_table, read_log
 from symid.data.formats import FOLDER_SUFFIXES, SUFFIXES
@@ -99,6 +105,67 @@ def mdf(path: Path) -> None:
         file.save(path, overwrite=True)
 
 
+EPOCH = 1_760_000_000_000_000_000
+STAMPS = [EPOCH + round(1e9 * t) for t in T.tolist()]
+
+
+def mcap_of_json(path: Path) -> None:
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        schema = writer.register_schema("axis", "jsonschema", b'{"type": "object"}')
+        channel = writer.register_channel("/axis", "json", schema)
+        for stamp, q, f in zip(STAMPS, Q.tolist(), F.tolist(), strict=True):
+            message = json.dumps({"q": q, "F": f, "state": "run", "on": True}).encode()
+            writer.add_message(channel, stamp, message, stamp)
+        writer.finish()
+
+
+AXIS_MESSAGE = (
+    "std_msgs/Header header\nfloat64 q\nfloat64 force\nuint8[4] flags\n"
+    f"{'=' * 80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    f"{'=' * 80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
+)
+
+
+def mcap_of_ros2(path: Path) -> None:
+    """Messages that are recorded late by a random time, with a stamp."""
+    late = np.random.default_rng(5).integers(10**5, 10**6, N)
+    with path.open("wb") as file:
+        writer = Ros2McapWriter(file)
+        schema = writer.register_msgdef("drive_msgs/msg/Axis", AXIS_MESSAGE)
+        for stamp, q, f, delay in zip(STAMPS, Q, F, late.tolist(), strict=True):
+            header = {"stamp": {"sec": stamp // 10**9, "nanosec": stamp % 10**9}, "frame_id": "x"}
+            message = {"header": header, "q": q, "force": f, "flags": [0, 1, 0, 1]}
+            writer.write_message("/axis", schema, message, log_time=stamp + delay)
+        writer.finish()
+
+
+def rosbag2(path: Path) -> None:
+    """Two topics that are recorded at the same times."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    number = store.types["std_msgs/msg/Float64"]
+    folder = path.with_suffix("")
+    with FolderWriter(folder, version=9, storage_plugin=StoragePlugin.SQLITE3) as bag:
+        topics = {
+            name: bag.add_connection(f"/{name}", number.__msgtype__, typestore=store) for name in ("q", "F")
+        }
+        for stamp, q, f in zip(STAMPS, Q.tolist(), F.tolist(), strict=True):
+            for name, value in (("q", q), ("F", f)):
+                raw = store.serialize_cdr(number(value), number.__msgtype__)
+                bag.write(topics[name], stamp, raw)
+    (folder / f"{folder.name}.db3").rename(path)
+
+
+def rosbag1(path: Path) -> None:
+    store = get_typestore(Stores.ROS1_NOETIC)
+    number = store.types["geometry_msgs/msg/Vector3"]
+    with BagWriter(path) as bag:
+        axis = bag.add_connection("/axis", number.__msgtype__, typestore=store)
+        for stamp, q, f in zip(STAMPS, Q.tolist(), F.tolist(), strict=True):
+            bag.write(axis, stamp, store.serialize_ros1(number(q, f, 0.0), number.__msgtype__))
+
+
 def excel(path: Path) -> None:
     book = openpyxl.Workbook()
     book.active.append(["only a title"])
@@ -159,6 +226,8 @@ FILES = {
     "d.mat": matlab_7_3,
     "a.tdms": tdms,
     "a.mf4": mdf,
+    "a.mcap": mcap_of_json,
+    "a.db3": rosbag2,
     "a.xlsx": excel,
     "a.npz": npz,
     "a.json": columns_by_name,
@@ -208,6 +277,51 @@ def _fails_in_one_line_or_reads(path: Path) -> None:
         assert message.startswith(f"{path}: ")
 
 
+def test_joints_are_named_by_their_message(tmp_path: Path) -> None:
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    joints, header, moment = (
+        store.types[f"{package}/msg/{name}"]
+        for package, name in (
+            ("sensor_msgs", "JointState"),
+            ("std_msgs", "Header"),
+            ("builtin_interfaces", "Time"),
+        )
+    )
+    with FolderWriter(tmp_path / "run", version=8, storage_plugin=StoragePlugin.MCAP) as bag:
+        topic = bag.add_connection("/joint_states", joints.__msgtype__, typestore=store)
+        for stamp, q, f in zip(STAMPS, Q, F, strict=True):
+            stamped = header(moment(stamp // 10**9, stamp % 10**9), "")
+            message = joints(stamped, ["a", "b"], np.array([q, 0.0]), np.array([]), np.array([f, 1.0]))
+            bag.write(topic, stamp + 700_000, store.serialize_cdr(message, joints.__msgtype__))
+    columns = {"q": "joint_states.a.position", "F": "joint_states.a.effort"}
+    log = read_log(tmp_path / "run" / "run.mcap", expected=EXPECTED, columns=columns)
+    assert log.sampling_period == PERIOD
+    np.testing.assert_array_equal(log["q"], Q)
+    np.testing.assert_array_equal(log["F"], F)
+
+
+def test_fields_of_messages_are_columns(tmp_path: Path) -> None:
+    rosbag1(tmp_path / "a.bag")
+    mcap_of_ros2(tmp_path / "a.mcap")
+    for name, columns in (("a.bag", {"q": "x", "F": "y"}), ("a.mcap", {"F": "force"})):
+        log = read_log(tmp_path / name, expected=EXPECTED, columns=columns)
+        assert log.sampling_period == PERIOD
+        np.testing.assert_array_equal(log["q"], Q)
+        np.testing.assert_array_equal(log["F"], F)
+
+
+def test_messages_in_another_encoding_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "p.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        channel = writer.register_channel("/a", "protobuf", writer.register_schema("a", "protobuf", b""))
+        writer.add_message(channel, 0, b"", 0)
+        writer.finish()
+    with pytest.raises(LogError, match=r"p\.mcap: its messages are in protobuf: record ROS 2 or JSON"):
+        open_table(path)
+
+
 def test_matrices_are_their_columns(tmp_path: Path) -> None:
     matrix = np.column_stack(list(COLUMNS.values()))
     scipy.io.savemat(tmp_path / "m.mat", {"data": matrix})
@@ -232,7 +346,8 @@ def test_a_library_that_is_missing_is_named_with_its_extra(
 ) -> None:
     hdf5(tmp_path / "a.h5")
     mdf(tmp_path / "a.mf4")
-    for library, name in (("h5py", "a.h5"), ("asammdf", "a.mf4")):
+    mcap_of_json(tmp_path / "a.mcap")
+    for library, name in (("h5py", "a.h5"), ("asammdf", "a.mf4"), ("mcap.reader", "a.mcap")):
         monkeypatch.setitem(sys.modules, library, None)
         with pytest.raises(LogError, match=rf"files are read by {library}, .* pip install 'symid\[files\]'"):
             read_log(tmp_path / name, expected=EXPECTED)

@@ -14,9 +14,11 @@ from symid.data.formats.gzipped import open_gzipped
 from symid.data.formats.hdf5 import open_hdf5
 from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.matlab import open_matlab
+from symid.data.formats.mcap import open_mcap
 from symid.data.formats.mdf import open_mdf
 from symid.data.formats.numpy_archive import open_npz
 from symid.data.formats.parquet import open_parquet
+from symid.data.formats.rosbag import open_rosbag
 from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.tdms import open_tdms
 from symid.data.table import Table
@@ -44,6 +46,9 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
         ".tdms": open_tdms,
         ".mf4": open_mdf,
         ".mdf": open_mdf,
+        ".mcap": open_mcap,
+        ".db3": open_rosbag,
+        ".bag": open_rosbag,
         ".xlsx": open_excel,
         ".xls": open_excel,
         ".ods": open_excel,

@@ -1,0 +1,109 @@
+"""Recorded messages as channels: each number in them is a sample of a signal, named by topic and fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from symid.data.formats.columns import Channel, short_names, table_of_channels
+from symid.data.table import Table
+
+_DEEPEST, _LONGEST_ARRAY = 8, 64
+_STAMPS: Final = ("stamp", "timestamp")
+_SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsec", "nsecs")
+
+
+def table_of_messages(messages: Iterable[tuple[str, int, object]]) -> Table:
+    """Messages as a table: each topic has its clock, which begins with the first message of all.
+
+    A message is timed by its header where it has a stamp, otherwise by its recording. Elements of arrays are named by
+    the names that stand beside them, as in ``JointState``, or by their numbers.
+
+    Parameters
+    ----------
+    messages : iterable of (str, int, object)
+        Topic, time of recording in ns, and the message: a mapping, or an object with slots or fields.
+
+    Examples
+    --------
+    >>> joints = {"name": ["x", "y"], "position": [0.1, 0.2]}
+    >>> table_of_messages([("/joints", 5, joints), ("/joints", 7, joints)]).headers
+    ('joints.x.position', 'joints.y.position', 't')
+    """
+    times: dict[str, list[int]] = {}
+    samples: dict[tuple[str, ...], tuple[list[int], list[float]]] = {}
+    for topic, recorded, message in messages:
+        time = times.setdefault(topic.lstrip("/"), [])
+        for path, value in _numbers(message, ()):
+            rows, values = samples.setdefault((topic.lstrip("/"), *path), ([], []))
+            rows.append(len(time))
+            values.append(value)
+        time.append(_stamp_of(message) or recorded)
+    first = min((min(time) for time in times.values()), default=0)
+    seconds = {
+        topic: np.asarray((np.array(time, np.int64) - first) / 1e9, np.float64)
+        for topic, time in times.items()
+    }
+    channels = []
+    for name, (path, (rows, values)) in zip(_named(list(samples)), samples.items(), strict=True):
+        clock = seconds[path[0]]
+        channels.append(
+            Channel(name, "", clock if len(rows) == clock.size else clock[rows], np.array(values))
+        )
+    return table_of_channels(channels)
+
+
+def _named(paths: Sequence[tuple[str, ...]]) -> list[str]:
+    """Names of signals: the last field where it is there once; of ``/force`` with ``data``, the topic."""
+    topics = {path[0] for path in paths if path[1:] == ("data",)}
+    return short_names([path[:1] if path[0] in topics else path for path in paths])
+
+
+def _fields_of(message: object) -> Mapping[str, Any] | None:
+    """Fields of a message by name; None for anything else."""
+    if isinstance(message, Mapping):
+        return message
+    names = getattr(message, "__dataclass_fields__", None) or getattr(message, "__slots__", None)
+    return {name: getattr(message, name) for name in names if not name.startswith("_")} if names else None
+
+
+def _stamp_of(message: object) -> int | None:
+    """Time in the header of a message, ns; None where there is none or it is 0."""
+    fields = _fields_of(message) or {}
+    header = _fields_of(fields.get("header")) or fields
+    stamp = next((found for name in _STAMPS if (found := _fields_of(header.get(name)))), None)
+    if stamp is None:
+        return None
+    whole, part = (next((stamp[n] for n in names if n in stamp), None) for names in (_SECONDS, _NANOSECONDS))
+    if not isinstance(whole, int) or not isinstance(part, int):
+        return None
+    return 1_000_000_000 * whole + part or None
+
+
+def _numbers(value: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float]]:
+    """Numbers in a message with the names that lead to them; those of headers and long arrays are left out."""
+    if isinstance(value, (bool, int, float, np.number, np.bool_)):
+        yield path, float(value)
+        return
+    if len(path) > _DEEPEST or isinstance(value, (str, bytes)):
+        return
+    fields = _fields_of(value)
+    if fields is not None:
+        names = fields.get("name")
+        for field, inner in fields.items():
+            if field == "header" or field in _STAMPS:
+                continue
+            if isinstance(names, (list, tuple)) and field != "name" and _is_array(inner, len(names)):
+                for name, one in zip(names, inner, strict=True):
+                    yield from _numbers(one, (*path, str(name), field))
+            else:
+                yield from _numbers(inner, (*path, field))
+    elif isinstance(value, (list, tuple, np.ndarray)) and len(value) <= _LONGEST_ARRAY:
+        for i, inner in enumerate(value):
+            yield from _numbers(inner, (*path[:-1], f"{path[-1]}[{i}]") if path else (f"[{i}]",))
+
+
+def _is_array(value: object, size: int) -> bool:
+    return isinstance(value, (list, tuple, np.ndarray)) and len(value) == size
