@@ -49,8 +49,8 @@ class Axis(Shown):
     elements : tuple
         Bodies, springs, dampers, weights, laws and imperfections. Physical parameters are listed in the order in which
         they appear.
-    drive : Drive
-        The force or torque that moves the axis.
+    drive : Drive or tuple of Drive
+        The force or torque that moves the axis, or several: two motors of a gantry, tandem drives.
     sensors : tuple of Sensor
         What can be measured. All are optional but the first.
     known : mapping of str to float
@@ -80,12 +80,15 @@ class Axis(Shown):
 
     name: str
     elements: tuple[Element, ...]
-    drive: Drive
+    drive: Drive | tuple[Drive, ...]
     sensors: tuple[Sensor, ...]
     known: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        faults = declaration_faults(self.name, self.elements, self.drive, self.sensors)
+        if isinstance(self.drive, tuple) and len(self.drive) == 1:
+            object.__setattr__(self, "drive", self.drive[0])
+        drives = self.drive if isinstance(self.drive, tuple) else (self.drive,)
+        faults = declaration_faults(self.name, self.elements, drives, self.sensors)
         faults = faults or (*self._unit_faults(), *known_faults(self.elements, self.known))
         if faults:
             raise DeclarationError(str(self.name), faults)
@@ -97,7 +100,23 @@ class Axis(Shown):
         bodies = ", ".join(body.name for body in self.bodies)
         sensors = ", ".join(sensor.signal for sensor in self.sensors)
         parameters = ", ".join(self.physical_parameters)
-        return f"{self.name}: {bodies} moved by {self.drive.signal}, measured by {sensors}, parameters {parameters}"
+        drives = ", ".join(drive.signal for drive in self.drives)
+        return f"{self.name}: {bodies} moved by {drives}, measured by {sensors}, parameters {parameters}"
+
+    @property
+    def drives(self) -> tuple[Drive, ...]:
+        """Drives in the order of their declaration."""
+        return self.drive if isinstance(self.drive, tuple) else (self.drive,)
+
+    @property
+    def only_drive(self) -> Drive:
+        """The drive of an axis that has one; SettingError if there are several."""
+        if isinstance(self.drive, tuple):
+            signals = ", ".join(drive.signal for drive in self.drive)
+            raise SettingError(
+                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): this is possible for an axis with one"
+            )
+        return self.drive
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -139,11 +158,9 @@ class Axis(Shown):
     @cached_property
     def parameter_units(self) -> dict[str, Unit]:
         """Physical parameters, unknown and known, with their units, in the order of the declaration."""
-        units = {name: unit for element in self.elements for name, unit in self._parameters_of(element)}
-        drive = self.drive
-        if drive.constant is None:
-            return units
-        return units | {drive.constant: self.force_unit(drive.at) / Unit.of(drive.unit or "")}
+        return {
+            name: unit for part in (*self.elements, *self.drives) for name, unit in self._parameters_of(part)
+        }
 
     @cached_property
     def signed_parameters(self) -> tuple[str, ...]:
@@ -157,15 +174,17 @@ class Axis(Shown):
 
     @cached_property
     def signal_units(self) -> dict[str, Unit]:
-        """Unit of the drive's and of every sensor's signal."""
+        """Unit of every drive's and every sensor's signal, drives first."""
         second = Unit.of("s")
         units = {
             sensor.signal: length_unit(sensor.body) / second ** derivative_order(sensor)
             for sensor in self.sensors
         }
-        drive = self.drive
-        sent = self.force_unit(drive.at) if drive.constant is None else Unit.of(drive.unit or "")
-        return {drive.signal: sent, **units}
+        sent = {
+            drive.signal: self.force_unit(drive.at) if drive.constant is None else Unit.of(drive.unit or "")
+            for drive in self.drives
+        }
+        return {**sent, **units}
 
     @property
     def controlled(self) -> str:
@@ -239,7 +258,7 @@ class Axis(Shown):
             raise SettingError("; ".join(error.faults)) from error
 
     def with_signal(self, signal: str, noise: float, resolution: float = 0.0, delay: float = 0.0) -> Axis:
-        """The axis with other imperfections of a sensor, or of the drive's recorded force (which has no delay).
+        """The axis with other imperfections of a sensor, or of a drive's recorded force (which has no delay).
 
         Raises
         ------
@@ -252,8 +271,12 @@ class Axis(Shown):
         >>> load_axis("rigid_1m").with_signal("q", noise=1e-7).sensors[0].noise
         1e-07
         """
-        if signal == self.drive.signal:
-            return replace(self, drive=replace(self.drive, noise=noise, resolution=resolution))
+        if any(drive.signal == signal for drive in self.drives):
+            recorded = (
+                replace(drive, noise=noise, resolution=resolution) if drive.signal == signal else drive
+                for drive in self.drives
+            )
+            return replace(self, drive=tuple(recorded))
         (changed,) = self.measured((signal,))
         better = replace(changed, noise=noise, resolution=resolution, delay=delay)
         return replace(
@@ -269,30 +292,43 @@ class Axis(Shown):
         return hashlib.sha256(repr(_canonical(self)).encode()).hexdigest()[:16]
 
     def force_unit(self, joint: Joint) -> Unit:
-        """Unit of a force (or torque) in a joint, which follows the unit of the drive."""
-        declared = None if self.drive.constant else self.drive.unit
-        turns = _is_angle(joint)
-        if declared is None:
+        """Unit of a force (or torque) in a joint, which follows the unit of the drives."""
+        known = (drive for drive in self.drives if drive.constant is None and drive.unit)
+        drive, turns = next(known, None), _is_angle(joint)
+        if drive is None:
             return Unit.of("N*m") if turns else Unit.of("N")
-        unit = Unit.of(declared)
-        if _is_angle(self.drive.at) == turns:
+        unit = Unit.of(drive.unit or "")
+        if _is_angle(drive.at) == turns:
             return unit
         return unit * Unit.of("m") if turns else unit / Unit.of("m")
 
     def _unit_faults(self) -> Iterator[str]:
         """Parameters that stand for two quantities."""
         units: dict[str, Unit] = {}
-        for element in self.elements:
-            for name, unit in self._parameters_of(element):
+        for part in (*self.elements, *self.drives):
+            for name, unit in self._parameters_of(part):
                 if units.setdefault(name, unit) != unit:
                     yield (
                         f"parameter {name!r} is in {units[name]} and in {unit}: elements share a parameter only "
                         "if it is the same quantity, give each its own name"
                     )
+        if (
+            len(
+                {
+                    str(self.force_unit(d.at) / Unit.of(d.unit))
+                    for d in self.drives
+                    if d.unit and not d.constant
+                }
+            )
+            > 1
+        ):
+            yield "the drives have units of different quantities: give all of them in current, or all as forces"
 
-    def _parameters_of(self, element: Element) -> Iterator[tuple[str, Unit]]:
+    def _parameters_of(self, element: Element | Drive) -> Iterator[tuple[str, Unit]]:
         second = Unit.of("s")
         match element:
+            case Drive(constant=str(name)):
+                yield name, self.force_unit(element.at) / Unit.of(element.unit or "")
             case Body():
                 inertia = self.force_unit(element) * second**2 / length_unit(element)
                 yield element.inertial, inertia

@@ -233,7 +233,7 @@ def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:
 
     for body in axis.bodies:
         give(body, body.name)
-    holders = (*axis.elements, axis.drive)
+    holders = (*axis.elements, *axis.drives)
     counted = Counter(at for holder in holders if isinstance(at := getattr(holder, "at", None), Between))
     for at, count in counted.items():
         if count > 1:

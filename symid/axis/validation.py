@@ -37,31 +37,32 @@ _MINIMAL = re.compile(r"X\d+")
 
 
 def declaration_faults(
-    name: object, elements: Sequence[object], drive: object, sensors: Sequence[object]
+    name: object, elements: Sequence[object], drives: Sequence[object], sensors: Sequence[object]
 ) -> tuple[str, ...]:
     """Every fault of an axis declaration; empty if it is sound.
 
     Faults of types are reported alone, because nothing else can be checked while they last.
     """
-    faults = tuple(_type_faults(name, elements, drive, sensors))
+    faults = tuple(_type_faults(name, elements, drives, sensors))
     if faults:
         return faults
-    assert isinstance(drive, Drive)
+    checked_drives = [drive for drive in drives if isinstance(drive, Drive)]
     bodies = [element for element in elements if isinstance(element, Body)]
     checked_sensors = [sensor for sensor in sensors if isinstance(sensor, Sensor)]
     return (
-        *_name_faults(elements, drive, checked_sensors),
+        *_name_faults(elements, checked_drives, checked_sensors),
         *_body_faults(bodies),
-        *_reference_faults(bodies, elements, drive, checked_sensors),
-        *_number_faults(elements, drive, checked_sensors),
-        *_joint_faults(elements, drive),
-        *_connection_faults(bodies, elements, drive),
+        *_reference_faults(bodies, (*elements, *checked_drives, *checked_sensors)),
+        *_number_faults(elements, checked_drives, checked_sensors),
+        *_drive_faults(checked_drives),
+        *_joint_faults((*elements, *checked_drives)),
+        *_connection_faults(bodies, elements, checked_drives),
         *_signal_faults(elements, checked_sensors),
     )
 
 
 def _type_faults(
-    name: object, elements: Sequence[object], drive: object, sensors: Sequence[object]
+    name: object, elements: Sequence[object], drives: Sequence[object], sensors: Sequence[object]
 ) -> Iterator[str]:
     if not isinstance(name, str) or not is_signal_name(name):
         yield f"name {name!r} is not an identifier: use letters, digits and underscores"
@@ -75,10 +76,13 @@ def _type_faults(
             yield f"{element!r} is no element: use {known}"
         else:
             yield from _field_faults(element)
-    if not isinstance(drive, Drive):
-        yield f"drive {drive!r} is no Drive: declare drive=Drive(signal, body)"
-    else:
-        yield from _field_faults(drive)
+    if not drives:
+        yield "there is no drive: declare drive=Drive(signal, body)"
+    for drive in drives:
+        if not isinstance(drive, Drive):
+            yield f"drive {drive!r} is no Drive: declare drive=Drive(signal, body), or a tuple of these"
+        else:
+            yield from _field_faults(drive)
     if not sensors:
         yield "there is no sensor: declare at least a Position of the driven body"
     for sensor in sensors:
@@ -118,14 +122,17 @@ def _field_faults(element: object) -> Iterator[str]:
         yield f"{label}: geared={geared!r} must be Geared(to=BODY, ratio=NUMBER)"
 
 
-def _name_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sensor]) -> Iterator[str]:
-    signals = [drive.signal, *(sensor.signal for sensor in sensors)]
+def _name_faults(
+    elements: Sequence[object], drives: Sequence[Drive], sensors: Sequence[Sensor]
+) -> Iterator[str]:
+    signals = [*(drive.signal for drive in drives), *(sensor.signal for sensor in sensors)]
+    commands = [drive.command for drive in drives if drive.command]
     parameters = [name for element in elements for name in parameter_names(element)]
     names = [element.name for element in elements if isinstance(element, (Body, Spring, Damper))]
-    for name in dict.fromkeys([*signals, *parameters, *names, *([drive.command] if drive.command else [])]):
+    for name in dict.fromkeys([*signals, *parameters, *names, *commands]):
         if not is_signal_name(name):
             yield f"name {name!r} is not usable: letters, digits and underscores, and no ending like _d1"
-    for what, given in (("signal", signals), ("element name", names)):
+    for what, given in (("signal", signals), ("command", commands), ("element name", names)):
         for name in _repeated(given):
             yield f"{what} {name!r} is used more than once: give each its own"
     for name in sorted({*signals} & {*parameters}):
@@ -179,11 +186,9 @@ def _body_faults(bodies: Sequence[Body]) -> Iterator[str]:
             yield f"body {body.name!r} is geared to itself: gear it to another body"
 
 
-def _reference_faults(
-    bodies: Sequence[Body], elements: Sequence[object], drive: Drive, sensors: Sequence[Sensor]
-) -> Iterator[str]:
+def _reference_faults(bodies: Sequence[Body], holders: Sequence[object]) -> Iterator[str]:
     names = [body.name for body in bodies]
-    for holder in (*elements, drive, *sensors):
+    for holder in holders:
         for body in _bodies_of(holder):
             if body not in bodies:
                 near = get_close_matches(body.name, names, 1)
@@ -202,9 +207,11 @@ def _bodies_of(holder: object) -> Iterator[Body]:
     return (candidate for candidate in candidates if isinstance(candidate, Body))
 
 
-def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[Sensor]) -> Iterator[str]:
+def _number_faults(
+    elements: Sequence[object], drives: Sequence[Drive], sensors: Sequence[Sensor]
+) -> Iterator[str]:
     numbers: list[tuple[str, object]] = []
-    for holder in (*elements, drive):
+    for holder in (*elements, *drives):
         at, geared = getattr(holder, "at", None), getattr(holder, "geared", None)
         if isinstance(at, Between):
             numbers.append((f"{_label(holder)}: ratio", at.ratio))
@@ -214,7 +221,7 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
             numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
         if isinstance(holder, (Law, Imperfection)):
             yield from (f"{_label(holder)}: {fault}" for fault in holder.faults())
-    for holder in (drive, *sensors):
+    for holder in (*drives, *sensors):
         for field in ("noise", "resolution", "delay"):
             value = getattr(holder, field, 0.0)
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
@@ -227,8 +234,7 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
                 f"{'an angle' if of.turns else 'a displacement'}: measure {of.name!r} alone, "
                 f"or relative to a body that {'turns' if of.turns else 'slides'}"
             )
-    if drive.gain is not None and drive.constant is None:
-        numbers.append(("drive: gain", drive.gain))
+    numbers += [(f"{_label(d)}: gain", d.gain) for d in drives if d.gain is not None and d.constant is None]
     for what, value in numbers:
         if (
             isinstance(value, bool)
@@ -237,25 +243,34 @@ def _number_faults(elements: Sequence[object], drive: Drive, sensors: Sequence[S
             or value == 0
         ):
             yield f"{what} is {value!r}: it must be a finite number other than 0"
-    if drive.constant is not None:
-        yield from _constant_faults(drive)
-    elif (drive.command is None) != (drive.gain is None):
-        yield "drive: command and gain belong together: give both or neither"
-    if drive.unit is not None and not Unit.is_named(drive.unit):
-        yield f"drive: unit {drive.unit!r} is not known: use N, N*m, A or V"
+
+
+def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
+    for drive in drives:
+        label = _label(drive)
+        if drive.constant is not None:
+            yield from _constant_faults(drive)
+        elif (drive.command is None) != (drive.gain is None):
+            yield f"{label}: command and gain belong together: give both or neither"
+        if drive.unit is not None and not Unit.is_named(drive.unit):
+            yield f"{label}: unit {drive.unit!r} is not known: use N, N*m, A or V"
+    if len({bool(drive.held) for drive in drives}) > 1:
+        signals = ", ".join(repr(drive.signal) for drive in drives)
+        yield f"drives {signals} are not all held: one controller sends all of them, give each the same held="
 
 
 def _constant_faults(drive: Drive) -> Iterator[str]:
+    label = f"{_label(drive)}: gain {drive.constant!r}"
     if not str(drive.constant).isidentifier():
-        yield f"drive: gain {drive.constant!r} is no name of a parameter: use letters, digits and _"
+        yield f"{label} is no name of a parameter: use letters, digits and _"
     if drive.command is not None:
-        yield f"drive: gain {drive.constant!r} is unknown, so that the command is the signal: leave command= out"
+        yield f"{label} is unknown, so that the command is the signal: leave command= out"
     if drive.unit is None:
-        yield f"drive: gain {drive.constant!r} is a force per unit of the signal: give that, such as unit='A'"
+        yield f"{label} is a force per unit of the signal: give that, such as unit='A'"
 
 
-def _joint_faults(elements: Sequence[object], drive: Drive) -> Iterator[str]:
-    for holder in (*elements, drive):
+def _joint_faults(holders: Sequence[object]) -> Iterator[str]:
+    for holder in holders:
         at = getattr(holder, "at", None)
         if isinstance(at, Between):
             if at.first == at.second:
@@ -281,12 +296,14 @@ def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Ite
             yield f"EncoderRipple of {element.signal!r}: that is no position sensor: choose from {known}"
 
 
-def _connection_faults(bodies: Sequence[Body], elements: Sequence[object], drive: Drive) -> Iterator[str]:
-    """Bodies that the drive cannot move: no spring, damper, law, gear or common carrier leads to them."""
-    links = [_ends(getattr(holder, "at", None)) for holder in (*elements, drive)]
+def _connection_faults(
+    bodies: Sequence[Body], elements: Sequence[object], drives: Sequence[Drive]
+) -> Iterator[str]:
+    """Bodies that no drive can move: no spring, damper, law, gear or common carrier leads to them."""
+    links = [_ends(getattr(holder, "at", None)) for holder in (*elements, *drives)]
     links += [(body.name, body.geared.to.name) for body in bodies if body.geared]
     # The inertia force of a body acts on what it is on only through its coordinate, which a law or a spring must hold.
-    reached = set(_ends(drive.at)) - {"ground"}
+    reached = {name for drive in drives for name in _ends(drive.at)} - {"ground"}
     while True:
         grown = reached | {name for link in links if reached & set(link) for name in link} - {"ground"}
         if grown == reached:
@@ -294,7 +311,8 @@ def _connection_faults(bodies: Sequence[Body], elements: Sequence[object], drive
         reached = grown
     for body in bodies:
         if body.name not in reached:
-            yield f"the drive cannot move body {body.name!r}: join it by a spring, a damper or a gear to the others"
+            cannot = "the drive cannot" if len(drives) == 1 else "no drive can"
+            yield f"{cannot} move body {body.name!r}: join it by a spring, a damper or a gear to the others"
 
 
 def _ends(at: object) -> tuple[str, ...]:
@@ -316,7 +334,7 @@ def _label(element: object) -> str:
     if isinstance(element, Sensor):
         return f"sensor {element.signal!r}"
     if isinstance(element, Drive):
-        return "drive"
+        return f"drive {element.signal!r}"
     at = getattr(element, "at", None) or getattr(element, "body", None)
     ends = (
         " and ".join(repr(name) for name in _ends(at))

@@ -118,7 +118,7 @@ def _limits(text: str, axis: Axis) -> tuple[Limits, float]:
         raise SettingError(f"--limits lacks {', '.join(missing)}: give for example {missing[0]}=1")
     position = axis.signal_units[axis.controlled]
     units = {name: position / Unit.of("s") ** order for order, name in enumerate(_LIMITS)}
-    units["force"] = axis.signal_units[axis.drive.signal]
+    units["force"] = axis.signal_units[axis.only_drive.signal]
     values = {name: quantity(value, units[name], f"--limits {name}") for name, value in given.items()}
     for name, value in values.items():
         if not value > 0.0:

@@ -96,7 +96,7 @@ def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
     SettingError
         If it names another signal.
     """
-    force = axis.drive.signal
+    force = axis.only_drive.signal
     if unknown := [name for name in signals if name != force]:
         raise SettingError(f"--held {unknown[0]} is not the force of axis {axis.name!r}: give {force}")
     return True if signals else None

@@ -204,7 +204,7 @@ def run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controlle
     """Controller and trajectory; open loop they both come from the log of the force."""
     if options["open_loop"]:
         log = read_axis_log(axis, options["open_loop"])
-        return OpenLoop(log[axis.drive.signal]), from_log(log, next(iter(plant.sensors)))
+        return OpenLoop(log[axis.only_drive.signal]), from_log(log, next(iter(plant.sensors)))
     return cascade_of(axis, plant, options), trajectory_of(axis, options)
 
 

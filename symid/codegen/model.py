@@ -50,6 +50,8 @@ class GeneratedModel:
     coulomb_at_drive : tuple of tuple of int
         Coulomb friction that acts as the drive does, in equations that lack its derivatives: row of its velocity among
         `sliding_velocities`, and its minimal parameter.
+    coulomb_drives : tuple of str
+        Signal of the drive as which each of these acts.
     redundant : tuple
         Sensors that repeat others: signal, and (signal, derivatives, factor) of what it should be the sum.
     known_laws : tuple of int
@@ -78,6 +80,7 @@ class GeneratedModel:
     sliding: tuple[tuple[int, ...], ...]
     law_columns: tuple[tuple[int, int], ...]
     coulomb_at_drive: tuple[tuple[int, int], ...]
+    coulomb_drives: tuple[str, ...]
     redundant: tuple[tuple[str, tuple[tuple[str, int, float], ...]], ...]
     known_laws: tuple[int, ...]
     branches: int
@@ -90,6 +93,9 @@ class GeneratedModel:
     @classmethod
     def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:
         """Record of a module's namespace."""
+        coulomb = namespace.get("COULOMB_AT_DRIVE", ())
+        names = (split_derivative(name)[0] for name in namespace["SIGNALS"])
+        force = next((name for name in names if name not in namespace["MEASURED"]), "")
         return cls(
             axis=namespace["AXIS"],
             measured=namespace["MEASURED"],
@@ -106,7 +112,8 @@ class GeneratedModel:
             assumptions=namespace["ASSUMPTIONS"],
             sliding=namespace["SLIDING"],
             law_columns=namespace["LAW_COLUMNS"],
-            coulomb_at_drive=namespace.get("COULOMB_AT_DRIVE", ()),
+            coulomb_at_drive=coulomb,
+            coulomb_drives=namespace.get("COULOMB_DRIVES", (force,) * len(coulomb)),
             redundant=namespace.get("REDUNDANT", ()),
             known_laws=namespace.get("KNOWN_LAWS", ()),
             branches=namespace["BRANCHES"],
@@ -127,9 +134,14 @@ class GeneratedModel:
         return highest
 
     @property
+    def forces(self) -> tuple[str, ...]:
+        """Signals of the drives, in the order of their declaration."""
+        return tuple(name for name in self.highest_derivatives if name not in self.measured)
+
+    @property
     def force(self) -> str:
-        """Name of the drive's signal."""
-        return next(name for name in self.highest_derivatives if name not in self.measured)
+        """Signal of the drive; of the first one if there are several."""
+        return self.forces[0]
 
     @property
     def most_differentiated(self) -> str:

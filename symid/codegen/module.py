@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from itertools import product
 
 import sympy as sp
 
@@ -126,14 +127,14 @@ def module_text(model: DerivedModel) -> str:
         physical_units=_dictionary(physical),
         signed=_tuple(model.axis.signed_parameters),
         per_log=_tuple(_log_parameters(model)),
-        held=model.axis.drive.held,
+        held=model.axis.drives[0].held,
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
         law_columns=repr(_law_columns(model)),
-        coulomb=repr(_coulomb_at_drive(model, velocities)),
+        coulomb=repr(tuple(place for place, _ in _coulomb_at_drive(model, velocities))),
         redundant=repr(_redundant(model)),
         branches=solution.branches if solution else 0,
-        constants=_constants(model),
+        constants=_constants(model, velocities),
         arguments=", ".join(signals),
         allocate="zeros" if any(entry == 0 for entry in entries) else "empty",
         n_equations=len(minimal.output),
@@ -163,11 +164,12 @@ def _unused(name: str, taken: Sequence[str]) -> str:
 
 
 def model_signals(model: DerivedModel) -> tuple[str, ...]:
-    """Signals used, the force first, then the sensors in the order of the declaration, by order of derivative."""
+    """Signals used, forces first, then the sensors in the order of the declaration, by order of derivative."""
     minimal = model.minimal
     written = signal_names([*minimal.output, *(entry for row in minimal.regressor for entry in row)])
     names = [name for name in written if name not in minimal.source.source.numbers]
-    ranks = {signal: i for i, signal in enumerate((model.axis.drive.signal, *model.measured))}
+    forces = (drive.signal for drive in model.axis.drives)
+    ranks = {signal: i for i, signal in enumerate((*forces, *model.measured))}
     return tuple(
         sorted(names, key=lambda name: (ranks[split_derivative(name)[0]], split_derivative(name)[1]))
     )
@@ -227,26 +229,33 @@ def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, fl
     return tuple(found)
 
 
-def _coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> tuple[tuple[int, int], ...]:
-    """Coulomb friction that acts on the bodies as the drive does, where an equation lacks its derivatives.
+def _coulomb_at_drive(
+    model: DerivedModel, velocities: tuple[sp.Expr, ...]
+) -> list[tuple[tuple[int, int], str]]:
+    """Coulomb friction that acts on the bodies as a drive does, where an equation lacks its derivatives.
 
     The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated. Each is
-    given by the row of its velocity and the index of its minimal parameter.
+    given by the row of its velocity and the index of its minimal parameter, and by the signal of the drive.
     """
     if not any(equation.dropped for equation in model.minimal.source.equations):
-        return ()
-    operators, found = model.minimal.source.operators, []
+        return []
+    operators = model.minimal.source.operators
+    found: list[tuple[tuple[int, int], str]] = []
     for entry in operators.source.inputs:
         if entry.expression != sp.sign(sp.Symbol("v")):
             continue
-        for generator in operators.ring.gens[1:]:
+        for generator, drive in product(operators.ring.gens[1:], model.axis.drives):
+            zero, signal = operators.ring.zero, drive.signal
             beside = [
-                row.get(str(entry.symbol), operators.ring.zero) + generator * operators.force[body]
+                row.get(str(entry.symbol), zero) + generator * operators.force[body].get(signal, zero)
                 for body, row in operators.inputs.items()
             ]
             if not any(beside):
-                found += _place_of_coulomb(model, velocities, str(generator))
-    return tuple(found)
+                found += [(place, signal) for place in _place_of_coulomb(model, velocities, str(generator))][
+                    :1
+                ]
+                break
+    return found
 
 
 def _place_of_coulomb(
@@ -314,13 +323,18 @@ def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
     return textwrap.indent("\n".join(lines), "    ") if lines else "    # nothing to fill"
 
 
-def _constants(model: DerivedModel) -> str:
+def _constants(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> str:
     source = model.minimal.source.source
     lines = [f"{name} = {value!r}\n" for name, value in source.numbers.items()]
     known = model.axis.known_parameters
     if known:
         units = {name: (value, str(model.axis.parameter_units[name])) for name, value in known.items()}
         lines.append(f"KNOWN = {units!r}  # physical parameters that are known, and their units\n")
+    if len(model.axis.drives) > 1:
+        drives = tuple(signal for _, signal in _coulomb_at_drive(model, velocities))
+        lines.append(
+            f"COULOMB_DRIVES = {drives!r}  # signal of the drive that each of COULOMB_AT_DRIVE acts as\n"
+        )
     if laws := _known_laws(model):
         lines.append(
             f"KNOWN_LAWS = {laws!r}  # equations whose output holds values of laws with known parameters\n"

@@ -147,7 +147,7 @@ def as_noisy(log: Log, like: Record) -> Log:
 
 def _signals(record: Record) -> tuple[str, ...]:
     """Signals in the order of the noise: driven position, force, other sensors."""
-    return record.signals[0], record.dynamics.axis.drive.signal, *record.signals[1:]
+    return record.signals[0], record.dynamics.axis.only_drive.signal, *record.signals[1:]
 
 
 def _simulator(record: Record, library: Sequence[Effect]) -> Fit:

@@ -144,8 +144,8 @@ class Comparison:
         axis = self.record.dynamics.axis
         re, explained = self.squares(1), self.squares(len(self.errors) - 1)
         return Gap(
-            signal=axis.drive.signal,
-            unit=str(axis.signal_units[axis.drive.signal]),
+            signal=axis.only_drive.signal,
+            unit=str(axis.signal_units[axis.only_drive.signal]),
             band_hz=self.half_power_hz,
             nominal=None if self.errors[0] is None else self.level(0),
             reidentified=self.level(1),

@@ -76,7 +76,7 @@ def concluded(
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, turns[0], chances)
     axis = comparison.record.dynamics.axis
-    faults = (*damaged.texts, *shifted_channels(logs[0], axis.drive.signal, accepted))
+    faults = (*damaged.texts, *shifted_channels(logs[0], axis.only_drive.signal, accepted))
     return Diagnosis(
         axis=axis,
         measured=comparison.record.signals,
@@ -125,7 +125,7 @@ def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
 def driven(record: Record) -> str:
     """Body that the drive moves."""
     return next(
-        body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.drive.at
+        body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.only_drive.at
     )
 
 

@@ -178,7 +178,7 @@ def _left_out(scene: Scene, item: Placed) -> str:
     found = {name: (value, unit) for name, value, unit in item.values(scene)}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
-        late = f"{scene.axis.drive.signal}={-1e6 * found['T'][0]:.4g}us"
+        late = f"{scene.axis.only_drive.signal}={-1e6 * found['T'][0]:.4g}us"
         return (
             f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
         )

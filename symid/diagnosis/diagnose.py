@@ -60,12 +60,12 @@ class Recorded:
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s, a hold of the force included."""
-        held = axis.drive.held if self.held is None else self.held
-        return with_hold(self.late, axis.drive.signal, held=held, sampling_period=sampling_period)
+        held = axis.only_drive.held if self.held is None else self.held
+        return with_hold(self.late, axis.only_drive.signal, held=held, sampling_period=sampling_period)
 
     def may_be_held(self, axis: Axis) -> bool:
         """Whether a hold of the force is neither known nor excluded."""
-        return self.held is None and not axis.drive.held and axis.drive.signal not in self.late
+        return self.held is None and not axis.only_drive.held and axis.only_drive.signal not in self.late
 
 
 def diagnose(
@@ -207,7 +207,7 @@ def _with_hold(
 ) -> Diagnosis:
     """The same where the force is held from sample to sample: that is no effect of the machine."""
     found = _diagnosed(axis, runs, nominal, replace(recorded, held=True), library)
-    return replace(found, faults=(HELD.format(axis.drive.signal), *found.faults))
+    return replace(found, faults=(HELD.format(axis.only_drive.signal), *found.faults))
 
 
 def fits_of(base: Fit, turns: Sequence[Turn]) -> list[Fit]:

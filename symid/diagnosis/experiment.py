@@ -123,7 +123,7 @@ def next_experiment_of(
     seen = limits_seen(record)
     ends = (seen.travel[0] if lowest is None else lowest, seen.travel[1] if highest is None else highest)
     limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
-    drive = record.log[record.dynamics.axis.drive.signal]
+    drive = record.log[record.dynamics.axis.only_drive.signal]
     room = _room(record, limits, seconds or record.duration, jerk)
     largest = force or float(np.abs(drive).max())
     best = rehearsed(rivals, trials(rivals, room, largest))

@@ -64,7 +64,7 @@ def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
         Of its errors.
     """
     record = state.scene.record
-    force = record.dynamics.axis.drive.signal
+    force = record.dynamics.axis.only_drive.signal
     names = (force, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
     faults = [_destroyed(log[name], name, is_force=name == force) for log in logs for name in names]
@@ -82,7 +82,7 @@ def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
 def _wrong_sign(state: State, weighting: Weighting) -> str:
     """Whether the measured force is opposite to what the motion asks for, or never changes its sign."""
     record = state.scene.record
-    force = record.dynamics.axis.drive.signal
+    force = record.dynamics.axis.only_drive.signal
     both = weighting.rows(np.stack([record.measured[0], state.scene.predicted[0]])[:, None])
     measured, predicted = both[:, 0, weighting.kept]
     if float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE:

@@ -25,7 +25,7 @@ _MOST_OF_IT = 0.8
 def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
     """The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``."""
     axis, motion = comparison.record.dynamics.axis, _Motion(comparison)
-    drive = axis.drive
+    drive = axis.only_drive
     before, after = comparison.squares(1), comparison.squares(len(comparison.errors) - 1)
     return {
         "band": _by_band(comparison),

@@ -125,7 +125,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
     like, explained = rivals.record, axis_of(model)
     if explained.left_out:
         raise SettingError("; ".join(explained.left_out))
-    signal, drive = like.signals[0], like.dynamics.axis.drive.signal
+    signal, drive = like.signals[0], like.dynamics.axis.only_drive.signal
     axis = without_noise(explained.axis) if seed is None else _with_noise(explained.axis, like)
     plant = plant_of(axis, explained.values)
     path = _fast(trajectory)
@@ -153,7 +153,7 @@ def _controller(rivals: Rivals, tuned: Cascade) -> Cascade:
 
 def _with_noise(axis: Axis, like: Record) -> Axis:
     """The axis whose signals have the noise of a log."""
-    names = (like.signals[0], axis.drive.signal, *like.signals[1:])
+    names = (like.signals[0], axis.only_drive.signal, *like.signals[1:])
     delays = {sensor.signal: sensor.delay for sensor in axis.sensors}
     for name, level in zip(names, like.noise, strict=True):
         axis = axis.with_signal(name, float(level), delay=delays.get(name, 0.0))

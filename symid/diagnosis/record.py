@@ -161,7 +161,7 @@ class Record:
         others = [
             self._in_time(name, self._continued(self.log[name], smoothly=True)) for name in self.signals[1:]
         ]
-        return np.stack([self._in_time(self.dynamics.axis.drive.signal, self.whole_force), *others])
+        return np.stack([self._in_time(self.dynamics.axis.only_drive.signal, self.whole_force), *others])
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal as if it had not been recorded late."""
@@ -170,7 +170,7 @@ class Record:
     @cached_property
     def whole_force(self) -> FloatArray:
         """Drive force at all samples of a period."""
-        return self._continued(self.log[self.dynamics.axis.drive.signal], smoothly=False)
+        return self._continued(self.log[self.dynamics.axis.only_drive.signal], smoothly=False)
 
     @cached_property
     def noise(self) -> FloatArray:
@@ -187,7 +187,7 @@ class Record:
             )
             for name in self.signals
         ]
-        force = self.log[self.dynamics.axis.drive.signal]
+        force = self.log[self.dynamics.axis.only_drive.signal]
         least = _FINEST_FORCE * float(np.abs(force).max())
         return np.array([found[0], max(_least_noise(force, frequency, self.band_hz), least), *found[1:]])
 

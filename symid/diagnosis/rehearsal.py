@@ -93,7 +93,7 @@ class Trial:
 def trials(rivals: Rivals, room: Room, force: float) -> list[Trial]:
     """Motions that stay within the force, the most promising first; gentler where they need to be."""
     found: dict[int, Trial] = {}
-    drive = rivals.record.dynamics.axis.drive.signal
+    drive = rivals.record.dynamics.axis.only_drive.signal
     for share in _GENTLER:
         for i, trajectory in enumerate(manoeuvres(room.gentler(share))):
             if i in found:
@@ -119,7 +119,7 @@ def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
     like : Record
         With the sensors and the noise.
     """
-    rng, (first, drive) = np.random.default_rng(0), (like.signals[0], like.dynamics.axis.drive.signal)
+    rng, (first, drive) = np.random.default_rng(0), (like.signals[0], like.dynamics.axis.only_drive.signal)
     names = (first, drive, *like.signals[1:])
     levels = zip(names, like.noise, strict=True)
     noise = {name: level * rng.standard_normal(trajectory.n_samples) for name, level in levels}

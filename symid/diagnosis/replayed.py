@@ -116,7 +116,7 @@ class Part:
     @cached_property
     def forces(self) -> FloatArray:
         """Drive force that acted, on average, from each sample of the simulated controller to the next."""
-        signal = self.record.dynamics.axis.drive.signal
+        signal = self.record.dynamics.axis.only_drive.signal
         acted = self.path.time + self.path.sampling_period / 2 + self.record.late.get(signal, 0.0)
         return np.asarray(np.interp(acted, since_begin(self.log), self.log[signal]))
 
@@ -173,7 +173,7 @@ def driver_of(
         cascade = replace(given, signal=position)
         return Driver("given", cascade, _share_explained(cascade, parts))
     if all(part.has_reference for part in parts):
-        read = cascade_of_log(parts[0].log, record.dynamics.axis.drive.signal, position, _cutoff(record))
+        read = cascade_of_log(parts[0].log, record.dynamics.axis.only_drive.signal, position, _cutoff(record))
         if read is not None and (share := _share_explained(read, parts)) >= _EXPLAINED:
             return Driver("identified", read, share)
     inertia = next(state.inertia for state in states[1:] if state is not None)
@@ -188,7 +188,7 @@ def _share_explained(cascade: Cascade, parts: Sequence[Part]) -> float:
         if not part.has_reference:
             return math.nan
         log, period = part.log, part.log.sampling_period
-        force = part.low_passed(log[part.record.dynamics.axis.drive.signal])
+        force = part.low_passed(log[part.record.dynamics.axis.only_drive.signal])
         reference, position = part.low_passed(part.reference), part.low_passed(part.position)
         speed, acceleration = derivatives(reference, period, 2)
         error = cascade.position_gain * (reference - position) + speed
@@ -238,4 +238,4 @@ def without_noise(axis: Axis) -> Axis:
     """An axis whose signals have neither noise nor steps; delays stay."""
     for signal, delay in ((s.signal, s.delay) for s in axis.sensors):
         axis = axis.with_signal(signal, noise=0.0, delay=delay)
-    return axis.with_signal(axis.drive.signal, noise=0.0)
+    return axis.with_signal(axis.only_drive.signal, noise=0.0)

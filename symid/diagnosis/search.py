@@ -225,7 +225,7 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     the driven body goes first.
     """
     candidates = list(confirmed)
-    driven = getattr(before.state.scene.axis.drive.at, "name", None)
+    driven = getattr(before.state.scene.axis.only_drive.at, "name", None)
     most = max((c.penalised_gain for c in candidates), default=0.0)
 
     def order(own: Confirmed) -> tuple[bool, bool, float]:

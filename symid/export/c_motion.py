@@ -20,7 +20,7 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
     statements = [*clock(dynamics, "0.0"), *_drive(dynamics)]
     force = smooth_force(dynamics, x, v)
-    taken = {*axis.physical_parameters, *dynamics.constants, axis.drive.signal}
+    taken = {*axis.physical_parameters, *dynamics.constants, axis.only_drive.signal}
     rates = []
     for joint in dynamics.joints:
         symbol, written, effect, remembered = _joint(joint, dynamics, x, v)
@@ -47,7 +47,7 @@ def smooth_force(
     dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
 ) -> sp.ImmutableMatrix:
     """B F + c - C v - K x, F being the force that acts."""
-    acting = ACTING if acts_otherwise(dynamics) else sp.Symbol(dynamics.axis.drive.signal)
+    acting = ACTING if acts_otherwise(dynamics) else sp.Symbol(dynamics.axis.only_drive.signal)
     return (
         dynamics.drive * acting
         + dynamics.constant
@@ -79,7 +79,7 @@ def _drive(dynamics: SymbolicDynamics) -> list[str]:
     """The force that acts, and how it lags."""
     if not acts_otherwise(dynamics):
         return []
-    found = [f"double {ACTING} = {c_name(dynamics.axis.drive.signal)};"]
+    found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
     for element, memory in dynamics.imperfect.of_drive:
         if memory is None:
             found.append(f"{ACTING} = {c_code(sent(element))};  /* {type(element).__name__} */")

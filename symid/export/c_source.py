@@ -193,7 +193,7 @@ def _words(
         "values": lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
         "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in constants.items())
         + ("\n" if constants else ""),
-        "force": c_name(axis.drive.signal),
+        "force": c_name(axis.only_drive.signal),
         "sensors": ", ".join(dynamics.sensors),
         "n_sensors": len(dynamics.sensors),
         "regressor": _regressor(model, signals),

@@ -115,7 +115,7 @@ def step_function(dynamics: SymbolicDynamics) -> str:
         followed=_FOLLOWED if remembers else "",
         law=_law(dynamics) if dynamics.joints else "",
         name=name,
-        force=c_name(dynamics.axis.drive.signal),
+        force=c_name(dynamics.axis.only_drive.signal),
         n=n,
         n_state=dynamics.n_states,
         members=lines([*members(used), *clock(dynamics, "h/2.0"), *_drive(dynamics)]),
@@ -130,7 +130,7 @@ def _drive(dynamics: SymbolicDynamics) -> list[str]:
     """The force that acts; of one that lags, the mean over the step."""
     if not acts_otherwise(dynamics):
         return []
-    found = [f"double {ACTING} = {c_name(dynamics.axis.drive.signal)};"]
+    found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
     for i, (element, memory) in enumerate(dynamics.imperfect.of_drive):
         if memory is None:
             found.append(f"{ACTING} = {c_code(sent(element))};  /* {type(element).__name__} */")

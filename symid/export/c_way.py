@@ -90,7 +90,7 @@ def way_words(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> di
         return {"way_header": "", "way_source": ""}
     words = {
         "name": axis.name,
-        "force": c_name(axis.drive.signal),
+        "force": c_name(axis.only_drive.signal),
         "n_state": dynamics.n_states,
         "n_sensors": len(axis.sensors),
         "cells": math.ceil(longest / shortest) + 3,
@@ -107,11 +107,11 @@ def way_words(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> di
 def _begin(axis: Axis, delay: float) -> str:
     """Before its first step, an axis has read what it reads and been sent what it is sent."""
     found = [
-        f"{axis.name}_derivative(p, x, {c_name(axis.drive.signal)}, change);",
+        f"{axis.name}_derivative(p, x, {c_name(axis.only_drive.signal)}, change);",
         f"{axis.name}_sensors(x, change, y);",
     ]
     if delay:
-        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{c_name(axis.drive.signal)});")
+        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{c_name(axis.only_drive.signal)});")
         found.append("note(way, 0, 0.0, 0.0);")
     for lane, i, _ in _lanes(axis, delay):
         found.append(f"note(way, {lane}, 0.0, y[{i}]);")
@@ -120,7 +120,7 @@ def _begin(axis: Axis, delay: float) -> str:
 
 
 def _late(axis: Axis, delay: float) -> str:
-    force = c_name(axis.drive.signal)
+    force = c_name(axis.only_drive.signal)
     if not delay:
         return f"    const double late = {force};"
     found = [

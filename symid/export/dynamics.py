@@ -120,7 +120,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         mass=mass.xreplace(grown),
         damping=damping,
         stiffness=stiffness,
-        drive=sp.Matrix([-_expression(operators.force[b]) for b in bodies]),
+        drive=sp.Matrix([-_expression(operators.force[b].get(axis.only_drive.signal)) for b in bodies]),
         constant=sp.Matrix(
             [-sp.Add(*(_expression(operators.inputs[b].get(one)) for one in ones)) for b in bodies]
         ).xreplace(grown),

@@ -108,7 +108,7 @@ def _compile(source: Path, library: Path) -> None:
 
 def _description(axis: Axis, values: Mapping[str, float]) -> str:
     """The variables, numbered as the wrapper numbers them: input, readings, parameters, internal step."""
-    drive = axis.drive
+    drive = axis.only_drive
     names = [drive.command or drive.signal, *(s.signal for s in axis.sensors)]
     lines = [_variable(0, names[0], 'causality="input" variability="continuous"', 0.0)]
     for k, name in enumerate(names[1:], 1):
@@ -140,7 +140,7 @@ def _wrapper(axis: Axis, source: str) -> str:
     words = {
         "AXIS_SOURCE": f'"{axis.name}.c"',
         "AXIS_GUID": f'"{axis.signature}"',
-        "AXIS_GAIN": repr(axis.drive.factor),
+        "AXIS_GAIN": repr(axis.only_drive.factor),
         "AXIS_PARAMETERS": str(len(axis.physical_parameters)),
     }
     names = {

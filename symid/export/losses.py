@@ -18,5 +18,5 @@ def losses_of_signals(axis: Axis) -> Iterator[str]:
     """
     for name in axis.log_parameters:
         yield f"{name}: it differs from log to log; give 0 for an axis whose zeros are known."
-    if axis.drive.noise or axis.drive.resolution:
-        yield f"{axis.drive.signal}: noise and resolution of the recorded force are left out."
+    if axis.only_drive.noise or axis.only_drive.resolution:
+        yield f"{axis.only_drive.signal}: noise and resolution of the recorded force are left out."

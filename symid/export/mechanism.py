@@ -172,15 +172,15 @@ class _Collector:
                 self.add(path, "armature", value)
         for element in self.axis.elements:
             self._element(element)
-        constant = self.axis.drive.constant
+        constant = self.axis.only_drive.constant
         return Mechanism(
             bodies=self.axis.free_bodies,
             inertia=inertia,
             moments=self.moments,
             paths=self.paths,
             plays=tuple(self.plays),
-            drive=self.path(self.kinematics.displacement(self.axis.drive.at)),
-            gain=self.axis.drive.factor * (self.values[constant] if constant else 1.0),
+            drive=self.path(self.kinematics.displacement(self.axis.only_drive.at)),
+            gain=self.axis.only_drive.factor * (self.values[constant] if constant else 1.0),
             readings={s.signal: self.path(self.kinematics.reading(s)) for s in self.axis.sensors},
             losses=tuple(self.losses),
         )

@@ -114,7 +114,7 @@ class _Writer:
         return Exported({".xml": text}, tuple(self.losses))
 
     def _notes(self) -> list[str]:
-        drive = self.axis.drive
+        drive = self.axis.only_drive
         ctrl = f"ctrl[0] is {drive.command or drive.signal}; actuators named constant_... need no ctrl."
         units = "Exported by symid. SI units; slides along x, hinges about x."
         return [units, ctrl, *(f"Lost: {loss}".replace("--", "- -") for loss in self.losses)]
@@ -188,7 +188,7 @@ class _Writer:
         return f"tendon={quoteattr(self._tendon(path))}", 1.0
 
     def _motor(self) -> str:
-        drive, axis = self.axis.drive, self.axis
+        drive, axis = self.axis.only_drive, self.axis
         where, ratio = self._transmission(self.machine.drive)
         gain = self.machine.gain
         name = quoteattr(drive.command or drive.signal)

@@ -46,7 +46,7 @@ class FleetAxis:
     def fingerprint(self) -> str:
         """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
         texts = [module.text for _, module in self.modules]
-        declared = (self.axis.name, self.axis.elements, self.axis.drive, self.axis.sensors)
+        declared = (self.axis.name, self.axis.elements, self.axis.only_drive, self.axis.sensors)
         whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
@@ -73,7 +73,7 @@ class FleetAxis:
         def has(signal: str) -> bool:
             return mapped.get(signal, signal) in columns
 
-        force = self.axis.drive.signal
+        force = self.axis.only_drive.signal
         made = force in alternatives and has(alternatives[force][0])
         return (has(force) or made) and any(has(signal) for signal in expected if signal != force)
 

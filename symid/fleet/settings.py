@@ -112,7 +112,7 @@ class BatchSettings:
             sensors = {sensor.signal for sensor in axis.sensors}
             chosen = tuple(name for name in self.measured if name in sensors) or None
         late = {name: value for name, value in self.preparation.late.items() if name in axis.signal_units}
-        held = True if axis.drive.signal in self.held else self.preparation.held
+        held = True if axis.only_drive.signal in self.held else self.preparation.held
         return replace(
             self,
             measured=chosen,
@@ -139,7 +139,7 @@ class BatchSettings:
             raise SettingError(
                 f"{strange[0]!r} is no unknown parameter: choose from {', '.join(sorted(free))}"
             )
-        forces = [axis.drive.signal for axis in axes]
+        forces = [axis.only_drive.signal for axis in axes]
         if unknown := [signal for signal in self.held if signal not in forces]:
             raise SettingError(
                 f"held signal {unknown[0]!r} is not a force of an axis: give {', '.join(forces)}"

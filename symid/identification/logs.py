@@ -15,7 +15,7 @@ from symid.units import Unit
 def axis_columns(
     axis: Axis, measured: Sequence[str] | None = None
 ) -> tuple[dict[str, Unit], Mapping[str, tuple[str, float]]]:
-    """Signals and units that an axis expects of a log, and the command from which its force can be made.
+    """Signals and units that an axis expects of a log, and the commands from which its forces can be made.
 
     Parameters
     ----------
@@ -35,13 +35,10 @@ def axis_columns(
         if measured
         else {s.signal for s in axis.sensors}
     )
-    expected = {
-        name: unit for name, unit in axis.signal_units.items() if name == axis.drive.signal or name in used
-    }
-    drive = axis.drive
-    if drive.command is None:
-        return expected, {}
-    return expected, {drive.signal: (drive.command, drive.factor)}
+    used |= {drive.signal for drive in axis.drives}
+    expected = {name: unit for name, unit in axis.signal_units.items() if name in used}
+    commands = {d.signal: (d.command, d.factor) for d in axis.drives if d.command is not None}
+    return expected, commands
 
 
 def read_axis_log(
@@ -158,11 +155,11 @@ def measured_signals(
     Raises
     ------
     LogError
-        If a log lacks the force or a sensor that is needed.
+        If a log lacks a force or a sensor that is needed.
     """
     held = [sensor.signal for sensor in axis.sensors if all(sensor.signal in log.signals for log in logs)]
     wanted = list(measured) if measured else held
-    needed = [axis.drive.signal, *(wanted or [axis.sensors[0].signal])]
+    needed = [*(drive.signal for drive in axis.drives), *(wanted or [axis.sensors[0].signal])]
     for log in logs:
         missing = [name for name in needed if name not in log.signals]
         if missing:

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis, Drive, derivative_order
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.layout import first_lines
 from symid.errors import LogError, SettingError
@@ -172,7 +172,8 @@ def guessed_mapping(
     guess.clock(sampling_period)
     for sensor in axis.sensors:
         guess.sensor(sensor.signal, _QUANTITIES[derivative_order(sensor)], needed=sensor == axis.sensors[0])
-    guess.drive(axis, gain, rated)
+    for drive in axis.drives:
+        guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
     setpoint = next((c for c in guess.free if c.setpoint and c.quantity == "position"), None)
     if setpoint is not None:
         guess.take(REFERENCE, setpoint)
@@ -255,13 +256,12 @@ class _Guess:
         elif needed:
             self.missing.append(f"no column seems to be the {quantity} {signal}: name it in columns")
 
-    def drive(self, axis: Axis, gain: float | None, rated: float | None) -> None:
-        """A column for the drive's force, with its factor where it needs one."""
-        signal = axis.drive.signal
-        unit = axis.signal_units[signal]
+    def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
+        """A column for a drive's force, one of its name first, with its factor where it needs one."""
+        signal, command = drive.signal, drive.command
         own = "current" if unit == Unit.of("A") else "force"
-        measured = {c.quantity: c for c in reversed(self.free) if not c.setpoint}
-        command = axis.drive.command
+        found = sorted(self.free, key=lambda c: not c.header.startswith(signal))
+        measured = {c.quantity: c for c in reversed(found) if not c.setpoint}
         if command and "voltage" in measured and own not in measured:
             self.take(command, measured["voltage"])
             return
@@ -298,7 +298,8 @@ def _measures(written: str | None, unit: Unit) -> bool:
 
 def require_known(mapping: LogMapping, axis: Axis) -> None:
     """Raise LogError if the mapping is that of another axis."""
-    known = {"t", REFERENCE, *axis.signal_units, *([axis.drive.command] if axis.drive.command else [])}
+    commands = {drive.command for drive in axis.drives if drive.command}
+    known = {"t", REFERENCE, *axis.signal_units, *commands}
     if strange := [name for name in mapping.columns if name not in known]:
         raise LogError(
             f"the mapping names {strange[0]!r}, which axis {axis.name!r} does not have: choose its own mapping"

@@ -92,7 +92,7 @@ def unexplained(
 def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     """Whether the range of a sensor of motion ended while the axis moved on."""
     for name in model.highest_derivatives:
-        samples = 0 if name == model.force else sum(cut_in_motion(part.log[name]) for part in parts)
+        samples = 0 if name in model.forces else sum(cut_in_motion(part.log[name]) for part in parts)
         if samples:
             share = 100 * samples / sum(part.log.n_samples for part in parts)
             cure = "record with a wider range, or cut those parts out"
@@ -101,15 +101,19 @@ def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
 
 
 def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether rows without those at the end of the force's range tell another axis: those of a true limit do not."""
-    limits = [_at_limit(part.log[model.force]) for part in parts]
+    """Whether rows without those at the end of a force's range tell another axis: those of a true limit do not."""
+    return next(filter(None, (_clipped_force(force, parts, fit) for force in model.forces)), "")
+
+
+def _clipped_force(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+    limits = [_at_limit(part.log[force]) for part in parts]
     share = float(np.mean(np.concatenate(limits)))
     if share < _CLIPPED_SHARE:
         return ""
     seen = [part.observation for part in parts]
     free = [o.valid & ~_rows_near(part, flags) for o, part, flags in zip(seen, parts, limits, strict=True)]
     other = _of_rows(parts, free)
-    where = f"{model.force} is at the end of its range in {100 * share:.2g} % of the log"
+    where = f"{force} is at the end of its range in {100 * share:.2g} % of the log"
     cure = "record with a wider range, or cut those parts out"
     if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
         return f"{where}, and the rest is too little to tell whether the true force went beyond it: {cure}"

@@ -66,7 +66,7 @@ def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
     levels = {}
     for name, spectrum in spectra.items():
         power = np.mean(np.abs(spectrum) ** 2, axis=0)
-        if name == model.force:
+        if name in model.forces:
             motion = spectra[model.most_differentiated]
             common = np.abs(np.mean(spectrum * motion.conj(), axis=0)) ** 2
             power = power - common / np.maximum(np.mean(np.abs(motion) ** 2, axis=0), np.finfo(float).tiny)
@@ -153,7 +153,7 @@ def _signal_gains(
     gains = np.empty((len(model.signals), frequency.size), dtype=np.complex128)
     for i, flat in enumerate(model.signals):
         name, order = split_derivative(flat)
-        filtered = chosen.filter_force or name != model.force
+        filtered = chosen.filter_force or name not in model.forces
         gains[i] = difference**order * thinned * (low_pass if filtered else 1.0)
     return gains
 

@@ -38,9 +38,9 @@ def nonlinearity_of(
     criteria : Criteria
         From when on it counts.
     """
-    of_force = [j for j, name in enumerate(model.output_names) if name == model.force]
+    of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
     every = list(whitened(parts, fit))
-    for j in of_force:
+    for j, force in of_force:
         rows = [r for r in every if r.equation == j]
         Z, rest, y = (
             np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
@@ -50,17 +50,17 @@ def nonlinearity_of(
         if share > criteria.nonlinear and abs(size) > criteria.nonlinear_output:
             less = "less" if size < 0 else "more"
             return (
-                f"where {model.force} is large it is {less} than in proportion to the motion (a cubic takes away "
+                f"where {force} is large it is {less} than in proportion to the motion (a cubic takes away "
                 f"{100 * share:.2g} % of the residual's power): it is clipped, limited, or its gain changes with it; "
                 "record with a wider range"
             )
-        if any(name.startswith(f"{model.force}_d") for name in model.signals):
+        if any(name.startswith(f"{force}_d") for name in model.signals):
             continue  # flexible bodies make the same difference
         bent = np.concatenate([_bent(parts[r.part], fit, j) for r in rows])
         share, size = _share(Z, rest, bent, y)
         if share > criteria.nonlinear and size > criteria.smoothed_output:
             return (
-                f"{model.force} lacks what is fast in the motion (its second derivative takes away {100 * share:.2g} % "
+                f"{force} lacks what is fast in the motion (its second derivative takes away {100 * share:.2g} % "
                 "of the residual's power): it was smoothed; record it raw, or lower --cutoff"
             )
     return ""

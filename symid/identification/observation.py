@@ -215,6 +215,7 @@ def _linear(model: GeneratedModel) -> GeneratedModel:
         model,
         law_columns=(),
         coulomb_at_drive=(),
+        coulomb_drives=(),
         regressor=lambda *signals: model.regressor(*signals) - W,
         output=lambda *signals: model.output(*signals) - y,
     )

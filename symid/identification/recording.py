@@ -55,7 +55,7 @@ def fault_of(
     """
     for part in parts:
         for name in model.highest_derivatives:
-            if said := channel_fault(part.log[name], name, criteria, is_force=name == model.force):
+            if said := channel_fault(part.log[name], name, criteria, is_force=name in model.forces):
                 return said
     return _coarse_force(model, [part.log for part in parts], fit, criteria)
 
@@ -157,7 +157,7 @@ def step_of(x: FloatArray) -> float:
 
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:
     """Whether the force is recorded in steps that friction is not much larger than."""
-    step = max(step_of(log[model.force]) for log in logs)
+    step, force = max((step_of(log[force]), force) for log in logs for force in model.forces)
     laws = {parameter for _, parameter in model.law_columns}
     units = list(model.minimal_units.items())
     own = model.output_units[0] if model.output_units else ""
@@ -166,7 +166,7 @@ def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares,
         level = abs(float(fit.solution[j]))
         if unit == own and step / 2 > criteria.step_share * level:
             return (
-                f"{model.force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the "
+                f"{force} is recorded in steps of {step:.3g}, {100 * step / max(level, 1e-300):.2g} % of the "
                 f"friction {name}: record it with more digits"
             )
     return ""

@@ -131,24 +131,29 @@ def sampling_of(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Sc
     found = Sampling(model, chosen, scheme, log.sampling_period, signals, before, n_samples)
     if not chosen.coulomb:
         return found
-    signals[model.force] = signals[model.force] - _coulomb_friction(found, log)
+    for force, friction in _coulomb_friction(found, log).items():
+        signals[force] = signals[force] - friction
     return replace(found, signals=signals)
 
 
-def _coulomb_friction(sampling: Sampling, log: Log) -> FloatArray:
-    """Friction beside the drive along a whole log, filtered as the force is."""
+def _coulomb_friction(sampling: Sampling, log: Log) -> dict[str, FloatArray]:
+    """Friction beside each drive along a whole log, filtered as the force is."""
     model, chosen = sampling.model, sampling.chosen
     assert chosen.coulomb is not None
     motion = replace(sampling, before=0, n_samples=log.n_samples).window(0, log.n_samples)
     velocities = model.sliding_velocities(*(motion[name] for name in model.signals))
-    friction = np.zeros(log.n_samples)
-    for (row, _), level in zip(model.coulomb_at_drive, chosen.coulomb, strict=True):
-        friction += level * direction(velocities[row])
+    found: dict[str, FloatArray] = {}
+    for (row, _), force, level in zip(
+        model.coulomb_at_drive, model.coulomb_drives, chosen.coulomb, strict=True
+    ):
+        found[force] = found.get(force, 0.0) + level * direction(velocities[row])
     if not chosen.filter_force:
-        return friction
-    return low_pass_of(chosen, sampling.scheme.widening, log.sampling_frequency).apply(
-        friction, log.sampling_frequency, workers=WORKERS
+        return found
+    lowpass, rate = (
+        low_pass_of(chosen, sampling.scheme.widening, log.sampling_frequency),
+        log.sampling_frequency,
     )
+    return {force: lowpass.apply(friction, rate, workers=WORKERS) for force, friction in found.items()}
 
 
 def direction(velocity: FloatArray) -> FloatArray:
@@ -233,11 +238,11 @@ def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray,
 def filtered(
     model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
 ) -> dict[str, FloatArray]:
-    """Low-passed signals at the times at which they were; the force is filtered only if the preparation says so."""
+    """Low-passed signals at the times at which they were; forces are filtered only if the preparation says so."""
     signals = {name: log[name] for name in names}
     lowpass = low_pass_of(chosen, widening, log.sampling_frequency)
     for name, values in signals.items():
-        if chosen.filter_force or name != model.force:
+        if chosen.filter_force or name not in model.forces:
             signals[name] = lowpass.apply(values, log.sampling_frequency, workers=WORKERS)
     for name, seconds in chosen.late.items():
         if name in signals:

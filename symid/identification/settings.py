@@ -87,9 +87,12 @@ class Preparation:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
 
     def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
-        """Seconds by which the signals of a log were recorded late, a hold of the force included."""
+        """Seconds by which the signals of a log were recorded late, a hold of the forces included."""
         held = model.held if self.held is None else self.held
-        return with_hold(self.late, model.force, held=held, sampling_period=sampling_period)
+        late = dict(self.late)
+        for force in model.forces:
+            late = with_hold(late, force, held=held, sampling_period=sampling_period)
+        return late
 
 
 def with_hold(

@@ -149,10 +149,10 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     """
     found = [timing for name in shiftable(model) if (timing := _timing_of_signal(model, parts, fit, name))]
     certain = [timing for timing in found if timing.is_significant]
-    of_force = [timing for timing in found if timing.signal == model.force]
+    of_force = [timing for timing in found if timing.is_force]
     if certain:
         # the force is what usually is late: a sensor must explain clearly more
-        return min(certain, key=lambda t: t.remaining * (1.0 if t.signal == model.force else _PREFERENCE))
+        return min(certain, key=lambda t: t.remaining * (1.0 if t.is_force else _PREFERENCE))
     return of_force[0] if of_force else None
 
 
@@ -167,7 +167,7 @@ def _timing_of_signal(
         return near
     refined = _refined(model, parts, fit, name, late)
     if refined is None:
-        return _coarse(parts, fit, name, scanned, is_force=name == model.force)
+        return _coarse(parts, fit, name, scanned, is_force=name in model.forces)
     return refined
 
 
@@ -223,13 +223,17 @@ def _refined(
         declared=parts[0].observation.preparation.late.get(name, 0.0),
         remaining=after / float(np.linalg.norm(before)),
         parameters=X,
-        is_force=name == model.force,
+        is_force=name in model.forces,
     )
 
 
 def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether the force's clock runs at another rate: its delay grows from third to third of the logs; in words."""
-    thirds = [scan(model, parts, fit, model.force, (k * _THIRD, (k + 1) * _THIRD)).best for k in range(3)]
+    """Whether a force's clock runs at another rate: its delay grows from third to third of the logs; in words."""
+    return next(filter(None, (_drift_of_force(model, parts, fit, force) for force in model.forces)), "")
+
+
+def _drift_of_force(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> str:
+    thirds = [scan(model, parts, fit, force, (k * _THIRD, (k + 1) * _THIRD)).best for k in range(3)]
     (first, left_first), (middle, left_middle), (last, left_last) = thirds
     row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     grows = abs(first - last) >= _DRIFTED_ROWS * row
@@ -239,7 +243,7 @@ def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
     if not (grows and is_even and better):
         return ""
     return (
-        f"{model.force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its clock "
+        f"{force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its clock "
         "runs at another rate; resample it by its own time stamps"
     )
 

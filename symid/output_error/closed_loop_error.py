@@ -168,7 +168,7 @@ class ClosedLoopError:
 
     @property
     def _compared(self) -> tuple[str, ...]:
-        return (*self.signals, self._axis.drive.signal)
+        return (*self.signals, self._axis.only_drive.signal)
 
     @property
     def _positions(self) -> list[int]:

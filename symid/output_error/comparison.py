@@ -60,7 +60,7 @@ class ErrorModel:
         if self.force == "simulated":
             assert self.loop is not None
             return ClosedLoopError(self.loop, log, self.model.measured)
-        declared = self.preparation.late.get(self.dynamics.axis.drive.signal, 0.0)
+        declared = self.preparation.late.get(self.dynamics.axis.only_drive.signal, 0.0)
         run = run_of(
             self.dynamics,
             log,

@@ -85,7 +85,7 @@ def identify_output_error(
             loop.check(log)
     held = prepared.held if held is None else held
     if held is None:
-        held = axis.drive.held or (False if axis.drive.signal in prepared.late else None)
+        held = axis.only_drive.held or (False if axis.only_drive.signal in prepared.late else None)
     comparisons = _comparisons(model, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
         to_begin_with = replace(prepared, held=bool(held))

@@ -88,7 +88,7 @@ class PredictionError:
         whitening, unit = _whitening(found)
         level = float(np.sqrt(np.mean(self._projected(raw, found, whitening) ** 2))) / unit
         forces, readings = self._assumed_noise(self._sampled(self.dynamics.at(parameters)), nuisance)
-        names = (self.dynamics.axis.drive.signal, *self.run.signals)
+        names = (self.dynamics.axis.only_drive.signal, *self.run.signals)
         return {name: level * float(std) for name, std in zip(names, (forces[0], *readings), strict=True)}
 
     def prediction(

@@ -181,7 +181,7 @@ def run_of(
     standstill : float, optional
         Speed below which a joint with friction that can hold it counts as resting; 0 cuts nothing.
     """
-    force = log[dynamics.axis.drive.signal]
+    force = log[dynamics.axis.only_drive.signal]
     parts = min(_FINEST, max(1, math.ceil(_FINE_ENOUGH * log.sampling_period)))
     samples = late / log.sampling_period
     forces = _between(force, course, parts, samples)

@@ -54,7 +54,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     log = logs[0]
     signal = next(name for name, (_, order) in dynamics.sensors.items() if order == 0 and name in log.signals)
     lowpass = LowPass(0.02 * log.sampling_frequency)
-    force = lowpass.apply(log[dynamics.axis.drive.signal], log.sampling_frequency)
+    force = lowpass.apply(log[dynamics.axis.only_drive.signal], log.sampling_frequency)
     v, a = derivatives(lowpass.apply(log[signal], log.sampling_frequency), log.sampling_period, 2)
     mass, viscous, coulomb, _ = np.linalg.lstsq(
         np.stack([a, v, np.sign(v), np.ones_like(v)], axis=1), force, rcond=None

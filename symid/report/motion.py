@@ -137,6 +137,7 @@ def response_of(
     (sensor,) = axis.measured((signal,))
     moves = isinstance(sensor, (Position, Velocity))
     period, second = logs[0].sampling_period, Unit.of("s")
+    force = axis.only_drive.signal
     same = [log for log in logs if log.sampling_period == period]
     length = 2 ** int(np.log2(2 * min(log.n_samples for log in same) / (_AVERAGES + 1)))
     length = min(length, _LONGEST)
@@ -144,7 +145,7 @@ def response_of(
     frequency: FloatArray = np.fft.rfftfreq(length, period).astype(np.float64)
     uu, yy, uy = np.zeros(frequency.size), np.zeros(frequency.size), np.zeros(frequency.size, complex)
     for log in same:
-        u, y = np.asarray(log[axis.drive.signal]), np.asarray(log[signal])
+        u, y = np.asarray(log[force]), np.asarray(log[signal])
         y = np.gradient(y, period) if isinstance(sensor, Position) else y
         uu = uu + scipy.signal.welch(u, **settings)[1]
         yy = yy + scipy.signal.welch(y, **settings)[1]
@@ -152,13 +153,13 @@ def response_of(
     kept = (frequency > 0) & (frequency <= _TOP / period)
     frequency, uu, uy, yy = frequency[kept], uu[kept], uy[kept], yy[kept]
     attenuation = np.sinc(2 * frequency * period) if isinstance(sensor, Position) else np.ones(frequency.size)
-    delay = (late or {}).get(signal, 0.0) - (late or {}).get(axis.drive.signal, 0.0)
+    delay = (late or {}).get(signal, 0.0) - (late or {}).get(force, 0.0)
     in_time = np.exp(2j * np.pi * frequency * delay)
     return FrequencyResponse(
-        force=axis.drive.signal,
+        force=force,
         signal=signal,
         quantity="velocity" if moves else "acceleration",
-        unit=f"{length_unit(sensor.body) / second ** (1 if moves else 2)} per {axis.signal_units[axis.drive.signal]}",
+        unit=f"{length_unit(sensor.body) / second ** (1 if moves else 2)} per {axis.signal_units[force]}",
         frequency=frequency,
         measured=np.asarray(uy / uu / attenuation * in_time),
         coherence=np.abs(uy) ** 2 / (uu * yy),

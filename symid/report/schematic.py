@@ -169,7 +169,7 @@ def _links(axis: Axis) -> Iterator[_Link]:
                 yield _link(element.at, _sign_of(element), _label(element), type(element).__name__)
             case JointImperfection():
                 yield _link(element.at, symbols.law, _marks(axis, element), type(element).__name__)
-    drive = axis.drive
+    drive = axis.only_drive
     marks = _marks(axis, *(e for e in axis.imperfections if isinstance(e, DriveImperfection)))
     yield _link(drive.at, symbols.drive, _marked(drive.command or drive.signal, marks), "drive")
 

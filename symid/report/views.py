@@ -52,7 +52,7 @@ def _(axis: Axis, console: Console) -> None:
     console.print(f"[bold]{axis.name}[/bold]")
     for element in axis.elements:
         console.print(f"    {element!r}", markup=False)
-    console.print(f"    {axis.drive!r}", markup=False)
+    console.print(f"    {axis.only_drive!r}", markup=False)
     for sensor in axis.sensors:
         console.print(f"    {sensor!r}", markup=False)
     units = (f"{name} [{unit}]" for name, unit in axis.physical_parameters.items())

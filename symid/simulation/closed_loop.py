@@ -135,11 +135,11 @@ def simulate(
             run.advance(max(round(time / period), 1))
             run = SimulationRun(replace(loop, plant=changed), record, run)
         run.advance(end)
-    recorded = (record.forces if moment is None else sent) + axis.drive.noise * random.standard_normal(
+    recorded = (record.forces if moment is None else sent) + axis.only_drive.noise * random.standard_normal(
         n_samples
     )
     signals = {reader.signal: reader.read_all(record)[::every] for reader in readers}
-    signals[axis.drive.signal] = in_steps(recorded, axis.drive.resolution)[::every]
+    signals[axis.only_drive.signal] = in_steps(recorded, axis.only_drive.resolution)[::every]
     signals["reference"] = trajectory.position[::every]
     log = Log.from_arrays(
         signals, sampling_period=every * trajectory.sampling_period, source=f"simulated {axis.name}"

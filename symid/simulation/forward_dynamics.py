@@ -84,8 +84,10 @@ class ForwardDynamics:
         Free bodies.
     motion : tuple of matrices of Polynomial
         Stiffness, damping and mass.
-    drive, constant : tuple of Polynomial
-        Effect of the drive force and of constant forces on each body.
+    drives : tuple of tuple of Polynomial
+        Effect on each body of each drive's force.
+    constant : tuple of Polynomial
+        Constant force on each body.
     laws : tuple of (array, tuple of LawTerm)
         Direction of each joint with nonlinear laws, and the laws.
     sensors : mapping of str to (array, int)
@@ -97,10 +99,15 @@ class ForwardDynamics:
     generators: tuple[str, ...]
     bodies: tuple[str, ...]
     motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
-    drive: tuple[Polynomial, ...]
+    drives: tuple[tuple[Polynomial, ...], ...]
     constant: tuple[Polynomial, ...]
     laws: tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]
     sensors: Mapping[str, tuple[FloatArray, int]]
+
+    @property
+    def drive(self) -> tuple[Polynomial, ...]:
+        """Effect on each body of the drive's force, of an axis with one drive."""
+        return tuple(effect for (effect,) in self.drives)
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
         """Physical parameters in a matrix, but for those that may be negative: masses, springs, dampers."""
@@ -139,7 +146,7 @@ class ForwardDynamics:
             mass=mass,
             damping=damping,
             stiffness=stiffness,
-            drive=np.array([p.at(values) for p in self.drive]),
+            drives=np.array([[p.at(values) for p in row] for row in self.drives]),
             constant=np.array([p.at(values) for p in self.constant]),
             laws=tuple(
                 JointLaw(direction, tuple((term.parameter.at(values), term.force) for term in terms))
@@ -213,7 +220,10 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
             tuple(tuple(numbers.polynomial(p.get(order)) for p in row) for row in powers)
             for order in range(3)
         ),
-        drive=tuple(numbers.polynomial(operators.force[b], -1.0) for b in bodies),
+        drives=tuple(
+            tuple(numbers.polynomial(operators.force[b].get(d.signal), -1.0) for d in axis.drives)
+            for b in bodies
+        ),
         constant=tuple(
             Polynomial(
                 tuple(t for one in ones for t in numbers.polynomial(operators.inputs[b].get(one), -1.0).terms)

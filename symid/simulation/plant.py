@@ -1,7 +1,7 @@
 """An axis at given parameter values, as the simulation and the diagnosis see it.
 
 M x(2) + C x(1) + K x = B F + c - sum_j d_j f_j(d_j x, d_j x(1)), x being the absolute displacements of the free
-bodies, d_j the direction of a joint and f_j the nonlinear laws in it.
+bodies, F the drive forces, d_j the direction of a joint and f_j the nonlinear laws in it.
 """
 
 from __future__ import annotations
@@ -65,8 +65,10 @@ class Plant:
         Free bodies, in the order of the displacements.
     mass, damping, stiffness : array of shape (n, n)
         M, C and K.
-    drive, constant : array of shape (n,)
-        B and c.
+    drives : array of shape (n, n_drives)
+        B.
+    constant : array of shape (n,)
+        c.
     laws : tuple of JointLaw
         Nonlinear laws by joint.
     sensors : mapping of str to (array, int)
@@ -77,10 +79,16 @@ class Plant:
     mass: FloatArray
     damping: FloatArray
     stiffness: FloatArray
-    drive: FloatArray
+    drives: FloatArray
     constant: FloatArray
     laws: tuple[JointLaw, ...]
     sensors: Mapping[str, tuple[FloatArray, int]]
+
+    @property
+    def drive(self) -> FloatArray:
+        """B as a vector of shape (n,), of an axis with one drive."""
+        (column,) = self.drives.T
+        return np.asarray(column)
 
     @property
     def natural_frequencies(self) -> tuple[float, ...]:

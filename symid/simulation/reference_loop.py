@@ -56,7 +56,7 @@ class ClosedLoop:
             raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")
         perfect = replace(
             self.axis,
-            drive=replace(self.axis.drive, noise=0.0, resolution=0.0),
+            drive=replace(self.axis.only_drive, noise=0.0, resolution=0.0),
             sensors=tuple(replace(s, noise=0.0, resolution=0.0, delay=0.0) for s in self.axis.sensors),
         )
         object.__setattr__(self, "axis", perfect)

@@ -32,6 +32,8 @@ _SEPARATE = (
 )
 _MOST_TERMS_WITH_RATIOS = 1000
 """Largest number of terms in which ratios keep their names; larger results are computed faster with numbers."""
+_FORCE = "force "
+"""Before the signal of a drive among columns, which may be called as a body is."""
 
 
 @dataclass(frozen=True)
@@ -108,9 +110,14 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
         combined = [scaling.restored(row, operators.ring, model.constants) for row in found_rows]
     signals = SignalWriter(operators, known)
     equations = [signals.equation(row) for row in combined]
-    equations.sort(
-        key=lambda e: (not e.force, min(e.force, default=0), max((t.order for t in e.motion), default=0))
-    )
+    drives = [drive.signal for drive in model.axis.drives]
+
+    def place(equation: InputOutputEquation) -> tuple[bool, int, int, int]:
+        lowest = min((order for order, _ in equation.force), default=0)
+        first = min((drives.index(d) for order, d in equation.force if order == lowest), default=0)
+        return not equation.force, lowest, max((t.order for t in equation.motion), default=0), first
+
+    equations.sort(key=place)
     driven = tuple(_driven(equation, equations, operators) for equation in equations)
     assumptions = (*signals.assumptions(equations), *([_SEPARATE] if separate else []))
     return InputOutputModel(model, operators, tuple(measured), driven, assumptions)
@@ -178,7 +185,7 @@ def _reduced_by(
         shifted = other.scaled(s**order)
         theirs = _signals_of(shifted, operators)
         if theirs.keys() <= mine.keys():
-            leading = max(theirs, key=lambda signal: (signal[0] == "", signal[1]))
+            leading = max(theirs, key=lambda signal: (signal[0].startswith(_FORCE), signal[1]))
             _, own_factor, other_factor = mine[leading].cofactors(theirs[leading])
             return primitive(
                 row.combine(other_factor, shifted, -own_factor), operators.ring, keep_powers_of_s=True
@@ -187,11 +194,12 @@ def _reduced_by(
 
 
 def _signals_of(row: EliminationRow, operators: OperatorModel) -> dict[tuple[str, int], PolyElement]:
-    """Coefficients of a row by signal and order of derivative; the drive's name is empty here."""
-    force, inputs = driving_terms(row, operators)
-    columns = {**row.entries, **inputs, "": force}
+    """Coefficients of a row by signal and order of derivative."""
+    drives, inputs = driving_terms(row, operators)
+    forces = {_FORCE + signal: entry for signal, entry in drives.items()}
+    columns = {**row.entries, **inputs, **forces}
     smooth = {
-        "",
+        *forces,
         *row.entries,
         *(str(w.symbol) for w in operators.source.inputs if _has_derivatives(w.expression)),
     }
@@ -227,5 +235,7 @@ def _driven(
             power = int(of_torques(other.multipliers)) - int(of_torques(equation.multipliers))
             sums.append(equation.scaled(metres_per_radian**power).plus(other))
     return min(
-        sums, key=lambda e: (max(e.force), sum(len(t.coefficient) for t in e.motion)), default=equation
+        sums,
+        key=lambda e: (max(order for order, _ in e.force), sum(len(t.coefficient) for t in e.motion)),
+        default=equation,
     )

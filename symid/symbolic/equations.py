@@ -47,14 +47,14 @@ class RegressorTerm:
 
 @dataclass(frozen=True)
 class InputOutputEquation:
-    """sum(motion) = sum_k force[k] F(k), all coefficients polynomials in the physical parameters.
+    """sum(motion) = sum_kd force[k, d] F_d(k), all coefficients polynomials in the physical parameters.
 
     Parameters
     ----------
     motion : tuple of RegressorTerm
         Terms of the measured motion.
-    force : mapping of int to PolyElement
-        Coefficients of the drive force by order of its derivative; empty if the drive does not enter.
+    force : mapping of (int, str) to PolyElement
+        Coefficients of the drive forces by order of derivative and signal; empty if no drive enters.
     multipliers : mapping of str to PolyElement
         Multiplier of each body's balance.
     dropped : tuple of sympy.Expr
@@ -62,7 +62,7 @@ class InputOutputEquation:
     """
 
     motion: tuple[RegressorTerm, ...]
-    force: Mapping[int, PolyElement]
+    force: Mapping[tuple[int, str], PolyElement]
     multipliers: Mapping[str, PolyElement]
     dropped: tuple[sp.Expr, ...] = ()
 
@@ -75,7 +75,7 @@ class InputOutputEquation:
     def scaled(self, factor: Any) -> InputOutputEquation:
         """The equation times a known number."""
         motion = tuple(replace(t, coefficient=t.coefficient.mul_ground(factor)) for t in self.motion)
-        force = {order: c.mul_ground(factor) for order, c in self.force.items()}
+        force = {key: c.mul_ground(factor) for key, c in self.force.items()}
         multipliers = {balance: c.mul_ground(factor) for balance, c in self.multipliers.items()}
         return InputOutputEquation(motion, force, multipliers, self.dropped)
 
@@ -101,11 +101,13 @@ class SignalWriter:
 
     def equation(self, row: EliminationRow) -> InputOutputEquation:
         """Equation of a row of operators."""
-        force, inputs = driving_terms(row, self.operators)
+        drives, inputs = driving_terms(row, self.operators)
         terms = [*self._motion_terms(row), *self._law_terms(inputs)]
-        forces = {order: -c for order, c in by_power(force).items()}
+        force = {
+            (order, signal): -c for signal, entry in drives.items() for order, c in by_power(entry).items()
+        }
         return InputOutputEquation(
-            tuple(terms), dict(sorted(forces.items())), row.multipliers, self._dropped(inputs)
+            tuple(terms), dict(sorted(force.items())), row.multipliers, self._dropped(inputs)
         )
 
     def _motion_terms(self, row: EliminationRow) -> list[RegressorTerm]:
@@ -233,11 +235,11 @@ class SignalWriter:
         return tuple(said)
 
 
-def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[PolyElement, Row]:
-    """Operators of a combination of balances on the drive force and on the nonlinear laws."""
-    force, inputs = operators.ring.zero, dict[str, PolyElement]()
+def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[Row, Row]:
+    """Operators of a combination of balances on the drive forces, by signal, and on the nonlinear laws."""
+    force, inputs = dict[str, PolyElement](), dict[str, PolyElement]()
     for balance, multiplier in row.multipliers.items():
-        force += operators.force[balance] * multiplier
+        force = add(force, operators.force[balance], multiplier)
         inputs = add(inputs, operators.inputs[balance], multiplier)
     return force, inputs
 

@@ -102,11 +102,13 @@ class InverseDynamicModel:
             displacement = kinematics.displacement(entry.joint)
             arguments = {sp.Symbol("q"): displacement, sp.Symbol("v"): kinematics.rate(displacement, 1)}
             values[entry.symbol] = entry.expression.xreplace(arguments)
-        force = sp.Symbol(self.axis.drive.signal)
+        drives = {sp.Symbol(drive.signal) for drive in self.axis.drives}
         written = []
         for balance in self.balances:
             motion = balance.xreplace(values)
-            forces = sp.Add(*(term for term in sp.Add.make_args(motion.expand()) if term.has(force)))
+            forces = sp.Add(
+                *(term for term in sp.Add.make_args(motion.expand()) if term.free_symbols & drives)
+            )
             written.append(sp.Eq(-forces, sp.expand(motion - forces), evaluate=False))
         return tuple(written)
 
@@ -160,7 +162,7 @@ class Kinematics:
     def metres_per_radian(self, axis: Axis) -> sp.Expr:
         """A known ratio in metres per radian; 1 where the axis has none."""
         pairs = [(body.geared.to, body, body.geared.ratio) for body in axis.bodies if body.geared]
-        joints = [getattr(element, "at", None) for element in (*axis.elements, axis.drive)]
+        joints = [getattr(element, "at", None) for element in (*axis.elements, *axis.drives)]
         pairs += [
             (joint.first, joint.second, joint.ratio)
             for joint in joints
@@ -276,11 +278,12 @@ def _dissipation(axis: Axis, kinematics: Kinematics) -> sp.Expr:
 
 
 def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, ...], sp.Expr]:
-    """Nonlinear laws as inputs; the power of the drive and of the laws, whose derivative by a velocity is a force."""
+    """Nonlinear laws as inputs; the power of the drives and of the laws, whose derivative by a velocity is a force."""
     inputs: dict[tuple[sp.Expr, sp.Expr], LawInput] = {}
-    power = sp.Symbol(axis.drive.signal) * kinematics.rate(kinematics.displacement(axis.drive.at), 1)
-    if axis.drive.constant is not None:
-        power *= kinematics.parameter(axis.drive.constant)
+    power = sp.Integer(0)
+    for drive in axis.drives:
+        gain = ONE if drive.constant is None else kinematics.parameter(drive.constant)
+        power += gain * sp.Symbol(drive.signal) * kinematics.rate(kinematics.displacement(drive.at), 1)
 
     def resist(
         parameter: sp.Expr, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str

@@ -13,7 +13,7 @@ order, as [15].
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import prod
@@ -202,8 +202,8 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     >>> print(minimal.parameters[4].function.expression)
     Fvm*Fvs/Ks + Mm
     """
-    force = model.source.axis.drive.signal
-    rows = [_scaled(_with_output(equation, force)) for equation in model.equations]
+    drives = [drive.signal for drive in model.source.axis.drives]
+    rows = [_scaled(_with_output(equation, drives)) for equation in model.equations]
     known = _known_generators(model)
     basis, shares = _basis(model, [columns for _, columns in rows], known)
     order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, shares, rows))
@@ -251,14 +251,19 @@ def _known_generators(model: InputOutputModel) -> dict[int, Any]:
     }
 
 
-def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, list[_Column]]:
+def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> tuple[sp.Expr, list[_Column]]:
     """Output of an equation and its columns, divided by the coefficient of the force of lowest derivative.
 
-    Where this coefficient is a number, the sign of the equation is free: the highest derivative gets a positive one.
+    Of several drives whose forces enter so, one with a number for its coefficient goes first. Where this coefficient is
+    a number, the sign of the equation is free: the highest derivative gets a positive one.
     """
     ring = equation.motion[0].coefficient.ring
     positive = ring.domain.is_positive
-    lowest = min(equation.force, default=0)
+    lowest = min(
+        equation.force,
+        key=lambda of: (of[0], not equation.force[of].is_ground, drives.index(of[1])),
+        default=(0, ""),
+    )
     divisor, sign = equation.force.get(lowest, ring.one), 1
     if divisor.is_ground:
         leading = max(equation.motion, key=lambda term: (term.smooth, term.order)).coefficient
@@ -267,20 +272,21 @@ def _with_output(equation: InputOutputEquation, force: str) -> tuple[sp.Expr, li
         divisor = divisor * sign
     columns = [
         _Column(
-            -sp.Symbol(derivative_name(force, order)),
+            -sp.Symbol(derivative_name(drive, order)),
             order,
             True,
             True,
             ParameterFunction.quotient(c, divisor),
         )
-        for order, c in equation.force.items()
-        if order != lowest
+        for (order, drive), c in equation.force.items()
+        if (order, drive) != lowest
     ]
     columns += [
         _Column(t.expression, t.order, t.smooth, False, ParameterFunction.quotient(t.coefficient, divisor))
         for t in equation.motion
     ]
-    return (sign * sp.Symbol(derivative_name(force, lowest)) if equation.force else sp.Integer(0)), columns
+    order, drive = lowest
+    return (sign * sp.Symbol(derivative_name(drive, order)) if equation.force else sp.Integer(0)), columns
 
 
 def _scaled(row: tuple[sp.Expr, list[_Column]]) -> tuple[sp.Expr, list[_Column]]:

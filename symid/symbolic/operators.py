@@ -25,7 +25,7 @@ Row = dict[str, PolyElement]
 
 @dataclass(frozen=True)
 class OperatorModel:
-    """sum_b A[i, b](s) x_b + sum_w N[i, w] w + B[i] F = 0 for the balance of each free body i.
+    """sum_b A[i, b](s) x_b + sum_w N[i, w] w + sum_k B[i, k] F_k = 0 for the balance of each free body i.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ class OperatorModel:
         Operators on the absolute displacements, by body and body.
     inputs : mapping of str to Row
         Coefficients of the nonlinear laws, by body and input symbol.
-    force : mapping of str to PolyElement
-        Coefficient of the drive force, by body.
+    force : mapping of str to Row
+        Coefficients of the drive forces, by body and signal.
     numbers : mapping of Symbol to Rational
         Constants that are numbers in the coefficients.
     """
@@ -48,7 +48,7 @@ class OperatorModel:
     ring: PolyRing
     motion: Mapping[str, Row]
     inputs: Mapping[str, Row]
-    force: Mapping[str, PolyElement]
+    force: Mapping[str, Row]
     numbers: Mapping[sp.Symbol, sp.Rational] = field(default_factory=dict)
 
     def element(self, expression: sp.Expr) -> Any:
@@ -90,7 +90,7 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
     }
     motion: dict[str, Row] = {}
     inputs: dict[str, Row] = {}
-    force: dict[str, PolyElement] = {}
+    force: dict[str, Row] = {}
     for body in carriers:
         balance = lagrange[body]
         for carried in (child for child, carrier in carriers.items() if carrier == body):
@@ -99,7 +99,7 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
         inputs[body] = {
             str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance
         }
-        force[body] = balance.get(axis.drive.signal, ring.zero)
+        force[body] = {d.signal: balance[d.signal] for d in axis.drives if d.signal in balance}
     return OperatorModel(model, ring, motion, inputs, force, values)
 
 
@@ -145,7 +145,7 @@ def _parameter_ring(model: InverseDynamicModel, numbers: Sequence[str]) -> PolyR
 
 
 def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:
-    """One of Lagrange's equations by column: body (a polynomial in s), law input, drive force."""
+    """One of Lagrange's equations by column: body (a polynomial in s), law input, drive."""
     kinematics = Kinematics(model.axis)
     columns: dict[sp.Symbol, tuple[str, int]] = {
         kinematics.symbol(body, order): (body.name, order)
@@ -153,8 +153,7 @@ def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:
         for order in range(3)
     }
     columns.update({w.symbol: (str(w.symbol), 0) for w in model.inputs})
-    force = model.axis.drive.signal
-    columns[sp.Symbol(force)] = (force, 0)
+    columns.update({sp.Symbol(drive.signal): (drive.signal, 0) for drive in model.axis.drives})
     parameters = ring.symbols[1:]
     whole = PolyRing((*parameters, *columns), ring.domain).from_expr(balance)
     places = list(columns.values())

@@ -54,7 +54,7 @@ class Scaling:
     def operators(self, operators: OperatorModel, rows: Mapping[str, Row]) -> OperatorModel:
         """Forces and laws of the scaled axis; its motion is left out."""
         inputs = {b: self.scaled(row) for b, row in _split_inputs(operators, rows).items()}
-        force = {balance: self._without_ratios(entry) for balance, entry in operators.force.items()}
+        force = {balance: self.scaled(row) for balance, row in operators.force.items()}
         return replace(operators, ring=self.plain, motion={}, inputs=inputs, force=force)
 
     def restored(self, row: EliminationRow, ring: PolyRing, constants: Mapping[str, float]) -> EliminationRow:
@@ -184,13 +184,13 @@ def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:
 def _terms(
     rows: Mapping[str, Row], operators: OperatorModel
 ) -> Iterator[tuple[str, str, tuple[int, ...], Any]]:
-    """Balance, column, monomial and coefficient of every term; the force and the laws have separate columns."""
+    """Balance, column, monomial and coefficient of every term; forces and laws have separate columns."""
     inputs = _split_inputs(operators, rows)
     for balance, row in rows.items():
         columns = {
             **row,
             **inputs[balance],
-            operators.source.axis.drive.signal: operators.force[balance],
+            **{f"force {signal}": entry for signal, entry in operators.force[balance].items()},
         }
         for column, entry in columns.items():
             yield from ((balance, column, monomial, c) for monomial, c in entry.terms())
@@ -198,7 +198,7 @@ def _terms(
 
 def _constants_of_laws(operators: OperatorModel, rows: Mapping[str, Row]) -> set[str]:
     """Constants that stand in laws alone, such as gravity: elimination does not meet them."""
-    entries = [*(entry for row in rows.values() for entry in row.values()), *operators.force.values()]
+    entries = [entry for row in (*rows.values(), *operators.force.values()) for entry in row.values()]
     met = {name for entry in entries for c in entry.coeffs() for name in _names_in(c)}
     return {str(symbol) for symbol in operators.ring.domain.symbols} - met
 

@@ -85,7 +85,7 @@ class ExactRun:
             raise SettingError(f"{frequency_hz:g} Hz leaves {count} samples of the run: choose a higher rate")
         time = self.simulation.time[0] + np.arange(count) / frequency_hz
         sampled = {name: self._interpolants[name](time) for name in names}
-        sampled[self.axis.drive.signal] = self._interpolants[self.axis.drive.signal](time)
+        sampled[self.axis.only_drive.signal] = self._interpolants[self.axis.only_drive.signal](time)
         return Log.from_arrays(
             sampled, sampling_period=1.0 / frequency_hz, start=time[0], source=f"simulated {self.axis.name}"
         )
@@ -95,7 +95,7 @@ class ExactRun:
         """Cubics through exact values and slopes of positions; means of acceleration and force between samples."""
         run = self.simulation
         n, middle = run.accelerations.shape[1], run.time[:-1] + 0.5 * self.period
-        found: dict[str, PPoly] = {self.axis.drive.signal: CubicSpline(middle, run.forces[:-1])}
+        found: dict[str, PPoly] = {self.axis.only_drive.signal: CubicSpline(middle, run.forces[:-1])}
         for sensor in self.axis.sensors:
             row, order = self.rows[sensor.signal]
             place, speed = run.states[:, :n] @ row, run.states[:, n:] @ row
@@ -138,7 +138,7 @@ def exact_run(
     >>> run.log(333.3).sampling_frequency
     333.3
     """
-    perfect = axis.with_signal(axis.drive.signal, noise=0.0)
+    perfect = axis.with_signal(axis.only_drive.signal, noise=0.0)
     for sensor in axis.sensors:
         perfect = perfect.with_signal(sensor.signal, noise=0.0)
     bodies = axis.free_bodies

@@ -90,7 +90,7 @@ def standard_model(axis: Axis) -> StandardModel:
         law_columns += [(j, i) for i, column in enumerate(by_parameter) if column.free_symbols & laws.keys()]
         written = [column.xreplace(laws).xreplace(constants) for column in by_parameter]
         columns.append(tuple(_function(column, symbols) for column in written))
-        force_gains.append(0.0 - float(balance.coeff(sp.Symbol(axis.drive.signal)).xreplace(constants)))
+        force_gains.append(0.0 - float(balance.coeff(sp.Symbol(axis.only_drive.signal)).xreplace(constants)))
     return StandardModel(
         parameters,
         tuple(map(str, symbols)),

@@ -74,9 +74,9 @@ def test_all_faults_are_reported_at_once() -> None:
         "body 'motor' needs either mass= (it slides) or inertia= (it turns)",
         "refers to body 'strutcure', which is not among the elements: add it, or did you mean 'structure'?",
         "Weight at 'structure': acceleration is nan: it must be a finite number other than 0",
-        "drive: gain is 0.0: it must be a finite number other than 0",
-        "drive: command and gain belong together",
-        "drive: unit 'lbf' is not known",
+        "drive 't': gain is 0.0: it must be a finite number other than 0",
+        "drive 't': command and gain belong together",
+        "drive 't': unit 'lbf' is not known",
         "Spring 'spring' lies between 'structure' and itself",
         "Damper 'damper' joins a turning and a sliding body: give the ratio",
         "Weight at 'turning': a weight acts on a sliding body",
@@ -104,7 +104,7 @@ def test_faults_of_types_are_reported_together() -> None:
     ]
     missing = [text for text in expected if not any(text in fault for fault in found)]
     assert missing == []
-    assert any("drive: at=" in fault for fault in found)
+    assert any("drive 'F': at=" in fault for fault in found)
 
 
 @pytest.mark.parametrize(

@@ -105,7 +105,7 @@ def _felt(scene: Scene, joint: Joint, waves: FloatArray, response: ComplexArray)
 
 def turns(scene: Scene) -> bool:
     """Whether the driven joint turns instead of sliding."""
-    return str(length_unit(scene.axis.drive.at)) == "rad"
+    return str(length_unit(scene.axis.only_drive.at)) == "rad"
 
 
 class PeriodicDisturbance(JointEffect):

@@ -144,7 +144,7 @@ class GainNonlinearity(DriveEffect):
         return self._force(scene, scene.record.from_samples(force * np.abs(force) ** (self.power - 1)))
 
     def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        unit = scene.axis.signal_units[scene.axis.drive.signal]
+        unit = scene.axis.signal_units[scene.axis.only_drive.signal]
         return (str(unit ** (1 - self.power)),)
 
 
@@ -256,7 +256,7 @@ def _reading(scene: Scene, signal: str) -> Joint:
 
 
 def _drive_unit(scene: Scene) -> str:
-    return str(scene.axis.signal_units[scene.axis.drive.signal])
+    return str(scene.axis.signal_units[scene.axis.only_drive.signal])
 
 
 def _least_limit(scene: Scene) -> float:
