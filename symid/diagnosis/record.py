@@ -18,7 +18,7 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data import Log
-from symid.diagnosis.density import power_density
+from symid.diagnosis.density import incoherent_density, power_density
 from symid.diagnosis.joined import bridge
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
@@ -34,6 +34,8 @@ _FEWEST_BINS = 8
 _BAND_OF_MOTION = 2.0
 _WIDEST = 0.3
 _SEGMENT = 4096
+_SEGMENTS = 16
+"""Least number of segments, without overlap, of a coherence."""
 _END_SECONDS = 0.01
 _LEAST_SAMPLES = 400
 _FLAT = 0.65
@@ -176,8 +178,8 @@ class Record:
     def noise(self) -> FloatArray:
         """Standard deviations of the noise of position, force and other sensors, from the band above the dynamics.
 
-        Of the force, the least density of that band counts: a controller makes forces out of the noise of the encoder,
-        more the higher the frequency, and these act on the axis.
+        Of the force, what is coherent with the reading of the position is no noise: a controller makes forces out of
+        the noise of the encoder, and these act on the axis.
         """
         frequency = self.log.sampling_frequency
         found = [
@@ -189,7 +191,8 @@ class Record:
         ]
         force = self.log[self.dynamics.axis.only_drive.signal]
         least = _FINEST_FORCE * float(np.abs(force).max())
-        return np.array([found[0], max(_least_noise(force, frequency, self.band_hz), least), *found[1:]])
+        of_force = _incoherent_noise(force, self.log[self.signals[0]], frequency, self.band_hz)
+        return np.array([found[0], max(of_force, least), *found[1:]])
 
     def from_samples(self, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal given at all samples of a period."""
@@ -342,9 +345,15 @@ def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> fl
     return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
 
 
-def _least_noise(x: FloatArray, sampling_frequency: float, above_hz: float) -> float:
-    """The same from the least density within the octave beyond a frequency."""
-    frequency, density = _density(x, sampling_frequency)
+def _incoherent_noise(
+    force: FloatArray, position: FloatArray, sampling_frequency: float, above_hz: float
+) -> float:
+    """Standard deviation of white noise with the least density, within the octave beyond a frequency, of a force.
+
+    Of that density only what is incoherent with the acceleration counts, which is as flat as the force.
+    """
+    segment = min(_SEGMENT, force.size // _SEGMENTS)
+    frequency, density = incoherent_density(force[1:-1], np.diff(position, 2), sampling_frequency, segment)
     beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
     if beyond.size < 4:
         beyond = density[-8:]
