@@ -81,9 +81,7 @@ def _spectra(x: FloatArray, segment: int) -> ComplexArray:
     return np.asarray(scipy.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * _hann(segment)))
 
 
-def _scaled(
-    density: FloatArray, sampling_frequency: float, segment: int
-) -> tuple[FloatArray, FloatArray]:
+def _scaled(density: FloatArray, sampling_frequency: float, segment: int) -> tuple[FloatArray, FloatArray]:
     """Frequencies and one-sided densities from mean squares of spectra."""
     density = density / (sampling_frequency * np.sum(_hann(segment) ** 2))
     density[1 : None if segment % 2 else -1] *= 2

@@ -116,7 +116,7 @@ def _error(state: State, parts: Sequence[Part], driver: Driver) -> MotionError:
         with np.errstate(all="ignore"):
             explained = axis_of(state)
             simulated = [simulated_position(explained, part, driver) for part in parts]
-    except (SymidError, np.linalg.LinAlgError, OverflowError, ZeroDivisionError) as error:
+    except (SymidError, np.linalg.LinAlgError, ArithmeticError, ValueError) as error:
         return MotionError("failed", message=str(error))
     if not all(map(_stays, parts, simulated)):
         return MotionError("failed", message="the simulated axis runs away")

@@ -34,7 +34,7 @@ _FEWEST_BINS = 8
 _BAND_OF_MOTION = 2.0
 _WIDEST = 0.3
 _SEGMENT = 4096
-_SEGMENTS = 16
+_SEGMENTS = 8
 """Least number of segments, without overlap, of a coherence."""
 _END_SECONDS = 0.01
 _LEAST_SAMPLES = 400
@@ -191,7 +191,7 @@ class Record:
         ]
         force = self.log[self.dynamics.axis.only_drive.signal]
         least = _FINEST_FORCE * float(np.abs(force).max())
-        of_force = _incoherent_noise(force, self.log[self.signals[0]], frequency, self.band_hz)
+        of_force = _force_noise(force, self.log[self.signals[0]], frequency, self.band_hz)
         return np.array([found[0], max(of_force, least), *found[1:]])
 
     def from_samples(self, values: FloatArray) -> ComplexArray:
@@ -345,21 +345,30 @@ def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> fl
     return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
 
 
-def _incoherent_noise(
+def _force_noise(
     force: FloatArray, position: FloatArray, sampling_frequency: float, above_hz: float
 ) -> float:
-    """Standard deviation of white noise with the least density, within the octave beyond a frequency, of a force.
+    """Standard deviation of white noise with the least density of a force within the octave beyond a frequency.
 
-    Of that density only what is incoherent with the acceleration counts, which is as flat as the force.
+    The lower of two densities counts: the whole, and what is incoherent with the acceleration, which is as flat as the
+    force, from shorter segments.
     """
     segment = min(_SEGMENT, force.size // _SEGMENTS)
-    frequency, density = incoherent_density(force[1:-1], np.diff(position, 2), sampling_frequency, segment)
+    densities = (
+        _density(force, sampling_frequency),
+        incoherent_density(force[1:-1], np.diff(position, 2), sampling_frequency, segment),
+    )
+    least = min(_least_beyond(above_hz, *density) for density in densities)
+    return float(np.sqrt(max(least * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def _least_beyond(above_hz: float, frequency: FloatArray, density: FloatArray) -> float:
+    """Least mean over a part of the octave beyond a frequency."""
     beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
     if beyond.size < 4:
         beyond = density[-8:]
     width = max(4, beyond.size // 6)
-    smooth = np.convolve(beyond, np.ones(width) / width, "valid")
-    return float(np.sqrt(max(smooth.min() * sampling_frequency / 2, np.finfo(float).tiny)))
+    return float(np.convolve(beyond, np.ones(width) / width, "valid").min())
 
 
 def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:

@@ -182,7 +182,7 @@ def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period:
             direction = direction_of(axis, element.at)
             mobility = float(direction @ np.linalg.solve(plant.mass, direction))
             stiffness = 2.0 * presliding_level(axis, element, parameters) / element.reach
-            most = max(most, period * math.sqrt(stiffness * mobility) / _FINE)
+            most = max(most, period * math.sqrt(max(stiffness * mobility, 0.0)) / _FINE)
     return math.ceil(min(most, _MOST_STEPS))
 
 
