@@ -21,6 +21,9 @@ _RUN_AWAY = 1e4
 """Factor by which a stiffness is beyond what any effect had hidden of it."""
 _LEAST_ACTING = 0.5
 """Share of the logged force that must act on the axis: with less, the drive has been explained away."""
+_EXPLAINED = 0.01
+"""Share of the mean square, up to which what is left says that the drive does keep most of a command back: one that an
+integrator winds up behind a limit is many times the force."""
 
 
 def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
@@ -32,7 +35,8 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
         return False
     if _springs_ran_away(fit, found) or force_share(found) > _LARGEST_FORCE:
         return False
-    return is_determined(item, blocks) and acting_share(found) > _LEAST_ACTING
+    explains = found.mean_square < _EXPLAINED * fit.mean_square
+    return is_determined(item, blocks) and (explains or acting_share(found) > _LEAST_ACTING)
 
 
 def _springs_ran_away(fit: Fit, found: Fit) -> bool:

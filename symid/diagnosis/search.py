@@ -186,7 +186,7 @@ def search(fit: Fit, library: Sequence[Effect], nominal: Fit | None = None) -> t
         The model before re-identification, another start for effects that led the parameters astray.
     """
     turns: list[Turn] = []
-    current = fit = replace(fit, state=fit.state.with_least(1 / LEAST_INERTIA))
+    current = fit = replace(fit, state=fit.state.with_least(1 / LEAST_INERTIA, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
     for _ in range(_MOST_EFFECTS):
         turn = _turn(current, library, None if turns else nominal)

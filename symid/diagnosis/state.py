@@ -52,11 +52,12 @@ class State:
     beginning: FloatArray
     least: Mapping[str, float] = field(default_factory=dict)
 
-    def with_least(self, share: float) -> State:
-        """The same with masses that may fall to a share of their values."""
-        scene = self.scene
-        names = scene.record.dynamics.parameters_of("mass")
-        return replace(self, least={name: share * abs(scene.parameters[name]) for name in names})
+    def with_least(self, share: float, nominal: Mapping[str, float]) -> State:
+        """The same with masses that may fall to a share of their values, or of the nominal ones that are smaller."""
+        own = self.scene.parameters
+        names = self.scene.record.dynamics.parameters_of("mass")
+        least = {name: min(abs(own[name]), abs(nominal.get(name, own[name]))) for name in names}
+        return replace(self, least={name: share * value for name, value in least.items()})
 
     @property
     def inertia(self) -> float:
