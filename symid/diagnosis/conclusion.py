@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from symid.data import Log
 from symid.diagnosis.comparison import Comparison
 from symid.diagnosis.deviations import standard_deviations
@@ -67,7 +69,7 @@ def concluded(
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
     gap, found = comparison.gap(), maps(comparison)
-    chances = outcome(turns, upheld, _errors(gap, comparison.is_stationary))
+    chances = outcome(turns, upheld, _errors(gap, comparison.is_stationary, fits[0]))
     verdict = _verdict(chances, gap, damaged.fatal)
     accepted = [turn for turn in turns if turn.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
@@ -99,12 +101,18 @@ def concluded(
     )
 
 
-def _errors(gap: Gap, stationary: bool) -> Errors:
+def _errors(gap: Gap, stationary: bool, plain: Fit) -> Errors:
     floor = gap.noise_floor.rms
     nominal = gap.nominal.rms / floor if gap.nominal else None
     reidentified, explained = gap.reidentified.rms / floor, gap.explained.rms / floor
     return Errors(
-        nominal, reidentified, explained, gap.unexplained_share, stationary, gap.reidentified.relative
+        nominal,
+        reidentified,
+        explained,
+        gap.unexplained_share,
+        stationary,
+        gap.reidentified.relative,
+        others=float(np.sqrt(plain.squares[1:].max(initial=0.0))),
     )
 
 

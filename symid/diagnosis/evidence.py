@@ -24,6 +24,9 @@ _LEAST_REMOVED = 0.1
 _REMOVED_WIDTH = 0.02
 _COVERED = 0.5
 _COVERED_WIDTH = 0.12
+_NEARLY_ALL = 0.8
+_NEARLY_WIDTH = 0.05
+"""The same of a gap hardly above the floor, whose level is not known better: only a cause takes all of it away."""
 _HALF = 0.5
 _UNLIKELY = 0.1
 """Probability, at most, of an effect that the validation data do not show."""
@@ -157,6 +160,8 @@ class Errors:
         Whether the re-identified model errs alike however the axis moves.
     relative : float
         Error of the re-identified model relative to the force; inf if it is not known.
+    others : float
+        Largest error of the re-identified model in a reading that it predicts, in multiples of its noise.
     """
 
     nominal: float | None
@@ -165,11 +170,12 @@ class Errors:
     left: float
     stationary: bool = False
     relative: float = math.inf
+    others: float = 0.0
 
     @property
-    def no_excess(self) -> bool:
-        """Whether the re-identified model leaves no more than the floor, so that there is nothing to explain."""
-        return not math.isfinite(self.left) and self.reidentified <= NOISE_ALONE
+    def largest(self) -> float:
+        """Error of the re-identified model in the force or in a reading."""
+        return max(self.reidentified, self.others)
 
 
 def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
@@ -187,10 +193,10 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(turns[0]) if turns else 0.0
-    if not upheld or errors.no_excess:
+    if not upheld or errors.largest <= NOISE_ALONE:
         there = min(there, _UNLIKELY)
-    if errors.stationary and errors.reidentified < _COLOURED:
-        there *= _covers(errors)  # of noise that wanders, some course in time or place explains a part
+    if errors.largest < (_COLOURED if errors.stationary else WHITE):
+        there *= _covers(errors)  # of noise, and of instants of reversals, some effect explains a part
     holds = there * (1 - _in_vain(errors))
     causes = holds * _covers(errors)
     good = 1.0
@@ -213,7 +219,11 @@ def outcome(turns: Sequence[Turn], upheld: int, errors: Errors) -> Outcome:
 
 def _covers(errors: Errors) -> float:
     """Probability that what takes away a share of the gap is what it is called, and stands for nothing else."""
-    if errors.explained <= NOISE_ALONE or not np.isfinite(errors.left):
+    if not np.isfinite(errors.left):
+        return 1.0
+    if errors.largest < WHITE:
+        return _logistic((1 - errors.left - _NEARLY_ALL) / _NEARLY_WIDTH)
+    if errors.explained <= NOISE_ALONE:
         return 1.0
     return _logistic((1 - errors.left - _COVERED) / _COVERED_WIDTH)
 
