@@ -142,16 +142,16 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             known, model, runs, validating, constraints, alone, options
         )
     if options["plot"]:
-        from symid.report.plots import plot_identification  # matplotlib takes a second to load
+        from symid.report.plots import identification_figure, save_figure  # matplotlib takes a second to load
 
-        plot_identification(
+        drawn = identification_figure(
             found,
-            options["plot"],
             validation,
             axis=known,
             runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
             palette=palette_of(options["dark"]),
         )
+        save_figure(drawn, options["plot"])
     if options["report"]:
         from symid.report.identification_page import write_identification_html  # as above
 

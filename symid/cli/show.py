@@ -24,9 +24,10 @@ def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_
     """Show the equations of motion, the eliminated model, the regressor and the parameter maps of AXIS."""
     declared = load_axis(axis)
     if plot:
-        from symid.report.schematic import plot_schematic  # matplotlib takes a second to load
+        from symid.report.plots import save_figure  # matplotlib takes a second to load
+        from symid.report.schematic import schematic
 
-        plot_schematic(declared, plot, palette_of(dark))
+        save_figure(schematic(declared, palette_of(dark)), plot)
     model = derive(declared, signal_list(measured))
     if json_file:
         write_json(derivation_record(model), json_file)

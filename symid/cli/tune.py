@@ -29,8 +29,15 @@ from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, 
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of
-from symid.report.total_tuning import plot_total_tuning, print_total_tuning, total_record
-from symid.report.tuning import plot_tuning, print_tuning, tuning_record
+from symid.report.plots import save_figure
+from symid.report.tuning import (
+    print_total_tuning,
+    print_tuning,
+    total_record,
+    total_tuning_figure,
+    tuning_figure,
+    tuning_record,
+)
 from symid.simulation import Controller, Plant, Trajectory, plant_of
 from symid.tuning import (
     TotalTuning,
@@ -133,13 +140,13 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
     if options["noise_from"] or options["noise"]:
         total = _total(axis, declared, parameters, options)
         record = total_record(total)
-        draw, show = partial(plot_total_tuning, total), partial(print_total_tuning, total)
+        draw, show = partial(total_tuning_figure, total), partial(print_total_tuning, total)
     else:
         found = _bounded(declared, parameters, options)
         record = tuning_record(found)
-        draw, show = partial(plot_tuning, found), partial(print_tuning, found)
+        draw, show = partial(tuning_figure, found), partial(print_tuning, found)
     if options["plot"]:
-        draw(options["plot"], palette=palette_of(options["dark"]))
+        save_figure(draw(palette_of(options["dark"])), options["plot"])
     if json_file:
         write_json(record, json_file)
     if json_file != "-":

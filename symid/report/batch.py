@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
-from symid.report.console import plain, report_console
+from symid.report.console import TextTable, plain, report_console
 from symid.report.numbers import MISSING, significant, words
 
 _MOST_LINES = 10
@@ -19,15 +17,17 @@ def print_batch(record: dict[str, Any], console: Console | None = None) -> None:
     console = console or report_console()
     reused = f", {record['reused']} of them as they were" if record["reused"] else ""
     console.print(f"{record['logs']} logs{reused}", highlight=False)
-    console.print(_table("Status", ("", "logs"), [(name, str(n)) for name, n in record["status"].items()]))
+    console.print(_counts("Status", record["status"]))
     for axis, parameters in record["parameters"].items():
         if parameters:
             console.print(_parameters(axis, parameters))
     if "effects" in record:
-        console.print(
-            _table("Verdict", ("", "logs"), [(words(v), str(n)) for v, n in record["verdicts"].items()])
-        )
-        console.print(_effects(record["effects"]))
+        console.print(_counts("Verdict", {words(name): n for name, n in record["verdicts"].items()}))
+        effects = TextTable("Effects", "", "at", "logs", "axes", right=("logs",))
+        for e in record["effects"]:
+            axes = ", ".join(f"{axis} {n}" for axis, n in e["axes"].items())
+            effects.add(words(e["effect"]), e["at"], str(e["logs"]), axes)
+        console.print(effects)
     for trouble in record["not_ok"][:_MOST_LINES]:
         console.print(plain(f"{trouble['log']}: {trouble['status']}: {trouble['message']}"))
     if (more := record["logs"] - record["status"].get("ok", 0) - _MOST_LINES) > 0:
@@ -38,43 +38,19 @@ def print_batch(record: dict[str, Any], console: Console | None = None) -> None:
         console.print(plain(f"rows: {', '.join(record['output'])}"))
 
 
-def _parameters(axis: str, parameters: list[dict[str, Any]]) -> Table:
-    lines = [
-        (
-            p["name"],
-            p["measured"],
-            str(p["logs"]),
-            significant(p["median"], 6),
-            significant(p["spread"]),
-            MISSING if p["std"] is None else significant(p["std"]),
-            p["unit"],
-        )
-        for p in parameters
-    ]
-    headings = ("", "sensors", "logs", "median", "spread", "std of one log", "unit")
-    return _table(f"Parameters of {axis} over the logs that are ok", headings, lines)
-
-
-def _effects(effects: list[dict[str, Any]]) -> Table:
-    lines = [
-        (
-            words(e["effect"]),
-            e["at"],
-            str(e["logs"]),
-            ", ".join(f"{axis} {n}" for axis, n in e["axes"].items()),
-        )
-        for e in effects
-    ]
-    return _table("Effects", ("", "at", "logs", "axes"), lines)
-
-
-def _table(title: str, headings: tuple[str, ...], lines: Sequence[tuple[str, ...]]) -> Table:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    for heading in headings:
-        table.add_column(heading, justify="right" if heading in _NUMBERS else "left")
-    for line in lines:
-        table.add_row(*map(plain, line))
+def _counts(title: str, logs: dict[str, int]) -> TextTable:
+    table = TextTable(title, "", "logs", right=("logs",))
+    for name, count in logs.items():
+        table.add(name, str(count))
     return table
 
 
-_NUMBERS = ("logs", "median", "spread", "std of one log")
+def _parameters(axis: str, parameters: list[dict[str, Any]]) -> TextTable:
+    numbers = ("logs", "median", "spread", "std of one log")
+    title = f"Parameters of {axis} over the logs that are ok"
+    table = TextTable(title, "", "sensors", *numbers, "unit", right=numbers)
+    for p in parameters:
+        std = MISSING if p["std"] is None else significant(p["std"])
+        sizes = (str(p["logs"]), significant(p["median"], 6), significant(p["spread"]), std)
+        table.add(p["name"], p["measured"], *sizes, p["unit"])
+    return table

@@ -49,7 +49,8 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None
         xscale="log", yscale="log", ylabel=f"{response.quantity} / {response.force} [{response.unit}]"
     )
     magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=22)
-    magnitude.set_ylim(*_seen(np.abs(response.identified), np.abs(response.measured[sure])))
+    seen = np.abs(np.concatenate([response.identified, response.measured[sure]]))
+    magnitude.set_ylim(float(seen.min() / 3), float(seen.max() * 3))
     handles, labels = magnitude.get_legend_handles_labels()
     magnitude.legend(
         handles[::-1],
@@ -64,12 +65,6 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None
     coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")
     coherence.axhline(COHERENT, color=palette.ink, linewidth=0.7, linestyle="--")
     coherence.set(ylabel="coherence", ylim=(0, 1.03), xlabel="frequency [Hz]")
-
-
-def _seen(*curves: FloatArray) -> tuple[float, float]:
-    """Range of some curves, with a margin on a logarithmic scale."""
-    values = np.concatenate(curves)
-    return float(values.min() / 3), float(values.max() * 3)
 
 
 def correlated_pairs(covariance: FloatArray) -> list[tuple[int, int, float]]:
@@ -104,7 +99,9 @@ def draw_ellipse(
     i, j, rho = pair
     names = list(units)
     part = covariance[np.ix_((i, j), (i, j))]
-    deviations = np.array([_scale(values[k]) * np.sqrt(covariance[k, k]) for k in (i, j)])
+    # in percent of the value where it is not 0
+    percent = [100.0 / abs(values[k]) if values[k] else 1.0 for k in (i, j)]
+    deviations = np.array(percent) * np.sqrt(np.diag(part))
     spread, directions = np.linalg.eigh(part / np.sqrt(np.outer(np.diag(part), np.diag(part))))
     turn = np.linspace(0, 2 * np.pi, 181)
     for level, style in ((0.95, "-"), (0.68, "--")):
@@ -119,11 +116,6 @@ def draw_ellipse(
     axes.set_ylabel(_label(names[j], values[j], units[names[j]]))
     axes.set_title(f"{names[i]}, {names[j]}: correlation {rho:+.2f}".replace("-", "−"), loc="left")
     axes.locator_params(nbins=5)
-
-
-def _scale(value: float) -> float:
-    """To percent of the value; a value of 0 has none."""
-    return 100.0 / abs(value) if value else 1.0
 
 
 def _label(name: str, value: float, unit: str) -> str:

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import scipy
 from rich.console import Console
-from rich.table import Table
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
-from symid.report.console import plain, report_console
-from symid.report.numbers import MISSING, significant, with_deviation
+from symid.report.console import TextTable, plain, report_console
+from symid.report.numbers import percent, significant, with_deviation
 
 _DIFFERENT = 3.0
 """Standard deviations from which on parameters count as different."""
@@ -131,20 +130,12 @@ def print_comparison(record: dict[str, Any], console: Console | None = None) -> 
         "AB", record["files"], record["axis"], record["status"], strict=True
     ):
         console.print(plain(f"{which}: {file}" + "".join(f", {word}" for word in (axis, status) if word)))
-    table = Table(box=None, pad_edge=False)
-    table.add_column("")
-    for heading in ("A", "B", "B - A", "of A", "deviations"):
-        table.add_column(heading, justify="right")
-    table.add_column("unit")
+    numbers = ("A", "B", "B - A", "of A", "deviations")
+    table = TextTable("", "", *numbers, "unit", right=numbers)
     for name, one in record["parameters"].items():
         a, b = (with_deviation(one[key]["value"], one[key]["std"]) for key in ("a", "b"))
-        relative = MISSING if not math.isfinite(one["relative"]) else f"{100 * one['relative']:.3g} %"
-        apart = (
-            MISSING
-            if not math.isfinite(one["deviations"])
-            else f"{one['deviations']:.2g}" + "  differs" * one["differs"]
-        )
-        table.add_row(*map(plain, (name, a, b, significant(one["difference"]), relative, apart, one["unit"])))
+        apart = significant(one["deviations"], 2) + "  differs" * one["differs"]
+        table.add(name, a, b, significant(one["difference"]), percent(one["relative"]), apart, one["unit"])
     console.print(table)
     together = record["together"]
     if together is not None:

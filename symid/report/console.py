@@ -1,14 +1,16 @@
-"""The console that reports print on."""
+"""The console and the tables of reports."""
 
 from __future__ import annotations
 
 import io
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
 from rich.errors import MarkupError
 from rich.markup import escape
+from rich.table import Table
 from rich.text import Text
 
 from symid.text import visible
@@ -44,6 +46,31 @@ def plain(text: str, style: str = "") -> Text:
     'a[b]\\x1b'
     """
     return Text(visible(text), style=style)
+
+
+class TextTable(Table):
+    """Table of plain text: brackets in names of logs and signals are no markup.
+
+    Parameters
+    ----------
+    title : str
+        Above it; empty for none.
+    *headings : str
+        Of the columns.
+    right : sequence of str
+        Headings of columns that are aligned at the right.
+    """
+
+    def __init__(self, title: str, *headings: str, right: Sequence[str] = ()) -> None:
+        super().__init__(
+            title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False
+        )
+        for heading in headings:
+            self.add_column(heading, justify="right" if heading in right else "left")
+
+    def add(self, *cells: str) -> None:
+        """Add a row."""
+        self.add_row(*map(plain, cells))
 
 
 def report_console() -> Console:

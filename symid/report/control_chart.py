@@ -84,7 +84,7 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
         Row of the page's table for each of its logs.
     """
     chart = one.chart
-    time = _time(chart)
+    time = np.array([t.timestamp() if isinstance(t, datetime) else float(t) for t in chart.time])
     x, (low, high) = _horizontal(time), _range(chart)
 
     def y(values: FloatArray) -> FloatArray:
@@ -151,11 +151,6 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
     path = "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(places, line, strict=True))
     texts = (_number(value, high - low) for value in (low, one.median, high))
     return DistributionShapes(bars, f"M{path}" if path else "", *texts)
-
-
-def _time(chart: ControlChart) -> FloatArray:
-    """Seconds, or numbers of logs."""
-    return np.array([t.timestamp() if isinstance(t, datetime) else float(t) for t in chart.time])
 
 
 def _horizontal(time: FloatArray, of: FloatArray | None = None) -> FloatArray:

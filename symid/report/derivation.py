@@ -7,7 +7,6 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from symid.axis import Axis
 from symid.report.console import report_console
 from symid.symbolic import DerivedModel
 
@@ -33,14 +32,14 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
         "identifiability_counted": maps.counted,
         "determined_combinations": [str(expression) for expression in maps.combinations],
         "relations": maps.relations,
-        "assumptions": [*model.assumptions, *_passed_over(model.axis)],
+        "assumptions": [
+            *model.assumptions,
+            *(
+                f"{type(element).__name__} is passed over by the regressor, simulated only: {element.formula}"
+                for element in model.axis.imperfections
+            ),
+        ],
     }
-
-
-def _passed_over(axis: Axis) -> list[str]:
-    """Imperfections, which no regressor contains."""
-    passed = "passed over by the regressor, simulated only"
-    return [f"{type(element).__name__} is {passed}: {element.formula}" for element in axis.imperfections]
 
 
 def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
@@ -69,16 +68,10 @@ def print_derivation(model: DerivedModel, console: Console | None = None) -> Non
     console.print(regressor)
     console.print()
     for i, branch in enumerate(record["inverse_branches"]):
-        which = (
-            f", solution {i + 1} of {len(record['inverse_branches'])}"
-            if len(record["inverse_branches"]) > 1
-            else ""
-        )
-        _section(
-            console,
-            f"Inverse map{which}",
-            [f"{name} = {_shortened(value)}" for name, value in branch.items()],
-        )
+        count = len(record["inverse_branches"])
+        which = f", solution {i + 1} of {count}" if count > 1 else ""
+        lines = [f"{name} = {_shortened(value)}" for name, value in branch.items()]
+        _section(console, f"Inverse map{which}", lines)
     if not record["inverse_branches"]:
         _section(
             console, "Inverse map", ["no closed form; identification solves for the parameters numerically"]
@@ -122,8 +115,6 @@ def _section(console: Console, title: str, lines: list[str]) -> None:
 
 
 def _shortened(expression: str, most: int = 400) -> str:
-    return (
-        expression
-        if len(expression) <= most
-        else f"{expression[:most]} ... ({len(expression)} characters; --json has all)"
-    )
+    if len(expression) <= most:
+        return expression
+    return f"{expression[:most]} ... ({len(expression)} characters; --json has all)"

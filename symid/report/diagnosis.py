@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from symid.diagnosis.experiment import Experiment
-from symid.diagnosis.gap import Gap, Level, MapCell, Removed, Reversal
-from symid.diagnosis.result import (
-    Alternative,
-    Diagnosis,
-    EffectParameter,
-    FoundEffect,
-    ParameterChange,
-    Simulator,
-)
-from symid.report.console import plain, report_console
-from symid.report.motion_gap import motion_line, motion_record, motion_rows
+from symid.diagnosis.result import Diagnosis, EffectParameter, Simulator
+from symid.report.console import TextTable, plain, report_console
+from symid.report.motion_gap import motion_line, motion_rows
 from symid.report.numbers import (
     MISSING,
     band,
@@ -54,17 +45,41 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
         "logs": list(found.logs),
         "verdict": found.verdict,
         "sentence": found.sentence,
-        "gap": _gap(found.gap),
-        "waterfall": _waterfall(found),
-        "location": [
-            {"at": place.at, "share": place.share, "band_hz": list(place.band_hz), "regime": place.regime}
-            for place in found.location
+        "gap": asdict(found.gap),
+        "waterfall": [
+            {
+                "model": stage.model,
+                "rms": None if stage.level is None else stage.level.rms,
+                "relative": None if stage.level is None else stage.level.relative,
+                "multiple_of_floor": stage.multiple,
+                "removed": stage.removed,
+                "removed_multiple_of_floor": stage.removed_multiple,
+            }
+            for stage in waterfall(found)
         ],
-        "maps": {name: [_cell(cell) for cell in cells] for name, cells in found.maps.items()},
-        "effects": [_effect(effect) for effect in found.effects],
-        "alternatives": [_alternative(other) for other in found.alternatives],
+        "location": [asdict(place) for place in found.location],
+        "maps": {name: [asdict(cell) for cell in cells] for name, cells in found.maps.items()},
+        "effects": [
+            {
+                **asdict(effect),
+                "indistinguishable_from": [
+                    {"effect": name, "at": at} for name, at in effect.indistinguishable_from
+                ],
+            }
+            for effect in found.effects
+        ],
+        "alternatives": [asdict(other) for other in found.alternatives],
         "probabilities": dict(found.probabilities),
-        "parameters": {change.name: _change(change) for change in found.parameters},
+        "parameters": {
+            change.name: {
+                "nominal": change.nominal,
+                "reidentified": {"value": change.reidentified, "std": change.reidentified_std},
+                "explained": {"value": change.explained, "std": change.explained_std},
+                "unit": change.unit,
+                "absorbed": change.absorbed,
+            }
+            for change in found.parameters
+        },
         "faults": list(found.faults),
         "assumptions": list(found.assumptions),
         "next_experiment": found.next_experiment,
@@ -85,74 +100,6 @@ def _experiment(planned: Experiment) -> dict[str, Any]:
         "demand": None if run is None else {**asdict(run.demand), "force": run.force},
         "message": planned.message,
     }
-
-
-def _level(level: Level | None) -> dict[str, float] | None:
-    return None if level is None else {"rms": level.rms, "relative": level.relative}
-
-
-def _gap(gap: Gap) -> dict[str, Any]:
-    return {
-        "signal": gap.signal,
-        "unit": gap.unit,
-        "band_hz": gap.band_hz,
-        "nominal": _level(gap.nominal),
-        "reidentified": _level(gap.reidentified),
-        "explained": _level(gap.explained),
-        "noise_floor": _level(gap.noise_floor),
-        "steps": [_level(step) for step in gap.steps],
-        "closed_fraction": gap.closed_fraction,
-        "closed_interval": list(gap.closed_interval),
-        "unexplained_share": gap.unexplained_share,
-        "reversal": None if gap.reversal is None else _reversal(gap.reversal),
-        "motion": None if gap.motion is None else motion_record(gap.motion),
-    }
-
-
-def _reversal(reversal: Reversal) -> dict[str, Any]:
-    return {"reidentified": _level(reversal.reidentified), "explained": _level(reversal.explained)}
-
-
-def _waterfall(found: Diagnosis) -> list[dict[str, Any]]:
-    return [
-        {
-            "model": stage.model,
-            "rms": None if stage.level is None else stage.level.rms,
-            "relative": None if stage.level is None else stage.level.relative,
-            "multiple_of_floor": stage.multiple,
-            "removed": stage.removed,
-            "removed_multiple_of_floor": stage.removed_multiple,
-        }
-        for stage in waterfall(found)
-    ]
-
-
-def _cell(cell: MapCell) -> dict[str, Any]:
-    return {
-        "label": cell.label,
-        "low": cell.low,
-        "high": cell.high,
-        "samples": cell.samples,
-        "share": cell.share,
-        "before": cell.before,
-        "after": cell.after,
-    }
-
-
-def _effect(effect: FoundEffect) -> dict[str, Any]:
-    return {
-        "effect": effect.effect,
-        "at": effect.at,
-        "probability": effect.probability,
-        "parameters": _values(effect.parameters),
-        "gap_after": _level(effect.gap_after),
-        "removes": _removed(effect.removes),
-        "indistinguishable_from": _places(effect.indistinguishable_from),
-    }
-
-
-def _removed(removed: Removed) -> dict[str, float]:
-    return {"share": removed.share, "low": removed.low, "high": removed.high}
 
 
 def _values(parameters: Mapping[str, EffectParameter]) -> dict[str, Any]:
@@ -182,30 +129,6 @@ def _simulated(simulator: Simulator) -> dict[str, Any]:
             }
             for e in simulator.effects
         ],
-    }
-
-
-def _places(effects: Iterable[tuple[str, str]]) -> list[dict[str, str]]:
-    return [{"effect": effect, "at": at} for effect, at in effects]
-
-
-def _alternative(other: Alternative) -> dict[str, Any]:
-    return {
-        "effect": other.effect,
-        "at": other.at,
-        "probability": other.probability,
-        "log_likelihood": other.log_likelihood,
-        "gap_after": _level(other.gap_after),
-    }
-
-
-def _change(change: ParameterChange) -> dict[str, Any]:
-    return {
-        "nominal": change.nominal,
-        "reidentified": {"value": change.reidentified, "std": change.reidentified_std},
-        "explained": {"value": change.explained, "std": change.explained_std},
-        "unit": change.unit,
-        "absorbed": change.absorbed,
     }
 
 
@@ -267,55 +190,41 @@ def _reversal_line(gap: dict[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _table(title: str, left: tuple[str, ...], right: tuple[str, ...], last: tuple[str, ...] = ()) -> Table:
-    table = Table(title=plain(title), title_justify="left", box=None, pad_edge=False)
-    for heading in (*left, *right, *last):
-        table.add_column(heading, justify="right" if heading in right else "left")
-    return table
-
-
-def _add(table: Table, *cells: str) -> None:
-    """A row of plain text: names of logs and signals may look like markup."""
-    table.add_row(*(plain(cell) for cell in cells))
-
-
-def _gap_table(record: dict[str, Any]) -> Table:
+def _gap_table(record: dict[str, Any]) -> TextTable:
     gap = record["gap"]
     title = f"Error of {gap['signal']} up to {gap['band_hz']:.3g} Hz, on data that took no part in any choice"
-    table = _table(
-        title, ("model",), (f"rms [{gap['unit']}]", "of signal", "of floor", f"removed [{gap['unit']}]")
-    )
+    numbers = (f"rms [{gap['unit']}]", "of signal", "of floor", f"removed [{gap['unit']}]")
+    table = TextTable(title, "model", *numbers, right=numbers)
     for stage in record["waterfall"]:
         if stage["rms"] is None:
-            _add(table, stage["model"], "none given", *[MISSING] * 3)
+            table.add(stage["model"], "none given", *[MISSING] * 3)
             continue
         size = (significant(stage["rms"]), percent(stage["relative"]), multiple(stage["multiple_of_floor"]))
-        _add(table, stage["model"], *size, significant(stage["removed"], 3))
+        table.add(stage["model"], *size, significant(stage["removed"], 3))
     return table
 
 
-def _motion_table(record: dict[str, Any]) -> Table:
+def _motion_table(record: dict[str, Any]) -> TextTable:
     """The simulated axis beside the measured motion; empty where it was not simulated."""
     found = record["gap"]["motion"]
     unit = "" if found is None else f"u{found['unit']}"
     headings = ("position", "velocity", "tracking error", f"rms [{unit}]", f"at reversals [{unit}]")
-    table = _table("Fit of the simulated motion, on the same data", ("model",), headings)
+    table = TextTable("Fit of the simulated motion, on the same data", "model", *headings, right=headings)
     for model, *cells in [] if found is None else motion_rows(record):
-        _add(table, model, *cells)
+        table.add(model, *cells)
     return table
 
 
-def _location_table(record: dict[str, Any]) -> Table:
-    table = _table("Where it lies", ("at",), ("share of excess",), ("band", "regime"))
+def _location_table(record: dict[str, Any]) -> TextTable:
+    table = TextTable("Where it lies", "at", "share of excess", "band", "regime", right=("share of excess",))
     for place in record["location"]:
-        _add(table, place["at"], share(place["share"]), band(*place["band_hz"]), place["regime"])
+        table.add(place["at"], share(place["share"]), band(*place["band_hz"]), place["regime"])
     return table
 
 
-def _effects_table(record: dict[str, Any]) -> Table:
-    table = _table(
-        "Effects found", ("effect", "at"), ("probability", "removes", "leaves"), ("parameters", "or")
-    )
+def _effects_table(record: dict[str, Any]) -> TextTable:
+    numbers = ("probability", "removes", "leaves")
+    table = TextTable("Effects found", "effect", "at", *numbers, "parameters", "or", right=numbers)
     floor = record["gap"]["noise_floor"]["rms"]
     for found in record["effects"]:
         parameters = ", ".join(
@@ -323,17 +232,9 @@ def _effects_table(record: dict[str, Any]) -> Table:
             for name, p in found["parameters"].items()
         )
         others = ", ".join(f"{words(o['effect'])} at {o['at']}" for o in found["indistinguishable_from"])
-        left = times(found["gap_after"]["rms"], floor)
-        _add(
-            table,
-            words(found["effect"]),
-            found["at"],
-            probability(found["probability"]),
-            removes(found["removes"]),
-            left,
-            parameters,
-            others,
-        )
+        sizes = (removes(found["removes"]), times(found["gap_after"]["rms"], floor))
+        certainty = probability(found["probability"])
+        table.add(words(found["effect"]), found["at"], certainty, *sizes, parameters, others)
     return table
 
 
@@ -351,36 +252,37 @@ def removes(removed: Mapping[str, float]) -> str:
     return f"{share(removed['share'])} ({low:.0f} to {high:.0f} %)"
 
 
-def _alternatives_table(record: dict[str, Any]) -> Table:
+def _alternatives_table(record: dict[str, Any]) -> TextTable:
     title = "Considered: " + ", ".join(
         f"{words(name)} {probability(value)}" for name, value in record["probabilities"].items()
     )
-    unit = record["gap"]["unit"]
-    table = _table(title, ("effect", "at"), ("probability", "gain in log-likelihood", f"leaves [{unit}]"))
+    numbers = ("probability", "gain in log-likelihood", f"leaves [{record['gap']['unit']}]")
+    table = TextTable(title, "effect", "at", *numbers, right=numbers)
     for other in record["alternatives"][:_MOST_ALTERNATIVES]:
         left = "screened" if other["gap_after"] is None else significant(other["gap_after"]["rms"])
         gain = significant(other["log_likelihood"])
-        _add(table, words(other["effect"]), other["at"], probability(other["probability"]), gain, left)
+        table.add(words(other["effect"]), other["at"], probability(other["probability"]), gain, left)
     return table
 
 
-def _parameters_table(record: dict[str, Any]) -> Table:
+def _parameters_table(record: dict[str, Any]) -> TextTable:
     """Parameters; the column of the effects only where there are some."""
     several = bool(record["effects"])
     headings = ("nominal", "re-identified", *(["with effects"] if several else []))
-    table = _table("Parameters", ("",), headings, ("unit", *(["remark"] if several else [])))
+    table = TextTable("Parameters", "", *headings, "unit", *(["remark"] if several else []), right=headings)
     for name, change in record["parameters"].items():
         stages = [change["reidentified"], change["explained"]][: 1 + several]
         values = [with_deviation(stage["value"], stage["std"]) for stage in stages]
         remark = ["had absorbed the effects" if change["absorbed"] else ""] if several else []
-        _add(table, name, significant(change["nominal"]), *values, change["unit"], *remark)
+        table.add(name, significant(change["nominal"]), *values, change["unit"], *remark)
     return table
 
 
-def _simulated_table(record: dict[str, Any]) -> Table:
+def _simulated_table(record: dict[str, Any]) -> TextTable:
     """Effects of the simulator beside those of the machine; empty without a simulator."""
     own = record.get("simulated", {"log": "", "parameters": {}, "effects": []})
-    table = _table(f"The simulator ({own['log']})", ("",), ("simulator", "machine"), ("unit", "remark"))
+    numbers = ("simulator", "machine")
+    table = TextTable(f"The simulator ({own['log']})", "", *numbers, "unit", "remark", right=numbers)
     rows = [
         (name, p["simulated"], p["machine"], p["unit"], p["differs"]) for name, p in own["parameters"].items()
     ]
@@ -391,6 +293,6 @@ def _simulated_table(record: dict[str, Any]) -> Table:
             rows.append((place + name, p, machine, p["unit"], found["differs"]))
     for name, simulated, machine, unit, differs in rows:
         value = MISSING if machine is None else with_deviation(machine["value"], machine["std"])
-        remark = "the machine has it not" if machine is None else "differs" if differs else ""
-        _add(table, name, with_deviation(simulated["value"], simulated["std"]), value, unit, remark)
+        remark = "not in the machine" if machine is None else "differs" if differs else ""
+        table.add(name, with_deviation(simulated["value"], simulated["std"]), value, unit, remark)
     return table

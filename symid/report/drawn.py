@@ -51,12 +51,8 @@ def svg_of(figure: Figure, name: str) -> str:
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
         figure.savefig(text, format="svg", metadata=nothing)
-    return _once(text.getvalue()[text.getvalue().index("<svg ") :])
-
-
-def _once(svg: str) -> str:
-    """The element with each identifier once: signs of the same kind are numbered."""
-    seen: Counter[str] = Counter()
+    svg = text.getvalue()[text.getvalue().index("<svg ") :]
+    seen: Counter[str] = Counter()  # an identifier stands once: signs of the same kind are numbered
 
     def numbered(match: re.Match[str]) -> str:
         seen[match[1]] += 1

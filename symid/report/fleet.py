@@ -8,10 +8,9 @@ from datetime import datetime
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from symid.fleet import AxisReview, Change, FleetReview, JointIdentification, ParameterReview
-from symid.report.console import plain, report_console
+from symid.report.console import TextTable, plain, report_console
 from symid.report.numbers import MISSING, percent, probability, significant, with_deviation, words
 
 _MOST_EFFECTS = 10
@@ -176,19 +175,19 @@ def print_fleet(record: dict[str, Any], console: Console | None = None) -> None:
             console.print(line, markup=False)
 
 
-def _effects_table(record: dict[str, Any]) -> Table:
-    table = _table("Effects found", "effect", "at", "logs", "axes", "which")
+def _effects_table(record: dict[str, Any]) -> TextTable:
+    table = TextTable("Effects found", "effect", "at", "logs", "axes", "which", right=("logs", "axes"))
     for one in record["effects"][:_MOST_EFFECTS]:
         counts = (str(one["logs"]), str(len(one["axes"])))
-        _add(table, words(one["effect"]), one["at"], *counts, ", ".join(one["axes"][:4]))
+        table.add(words(one["effect"]), one["at"], *counts, ", ".join(one["axes"][:4]))
     return table
 
 
-def _parameters_table(axis: dict[str, Any]) -> Table:
-    table = _table("", "", "logs", "median", "between runs", "promised", "p", "unit", "")
+def _parameters_table(axis: dict[str, Any]) -> TextTable:
+    numbers = ("logs", "median", "between runs", "promised", "p")
+    table = TextTable("", "", *numbers, "unit", "", right=numbers)
     for name, one in axis["parameters"].items():
-        _add(
-            table,
+        table.add(
             name,
             str(one["logs"]),
             with_deviation(one["median"], one["mean_std"]),
@@ -201,13 +200,13 @@ def _parameters_table(axis: dict[str, Any]) -> Table:
     return table
 
 
-def _joint_table(joint: dict[str, Any]) -> Table:
+def _joint_table(joint: dict[str, Any]) -> TextTable:
     disagreement = probability(joint["disagreement_probability"])
     trouble = "" if joint["status"] == "ok" else f", {words(joint['status'])}: {joint['message']}"
     title = f"Joined from {joint['logs']} logs (p that they share these parameters: {disagreement}{trouble})"
-    table = _table(title, "", "joint", "unit")
+    table = TextTable(title, "", "joint", "unit", right=("joint",))
     for name, one in joint["parameters"].items():
-        _add(table, name, with_deviation(one["value"], one["std"]), one["unit"])
+        table.add(name, with_deviation(one["value"], one["std"]), one["unit"])
     return table
 
 
@@ -231,16 +230,3 @@ def _events(axis: dict[str, Any]) -> list[str]:
             rest = f" and {len(far) - _MOST_OUTLIERS} more" if len(far) > _MOST_OUTLIERS else ""
             lines.append(f"{name} stands off in {shown}{rest}")
     return lines
-
-
-def _table(title: str, *headings: str) -> Table:
-    table = Table(title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False)
-    for heading in headings:
-        number = heading in ("logs", "axes", "median", "between runs", "promised", "p", "joint")
-        table.add_column(heading, justify="right" if number else "left")
-    return table
-
-
-def _add(table: Table, *cells: str) -> None:
-    """A row of plain text: names of logs may look like markup."""
-    table.add_row(*(plain(cell) for cell in cells))

@@ -27,6 +27,8 @@ _MOST_OUTLIERS = 40
 _FIRST = ("log", "axis", "status", "recorded", "verdict", "effect", "at", "probability")
 _LAST = ("message", "residual_relative", "condition_number", "cutoff_hz", "samples", "seconds")
 """Columns of the table of logs before and after the parameters, where the results have them."""
+_SECONDS = re.compile(r"^(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(:\d\d)?)\S*$")
+"""A time, which the table shows to the second."""
 _TEXTS = {"log", "axis", "status", "recorded", "verdict", "effect", "at", "message"}
 
 
@@ -71,32 +73,40 @@ def write_fleet_html(
         If the suffix is another one, or the folder does not exist.
     """
     path = html_path(file)
-    write_whole(path, _page(found, joined))
-
-
-def _page(found: FleetReview, joined: Mapping[str, JointIdentification] | None) -> str:
     record = fleet_record(found, joined)
     places = {log: row for row, log in enumerate(map(str, found.table["log"]))}
     sections, outliers = _sections(found, record, places), _outliers(record)
-    return (
-        page_templates()
-        .get_template("fleet.html")
-        .render(
-            r=record,
-            sections=sections,
-            changes=_changes(sections),
-            outliers=outliers[:_MOST_OUTLIERS],
-            outlying=len(outliers),
-            logs=_logs(found),
-            drawing=control_chart,
-            version=__version__,
-        )
+    page = page_templates().get_template("fleet.html")
+    text = page.render(
+        r=record,
+        sections=sections,
+        changes=[
+            {
+                "axis": section.record["name"],
+                "place": place,
+                "parameter": name,
+                "sentence": change["sentence"],
+            }
+            for place, section in enumerate(sections)
+            for name, one in section.record["parameters"].items()
+            for change in one["changes"]
+        ],
+        outliers=outliers[:_MOST_OUTLIERS],
+        outlying=len(outliers),
+        logs=_logs(found),
+        drawing=control_chart,
+        version=__version__,
     )
+    write_whole(path, text)
 
 
 def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]) -> list[_Section]:
     """Axes, those with findings first; the first few are open."""
-    pairs = sorted(zip(found.axes, record["axes"], strict=True), key=lambda pair: -_interest(pair[0]))
+
+    def findings(axis: AxisReview) -> int:
+        return sum(len(one.chart.changes) for one in axis.parameters) + axis.verdict.differs
+
+    pairs = sorted(zip(found.axes, record["axes"], strict=True), key=lambda pair: -findings(pair[0]))
     return [
         _Section(
             of_record,
@@ -107,26 +117,12 @@ def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]
     ]
 
 
-def _interest(axis: AxisReview) -> int:
-    return sum(len(one.chart.changes) for one in axis.parameters) + axis.verdict.differs
-
-
 def _drawn(one: ParameterReview, record: dict[str, Any], places: dict[str, int]) -> _Drawn:
     shapes = distribution = None
     if one.chart.values.size:
         shapes = chart_shapes(one, [places[log] for log in one.logs])
         distribution = distribution_shapes(one, one.chart.values)
     return _Drawn(one.name, record, shapes, distribution)
-
-
-def _changes(sections: list[_Section]) -> list[dict[str, Any]]:
-    """Changes of all axes in the order of the page."""
-    return [
-        {"axis": section.record["name"], "place": place, "parameter": name, "sentence": change["sentence"]}
-        for place, section in enumerate(sections)
-        for name, one in section.record["parameters"].items()
-        for change in one["changes"]
-    ]
 
 
 def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
@@ -149,7 +145,7 @@ def _logs(found: FleetReview) -> dict[str, Any]:
         if name not in table.columns:
             continue
         if name in _TEXTS:
-            texts = ["" if value is None else _text(value) for value in table[name]]
+            texts = ["" if value is None else _SECONDS.sub(r"\1 \2", str(value)) for value in table[name]]
             columns.append({"name": name, "text": True, "values": texts})
             continue
         column = {"name": name, "text": False, "values": _plain(table, name)}
@@ -167,11 +163,6 @@ def _units(found: FleetReview) -> dict[str, str]:
         for one in axis.parameters:
             every[one.name].add(one.unit)
     return {name: units.pop() for name, units in every.items() if len(units) == 1}
-
-
-def _text(value: object) -> str:
-    """A value of the table as text; a time to the second."""
-    return re.sub(r"^(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(:\d\d)?)\S*$", r"\1 \2", str(value))
 
 
 def _plain(table: pl.DataFrame, name: str) -> list[float | None]:

@@ -14,7 +14,7 @@ from symid.data import ForeignColumn, Table
 from symid.errors import LogError
 from symid.report.colours import LIGHT, Palette
 from symid.report.panels import draw_over_time
-from symid.report.plots import figure_path, save_figure
+from symid.report.plots import save_figure
 from symid.units import to_si
 
 _MOST_COLUMNS = 12
@@ -49,7 +49,6 @@ def plot_foreign(
     SettingError
         If the suffix is not known.
     """
-    path = figure_path(file)
     drawn = [column for column in columns if column.quantity != "time"][:_MOST_COLUMNS]
     if not drawn:
         raise LogError("there is no column to draw: the file holds no numbers besides the time")
@@ -68,7 +67,7 @@ def plot_foreign(
             draw_over_time(axes, time, {column.header: (course, colour, 0.9)}, column.unit or "?")
             axes.set_title(f"{column.header}: {column.quantity or 'not known'}", loc="left", fontsize=9)
         rows[-1].set_xlabel(label)
-        save_figure(figure, path)
+        save_figure(figure, file)
 
 
 def _values(table: Table, headers: Sequence[str]) -> list[FloatArray]:

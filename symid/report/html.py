@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import jinja2
 
@@ -12,9 +11,9 @@ from symid.diagnosis.result import Diagnosis
 from symid.errors import SettingError
 from symid.files import write_whole
 from symid.report import colours, numbers
-from symid.report.bars import Scale, scale_of
 from symid.report.diagnosis import diagnosis_record, removes
 from symid.report.motion_gap import motion_line, motion_rows
+from symid.report.waterfall import scale_of
 
 VERDICTS = {
     "no_gap": "No gap",
@@ -71,38 +70,27 @@ def write_html(found: Diagnosis, file: str | Path) -> None:
     SettingError
         If the suffix is another one, or the folder does not exist.
     """
-    path = html_path(file)
-    write_whole(path, _page(found))
-
-
-def _page(found: Diagnosis) -> str:
     from symid.report.interactive import plots_of  # half a second to load: only where a page is written
     from symid.report.schematic import schematic_svg
 
-    record = diagnosis_record(found)
+    path, record = html_path(file), diagnosis_record(found)
     accepted = {(effect.effect, effect.at) for effect in found.effects}
     ranked = list(enumerate(record["alternatives"], start=1))
     shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in accepted]
-    return (
-        page_templates()
-        .get_template("diagnosis.html")
-        .render(
-            d=record,
-            verdict=VERDICTS[found.verdict],
-            scale=_scale(record),
-            maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
-            accepted=accepted,
-            shown=shown,
-            more=[one for one in ranked if one not in shown],
-            plots=plots_of(found),
-            schematic=schematic_svg(found.axis),
-            version=__version__,
-        )
+    page = page_templates().get_template("diagnosis.html")
+    text = page.render(
+        d=record,
+        verdict=VERDICTS[found.verdict],
+        scale=scale_of([stage["multiple_of_floor"] for stage in record["waterfall"]]),
+        maps=[(MAPS.get(name, name), cells) for name, cells in record["maps"].items() if cells],
+        accepted=accepted,
+        shown=shown,
+        more=[one for one in ranked if one not in shown],
+        plots=plots_of(found),
+        schematic=schematic_svg(found.axis),
+        version=__version__,
     )
-
-
-def _scale(record: dict[str, Any]) -> Scale:
-    return scale_of([stage["multiple_of_floor"] for stage in record["waterfall"]])
+    write_whole(path, text)
 
 
 def page_templates() -> jinja2.Environment:

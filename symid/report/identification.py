@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
 from symid.identification import Bias, EquationResidual, Identification, Prediction
-from symid.report.console import report_console
+from symid.report.console import TextTable, report_console
+from symid.report.numbers import MISSING, significant
 
 
 def identification_record(found: Identification, validation: Prediction | None = None) -> dict[str, Any]:
@@ -51,10 +51,14 @@ def identification_record(found: Identification, validation: Prediction | None =
             found.correlated.standard_deviations,
             found.bias,
         ),
-        "physical": _physical(found, 0),
+        "physical": _physical(found, 0) if found.physical else {},
         "known": {name: {"value": v, "unit": unit} for name, (v, unit) in found.model.known.items()},
         "physical_branches": [_physical(found, i) for i in range(1, len(found.physical))],
-        "covariance": _covariances(found),
+        # as `std_corrected`; the physical ones of the first branch
+        "covariance": {
+            "minimal": found.covariance.tolist(),
+            "physical": found.physical[0].propagated(found.covariance).tolist() if found.physical else None,
+        },
         "relations": _relations(found),
         "residual": _residuals(found, found.residuals),
         "correlation": {
@@ -93,21 +97,11 @@ def parameter_records(
 
 
 def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
-    if branch >= len(found.physical):
-        return {}
     estimate = found.physical[branch]
     classical = estimate.propagated_deviations(found.fit.covariance)
     corrected = estimate.propagated_deviations(found.correlated.covariance)
     bias = None if found.bias is None else found.bias.mapped(estimate.sensitivity)
     return parameter_records(found.model.physical_units, estimate.parameters, classical, corrected, bias)
-
-
-def _covariances(found: Identification) -> dict[str, Any]:
-    """Covariances of the minimal and of the physical parameters of the first branch, as `std_corrected` says."""
-    if not found.physical:
-        return {"minimal": found.covariance.tolist(), "physical": None}
-    physical = found.physical[0].propagated(found.covariance)
-    return {"minimal": found.covariance.tolist(), "physical": physical.tolist()}
 
 
 def _timing(found: Identification) -> dict[str, Any] | None:
@@ -139,9 +133,10 @@ def _relations(found: Identification) -> dict[str, Any] | None:
 
 
 def _residuals(found: Identification, residuals: Sequence[EquationResidual]) -> dict[str, dict[str, Any]]:
-    names = _distinct([residual.output for residual in residuals])
+    outputs = [residual.output for residual in residuals]
     return {
-        name: {
+        # an output that occurs again gets the number of its equation
+        name if outputs.index(name) == i else f"{name} (equation {i + 1})": {
             "rms": r.rms,
             "relative": r.relative,
             "unit": found.output_units.get(r.output, ""),
@@ -149,13 +144,8 @@ def _residuals(found: Identification, residuals: Sequence[EquationResidual]) -> 
             "std": r.deviation,
             "rows": r.rows,
         }
-        for name, r in zip(names, residuals, strict=True)
+        for i, (name, r) in enumerate(zip(outputs, residuals, strict=True))
     }
-
-
-def _distinct(names: list[str]) -> list[str]:
-    """Names of equations; one that occurs again gets the number of its equation."""
-    return [name if names.index(name) == i else f"{name} (equation {i + 1})" for i, name in enumerate(names)]
 
 
 def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
@@ -207,59 +197,30 @@ def _settings_line(record: dict[str, Any]) -> str:
     return f"{sum(record['rows'])} rows, {how}, {condition}\n"
 
 
-def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> Table:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    table.add_column("")
-    for heading in ("value", "std", "std corrected", "% of value", "bias"):
-        table.add_column(heading, justify="right")
-    table.add_column("unit")
+def _parameter_table(title: str, parameters: dict[str, dict[str, Any]]) -> TextTable:
+    numbers = ("value", "std", "std corrected", "% of value", "bias")
+    table = TextTable(title, "", *numbers, "unit", right=numbers)
     for name, p in parameters.items():
-        std, corrected = p["std"], p["std_corrected"]
-        table.add_row(
-            name,
-            _rounded(p["value"], std),
-            _significant(std),
-            _significant(corrected),
-            _percent(p["relative_std_corrected_percent"]),
-            "-" if p["bias"] is None else f"{p['bias']:.2g}",
-            p["unit"],
-        )
+        deviations = (significant(p["std"]), significant(p["std_corrected"]))
+        relative = significant(p["relative_std_corrected_percent"], 3)
+        bias = MISSING if p["bias"] is None else significant(p["bias"], 2)
+        table.add(name, _rounded(p["value"], p["std"]), *deviations, relative, bias, p["unit"])
     return table
 
 
-def _residual_table(title: str, residuals: dict[str, dict[str, Any]]) -> Table:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    table.add_column("output")
-    for heading in ("rows", "norm", "rms", "std", "relative"):
-        table.add_column(heading, justify="right")
-    table.add_column("unit")
+def _residual_table(title: str, residuals: dict[str, dict[str, Any]]) -> TextTable:
+    numbers = ("rows", "norm", "rms", "std", "relative")
+    table = TextTable(title, "output", *numbers, "unit", right=numbers)
     for name, r in residuals.items():
-        relative = f"{100 * r['relative']:.4f} %" if math.isfinite(r["relative"]) else "-"
-        table.add_row(
-            name,
-            str(r["rows"]),
-            f"{r['norm']:.7g}",
-            f"{r['rms']:.5g}",
-            f"{r['std']:.5g}",
-            relative,
-            r["unit"],
-        )
+        relative = f"{100 * r['relative']:.4f} %" if math.isfinite(r["relative"]) else MISSING
+        sizes = (f"{r['norm']:.7g}", f"{r['rms']:.5g}", f"{r['std']:.5g}")
+        table.add(name, str(r["rows"]), *sizes, relative, r["unit"])
     return table
 
 
 def _rounded(value: float, deviation: float) -> str:
     """Value with the digits that its deviation leaves, and some more for comparison."""
-    if not math.isfinite(value):
-        return "-"
-    if not math.isfinite(deviation) or deviation <= 0 or value == 0:
-        return f"{value:.7g}"
+    if not math.isfinite(value) or not math.isfinite(deviation) or deviation <= 0 or value == 0:
+        return significant(value, 7)
     digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(deviation)) + 5
-    return f"{value:.{min(max(digits, 4), 10)}g}"
-
-
-def _significant(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else "-"
-
-
-def _percent(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "-"
+    return significant(value, min(max(digits, 4), 10))

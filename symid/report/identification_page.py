@@ -63,24 +63,21 @@ def write_identification_html(
     """
     path = html_path(file)
     record = identification_record(found, validation)
-    page = (
-        page_templates()
-        .get_template("identification.html")
-        .render(
-            r=record,
-            fits=_fits(found, validation),
-            parameters=_parameters(found),
-            correlations=_correlations(found),
-            fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
-            remembered=_svg(correlation_figure(found), "memory-plot"),
-            whiteness=[
-                (title, own.outside, across.outside) for title, own, across in residual_correlations(found)
-            ],
-            made=_made(found, validation, command),
-            version=__version__,
-        )
+    page = page_templates().get_template("identification.html")
+    text = page.render(
+        r=record,
+        fits=_fits(found, validation),
+        parameters=_parameters(found),
+        correlations=_correlations(found),
+        fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
+        remembered=_svg(correlation_figure(found), "memory-plot"),
+        whiteness=[
+            (title, own.outside, across.outside) for title, own, across in residual_correlations(found)
+        ],
+        made=_made(found, validation, command),
+        version=__version__,
     )
-    write_whole(path, page)
+    write_whole(path, text)
 
 
 def fit_percent(y: FloatArray, predicted: FloatArray) -> float:

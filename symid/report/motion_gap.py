@@ -1,11 +1,10 @@
-"""The gap in the simulated motion as a record, as rows of a table and in a line."""
+"""The gap in the simulated motion as rows of a table and in a line."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from symid.diagnosis.gap import Motion, MotionError
 from symid.report.numbers import MISSING, share, significant
 
 _DRIVERS = {
@@ -14,35 +13,6 @@ _DRIVERS = {
     "observer": "driven by the measured force, with a slow observer that keeps the axis to the measured position",
 }
 _MICRO = 1e6
-
-
-def motion_record(motion: Motion) -> dict[str, Any]:
-    """Record of the simulated motion of a diagnosis; unknown numbers are nan."""
-    return {
-        "signal": motion.signal,
-        "unit": motion.unit,
-        "driver": motion.driver,
-        "gains": dict(motion.gains),
-        "share": motion.share,
-        "tracking_rms": motion.tracking_rms,
-        "nominal": None if motion.nominal is None else _error(motion.nominal),
-        "reidentified": _error(motion.reidentified),
-        "explained": _error(motion.explained),
-        "steps": [_error(step) for step in motion.steps],
-    }
-
-
-def _error(error: MotionError) -> dict[str, Any]:
-    return {
-        "status": error.status,
-        "position_fit": error.position_fit,
-        "velocity_fit": error.velocity_fit,
-        "tracking_fit": error.tracking_fit,
-        "position_rms": error.position_rms,
-        "velocity_rms": error.velocity_rms,
-        "reversal_rms": error.reversal_rms,
-        "message": error.message,
-    }
 
 
 def motion_rows(record: dict[str, Any]) -> list[tuple[str, ...]]:
@@ -88,7 +58,7 @@ def motion_line(motion: dict[str, Any]) -> str:
     Parameters
     ----------
     motion : dict
-        As `motion_record` makes it.
+        Part of the record of a gap.
     """
     gains = ", ".join(f"{name} {value:.4g}" for name, value in motion["gains"].items())
     explains = ""

@@ -33,30 +33,37 @@ _PANEL, _BODE, _ELLIPSES, _WIDTH = 6.0, 5.2, 3.2, 12.0
 """Heights of a panel, of the Bode diagrams and of the ellipses, and width, in inches."""
 
 
-def figure_path(file: str | Path) -> Path:
-    """Path of a figure; SettingError if its suffix is not that of a kind that can be drawn."""
+def save_figure(figure: Figure, file: str | Path) -> None:
+    """Write a figure as a whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any.
+    file : path-like
+        png, svg or pdf, by its suffix.
+
+    Raises
+    ------
+    SettingError
+        If the suffix is another one.
+    """
     path = Path(file)
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
-    return path
-
-
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as a whole or not at all."""
     with replacing(path) as unfinished:
         figure.savefig(unfinished, dpi=150, format=path.suffix.lower()[1:])
 
 
-def plot_identification(
+def identification_figure(
     found: Identification | OutputErrorIdentification,
-    file: str | Path,
     validation: Prediction | OutputErrorPrediction | None = None,
     *,
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
     palette: Palette = LIGHT,
-) -> None:
-    """Draw an identification into a file.
+) -> Drawn:
+    """Figure of an identification.
 
     For each output of each log: measured and predicted output over time and against each other, the residual over
     time, velocity, position and frequency. With the axis and its logs: the frequency response of the identified
@@ -65,9 +72,7 @@ def plot_identification(
     Parameters
     ----------
     found : Identification or OutputErrorIdentification
-        What `identify` or `identify_output_error` returned.
-    file : path-like
-        png, svg or pdf, by its suffix.
+        Result of `identify` or `identify_output_error`.
     validation : Prediction or OutputErrorPrediction, optional
         The parameters applied to another log.
     axis : Axis, optional
@@ -80,21 +85,8 @@ def plot_identification(
     Raises
     ------
     SettingError
-        If the suffix is not known, or the parameters are not determined.
+        If the parameters are not determined.
     """
-    path = figure_path(file)
-    save_figure(identification_figure(found, validation, axis=axis, runs=runs, palette=palette), path)
-
-
-def identification_figure(
-    found: Identification | OutputErrorIdentification,
-    validation: Prediction | OutputErrorPrediction | None = None,
-    *,
-    axis: Axis | None = None,
-    runs: Sequence[Log] = (),
-    palette: Palette = LIGHT,
-) -> Drawn:
-    """The figure that `plot_identification` writes."""
     panels = (
         _panels_of_equations(found, cast("Prediction | None", validation))
         if isinstance(found, Identification)

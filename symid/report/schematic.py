@@ -9,7 +9,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -46,7 +45,6 @@ from symid.axis.elements import Parameter
 from symid.report import symbols
 from symid.report.colours import LIGHT, Palette
 from symid.report.drawn import Drawn, svg_of
-from symid.report.plots import figure_path, save_figure
 from symid.report.symbols import Line, Sign
 
 _GAP, _LANE, _WALL = 1.75, 0.72, 0.28
@@ -100,27 +98,6 @@ class _Box:
         return self.centre + (half if right else -half)
 
 
-def plot_schematic(axis: Axis, file: str | Path, palette: Palette = LIGHT) -> None:
-    """Draw the schematic of an axis into a file.
-
-    Parameters
-    ----------
-    axis : Axis
-        Any declared axis.
-    file : path-like
-        png, svg or pdf, by its suffix.
-    palette : Palette
-        `LIGHT` or `DARK`.
-
-    Raises
-    ------
-    SettingError
-        If the suffix is not known.
-    """
-    path = figure_path(file)
-    save_figure(schematic(axis, palette), path)
-
-
 def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:
     """The schematic as an SVG element for a page; the same text every time.
 
@@ -158,7 +135,9 @@ def _links(axis: Axis) -> Iterator[_Link]:
     for element in axis.elements:
         match element:
             case Spring():
-                label = _written(element.stiffness) + _ratio(element.at)
+                label, at = _written(element.stiffness), element.at
+                if isinstance(at, Between) and at.ratio != 1:
+                    label += f", × {at.ratio:.4g}"
                 yield _link(element.at, symbols.spring, label, f"spring {element.name}")
                 if element.damping is not None:
                     damping = _written(element.damping)
@@ -194,11 +173,6 @@ def _written(parameter: Parameter | None) -> str:
     return parameter if isinstance(parameter, str) else f"{parameter:.4g}"
 
 
-def _ratio(at: Joint) -> str:
-    """How far the second body moves for one of the first, where a spring is in a gear."""
-    return f", × {at.ratio:.4g}" if isinstance(at, Between) and at.ratio != 1 else ""
-
-
 def _label(law: Law) -> str:
     """Parameters of a law; of many the first and the last one."""
     names = list(dict.fromkeys(term.parameter for term in law.terms()))
@@ -216,15 +190,6 @@ def _sign_of(law: Law) -> Sign:
     return symbols.law
 
 
-def _notes(axis: Axis, width: float) -> list[str]:
-    """Lines that explain the imperfections of an axis below its drawing."""
-    lines: list[str] = []
-    for element in axis.imperfections:
-        text = f"{_marks(axis, element)} {element.formula}"
-        lines += textwrap.wrap(text, max(int(width / _LETTER), 20), subsequent_indent="   ")
-    return lines
-
-
 class _Drawing:
     """Places bodies, then draws what joins them."""
 
@@ -240,7 +205,10 @@ class _Drawing:
         right = max(box.centre + box.width / 2 for box in self.boxes.values()) + 0.4
         if any(isinstance(element, PendulumWeight) for element in axis.elements):
             right += 1.0
-        self.notes = _notes(axis, right)
+        self.notes: list[str] = []
+        for element in axis.imperfections:
+            text, letters = f"{_marks(axis, element)} {element.formula}", max(int(right / _LETTER), 20)
+            self.notes += textwrap.wrap(text, letters, subsequent_indent="   ")
         bottom, top = self._heights()
         self.bottom = bottom
         figure = Drawn(figsize=(_INCH * (right + 0.2), _INCH * (top - bottom)))

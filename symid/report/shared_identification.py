@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from symid.identification import SharedIdentification
-from symid.report.console import report_console
+from symid.report.console import TextTable, report_console
 from symid.report.identification import identification_record
 
 
 def shared_record(found: SharedIdentification) -> dict[str, Any]:
-    """What `symid identify --known ... --json` writes: the physical parameters, and each group of logs by itself."""
+    """Record of `symid identify --known ... --json`: the physical parameters, and each group of logs."""
     first = found.groups[0]
     return {
         "axis": found.axis,
@@ -50,7 +49,7 @@ def shared_record(found: SharedIdentification) -> dict[str, Any]:
 
 
 def print_shared(record: dict[str, Any], console: Console | None = None) -> None:
-    """Print such a record."""
+    """Print the record of `shared_record`."""
     console = console or report_console()
     console.print(f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}", end="")
     console.print(f", {len(record['groups'])} groups of logs: {record['status']}", markup=False)
@@ -59,8 +58,8 @@ def print_shared(record: dict[str, Any], console: Console | None = None) -> None
     for group in record["groups"]:
         given = ", ".join(f"{name} = {value:.6g}" for name, value in group["known"].items())
         console.print(f"  {given}: {', '.join(group['log'])}", markup=False)
-    table = Table("parameter", "value", "std", "%", "unit", box=None, pad_edge=False)
+    table = TextTable("", "parameter", "value", "std", "%", "unit")
     for name, one in record["physical"].items():
         share = "" if one["relative_std_percent"] is None else f"{one['relative_std_percent']:.2g}"
-        table.add_row(name, f"{one['value']:.6g}", f"{one['std']:.2g}", share, one["unit"])
+        table.add(name, f"{one['value']:.6g}", f"{one['std']:.2g}", share, one["unit"])
     console.print(table)

@@ -1,8 +1,8 @@
-"""A tuning as a JSON record, as a table, and as curves of the error against cutoff and sampling frequency."""
+"""A tuning as a JSON record, as tables, and as curves of the error against cutoff and sampling frequency."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import math
 from typing import Any
 
 import matplotlib as mpl
@@ -13,12 +13,11 @@ from rich.table import Table
 from symid.report.colours import LIGHT, Palette
 from symid.report.console import report_console
 from symid.report.drawn import Drawn
-from symid.report.plots import figure_path, save_figure
-from symid.tuning import BoundSearch, Tuning
+from symid.tuning import BoundSearch, TotalTuning, Tuning
 
 
 def tuning_record(found: Tuning) -> dict[str, Any]:
-    """What `symid tune --json` writes."""
+    """Record of `symid tune --json`."""
     return {
         "axis": found.axis,
         "measured": list(found.measured),
@@ -59,61 +58,22 @@ def print_tuning(found: Tuning, console: Console | None = None) -> None:
         console.print(f"tuned without what jumps at standstill: {', '.join(found.left_out)}")
     table = Table("", "frequency", "largest error", "bound", box=None)
     cutoff, sampling = found.cutoff, found.sampling
-    table.add_row(
-        "cutoff [35]", _hz(cutoff.frequency_hz), _percent(cutoff.largest_error), f"{cutoff.bound:g} %"
-    )
-    table.add_row(
-        f"first sampling frequency [36], {found.differences} differences",
-        _hz(found.first_sampling_hz),
-        "",
-        "",
-    )
-    table.add_row(
-        "sampling frequency [37]",
-        _hz(sampling.frequency_hz),
-        _percent(sampling.largest_error),
-        f"{sampling.bound:g} %",
-    )
+    first = f"first sampling frequency [36], {found.differences} differences"
+    for name, search in (("cutoff [35]", cutoff), ("sampling frequency [37]", sampling)):
+        error, bound = f"{search.largest_error:.4g} %", f"{search.bound:g} %"
+        table.add_row(name, f"{search.frequency_hz:.2f} Hz", error, bound)
+        if search is cutoff:
+            table.add_row(first, f"{found.first_sampling_hz:.2f} Hz", "", "")
     console.print(table)
     errors = Table("error of", "from the cutoff [35]", "from sampling [37]", box=None)
     for name in {**sampling.errors, **cutoff.errors}:
-        errors.add_row(
-            name, *(_percent(part.errors[name]) if name in part.errors else "" for part in (cutoff, sampling))
-        )
+        parts = (part.errors.get(name) for part in (cutoff, sampling))
+        errors.add_row(name, *("" if error is None else f"{error:.4g} %" for error in parts))
     console.print(errors)
 
 
-def _hz(value: float) -> str:
-    return f"{value:.2f} Hz"
-
-
-def _percent(value: float) -> str:
-    return f"{value:.4g} %"
-
-
-def plot_tuning(found: Tuning, file: str | Path, palette: Palette = LIGHT) -> None:
-    """Draw the largest error against the cutoff and against the sampling frequency into a file.
-
-    Parameters
-    ----------
-    found : Tuning
-        What `tune` returned.
-    file : path-like
-        png, svg or pdf, by its suffix.
-    palette : Palette
-        `LIGHT` or `DARK`.
-
-    Raises
-    ------
-    SettingError
-        If the suffix is not known.
-    """
-    path = figure_path(file)
-    save_figure(tuning_figure(found, palette), path)
-
-
 def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
-    """The figure that `plot_tuning` writes."""
+    """Largest error against the cutoff and against the sampling frequency."""
     with mpl.rc_context(palette.style):
         figure = Drawn(figsize=(10, 4), layout="constrained")
         left, right = figure.subplots(1, 2)
@@ -134,18 +94,79 @@ def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
 
 
 def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Palette) -> None:
-    axes.loglog(
-        search.scanned_hz, search.scanned_errors, ".-", color=palette.other, linewidth=1, label="error"
-    )
+    look = {"color": palette.other, "linewidth": 1, "label": "error"}
+    axes.loglog(search.scanned_hz, search.scanned_errors, ".-", **look)
     axes.axhline(search.bound, color=palette.model, linewidth=1, label=f"bound {search.bound:g} %")
-    axes.loglog(
-        search.frequency_hz,
-        search.largest_error,
-        "o",
-        color=palette.model,
-        fillstyle="none",
-        markersize=9,
-        label=f"tuned {search.frequency_hz:.4g} Hz",
-    )
+    tuned = search.frequency_hz
+    _circle(axes, tuned, search.largest_error, f"tuned {tuned:.4g} Hz", palette)
     axes.set_xlabel(label)
     axes.set_title(title, loc="left")
+
+
+def _circle(axes: Axes, x: float | None, y: float, label: str, palette: Palette) -> None:
+    axes.loglog(x, y, "o", color=palette.model, fillstyle="none", markersize=9, label=label)
+
+
+def total_record(found: TotalTuning) -> dict[str, Any]:
+    """Record of `symid tune --noise-from LOG --json`."""
+    return {
+        "axis": found.axis,
+        "measured": list(found.measured),
+        "status": found.status,
+        "message": found.message,
+        "filter": {
+            "cutoff_hz": found.preparation.cutoff_hz,
+            "order": found.preparation.order,
+            "decimation": found.preparation.decimation,
+        },
+        "noise": dict(found.noise),
+        "sampling_hz": found.sampling_hz,
+        "recommended_sampling_hz": found.recommended_sampling_hz,
+        "total_error_percent": found.total_percent,
+        "decisive": list(found.decisive),
+        "errors_percent": {
+            name: {"systematic": found.systematic[name], "total": total}
+            for name, total in found.total.items()
+        },
+        "curve": {"cutoff_hz": found.cutoffs_hz.tolist(), "total_error_percent": found.totals.tolist()},
+    }
+
+
+def print_total_tuning(found: TotalTuning, console: Console | None = None) -> None:
+    """Print the setting and the errors that it leaves."""
+    console, settings = console or report_console(), found.preparation
+    console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
+    if found.message:
+        console.print(found.message)
+    noise = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
+    console.print(f"noise (standard deviation, SI): {noise}")
+    console.print(
+        f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}: total error {found.total_percent:.3g} %"
+    )
+    least = found.recommended_sampling_hz
+    enough = (
+        f"systematic errors are below half of the total from {least:.4g} Hz on"
+        if math.isfinite(least)
+        else "systematic errors exceed half of the total at every sampling frequency up to eight times this one"
+    )
+    console.print(f"sampling frequency {found.sampling_hz:g} Hz; {enough}")
+    table = Table("error of", "systematic", "total", box=None)
+    for name, total in found.total.items():
+        decides = "" if name in found.decisive else "lost"
+        table.add_row(name, f"{found.systematic[name]:.3g} %", f"{total:.3g} %", decides)
+    console.print(table)
+
+
+def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT) -> Drawn:
+    """Total error against the cutoff."""
+    with mpl.rc_context(palette.style):
+        figure = Drawn(figsize=(6, 4), layout="constrained")
+        axes = figure.subplots()
+        label = "scan, best decimation"
+        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
+        tuned, decimation = found.preparation.cutoff_hz, found.preparation.decimation
+        _circle(axes, tuned, found.total_percent, f"tuned {tuned:.4g} Hz, decimation {decimation}", palette)
+        axes.set_xlabel("cutoff frequency [Hz]")
+        axes.set_ylabel("total error, rms over parameters [%]")
+        axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)
+    return figure

@@ -1,4 +1,4 @@
-"""How each kind of result looks: in a line, as text, in a notebook, as a figure, as a page."""
+"""Each kind of result as text, in a notebook, as a figure and as a page."""
 
 from __future__ import annotations
 
@@ -31,8 +31,7 @@ from symid.report.output_error import output_error_record
 from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
 from symid.report.plots import identification_figure
 from symid.report.schematic import schematic
-from symid.report.total_tuning import print_total_tuning, total_tuning_figure
-from symid.report.tuning import print_tuning, tuning_figure
+from symid.report.tuning import print_total_tuning, print_tuning, total_tuning_figure, tuning_figure
 from symid.shown import Shown
 from symid.symbolic import DerivedModel
 from symid.tuning import TotalTuning, Tuning
