@@ -1,7 +1,15 @@
 """Simulation of declared axes: trajectories, controllers, dynamics and the engine that runs them."""
 
 from symid.simulation.closed_loop import Simulation, simulate
-from symid.simulation.controller import Cascade, Command, Controller, LinearLaw, OpenLoop, tuned_cascade
+from symid.simulation.controller import (
+    Cascade,
+    Command,
+    Controller,
+    LinearLaw,
+    OpenLoop,
+    Replay,
+    tuned_cascade,
+)
 from symid.simulation.engine import Engine
 from symid.simulation.excitation import chirp, from_log, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of
@@ -10,7 +18,6 @@ from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import Multisine, frequency_lines, multisine
 from symid.simulation.plant import Plant
 from symid.simulation.reference_loop import ClosedLoop
-from symid.simulation.replay import Replay
 from symid.simulation.trajectory import Trajectory
 
 __all__ = [

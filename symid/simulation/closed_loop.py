@@ -16,9 +16,8 @@ from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
 from symid.simulation.imperfect import Moment, misreading, stages, steps_for
 from symid.simulation.loop import Loop
-from symid.simulation.reading import Reader, in_steps
-from symid.simulation.record import MotionRecord
 from symid.simulation.run import SimulationRun
+from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
 from symid.simulation.trajectory import Trajectory
 
 _PART = 8192
@@ -113,7 +112,7 @@ def simulate(
     random = np.random.default_rng(seed)
     n_samples, period = trajectory.n_samples, trajectory.sampling_period
     readers = [
-        Reader(sensor, plant, n_samples, period, random, misreading(axis, sensor.signal))
+        SensorChannel(sensor, plant, n_samples, period, random, misreading(axis, sensor.signal))
         for sensor in axis.sensors
     ]
     sent = np.zeros(n_samples)
@@ -124,7 +123,7 @@ def simulate(
     loop = Loop(plant, trajectory, controller, readers, fine, moment)
     record = MotionRecord.empty(n_samples, len(plant.bodies), [reader.signal for reader in loop.between])
     if start is not None:
-        record.states[0] = _state(start, len(plant.bodies))
+        record.states[0] = _checked_state(start, len(plant.bodies))
     if moment is not None:
         moment.begin(record.states[0, : len(plant.bodies)])
     run = SimulationRun(loop, record)
@@ -147,8 +146,7 @@ def simulate(
     return Simulation(log, trajectory.time, record.states[:-1], record.accelerations[:-1], record.forces)
 
 
-def _state(start: FloatArray, n_bodies: int) -> FloatArray:
-    """The initial state, checked."""
+def _checked_state(start: FloatArray, n_bodies: int) -> FloatArray:
     state = np.asarray(start, dtype=np.float64)
     if state.shape != (2 * n_bodies,) or not np.isfinite(state).all():
         raise SettingError(

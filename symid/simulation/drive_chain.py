@@ -9,11 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.axis import (
-    ActuatorDelay,
-    ActuatorLag,
-    DriveImperfection,
-)
+from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection
 from symid.axis.imperfections import in_order
 from symid.simulation.controller import Command, Controller
 from symid.simulation.imperfect import scalar_law
@@ -81,9 +77,15 @@ class ThroughDrive(Controller):
         n = self.inner.start.size
         force, inner = self.inner.force(command, measured, state[:n], period)
         self.sent[command.index] = force
-        acting = self._bent(float(force))
-        own = state[n:].tolist() or self._settled(acting, period)
+        acting = float(force)
+        for law in self._bends:
+            acting = law(0.0, 0.0, acting, 0.0, 0.0)
+        # at the first sample lags and delay are in the steady state of a constant force
+        past_samples = math.floor(self.delay / period + 1e-9) + 2 if self.delay else 0
+        own = state[n:].tolist() or [acting] * (len(self.lags) + past_samples)
         lagging, past = own[: len(self.lags)], own[len(self.lags) :]
+        # Each lag follows the force exponentially; the mean over the sample acts. A delay of no whole number of samples
+        # is the mean of two past forces, weighted by the time for which each acts.
         for i, time in enumerate(self.lags):
             decay = math.exp(-period / time)
             left = lagging[i] - acting
@@ -94,14 +96,3 @@ class ThroughDrive(Controller):
             share = self.delay / period - (len(past) - 2)
             acting = (1.0 - share) * past[-2] + share * past[-1]
         return acting, np.array([*inner, *lagging, *past])
-
-    def _bent(self, force: float) -> float:
-        """The force after gain and limits."""
-        for law in self._bends:
-            force = law(0.0, 0.0, force, 0.0, 0.0)
-        return force
-
-    def _settled(self, force: float, period: float) -> list[float]:
-        """State of lags and delay after a constant force."""
-        past = math.floor(self.delay / period + 1e-9) + 2 if self.delay else 0
-        return [force] * (len(self.lags) + past)

@@ -105,13 +105,15 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     parameters : mapping of str to float
         Values of its physical parameters, SI.
     moment : Moment
-        On which their laws depend.
+        Receives the state on which their laws depend.
     """
-    values, changes = (
-        axis.known_parameters | dict(parameters),
-        [e for e in axis.elements if isinstance(e, PayloadChange)],
-    )
-    added = _laws(axis, values, moment)
+    values = axis.known_parameters | dict(parameters)
+    changes = [e for e in axis.elements if isinstance(e, PayloadChange)]
+    added = []
+    for element in axis.elements:
+        if isinstance(element, JointImperfection):
+            direction = direction_of(axis, element.at)
+            added.append((direction, _law(axis, element, direction, values, moment)))
     found = [(0.0, _with_laws(plant_of(axis, values), added))]
     for change in sorted(changes, key=lambda change: change.time):
         values[change.body.inertial] += change.change
@@ -132,16 +134,6 @@ def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | 
         return np.asarray(values + sum(errors))
 
     return read
-
-
-def _laws(axis: Axis, values: Mapping[str, float], moment: Moment) -> list[tuple[FloatArray, LawFunction]]:
-    """Direction and force of each imperfection in a joint."""
-    found = []
-    for element in axis.elements:
-        if isinstance(element, JointImperfection):
-            direction = direction_of(axis, element.at)
-            found.append((direction, _law(axis, element, direction, values, moment)))
-    return found
 
 
 def _law(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +11,6 @@ import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.codegen.lowering import code
-from symid.simulation.scalar import Scalar
 
 
 def law_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
@@ -49,3 +49,40 @@ def array_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callab
 
 def _function(text: str, numbers: tuple[str, ...], library: object) -> Any:
     return eval(f"lambda {', '.join(('q', 'v', *numbers))}: {text}", {"np": library})
+
+
+class Scalar:
+    """Functions of the law language for single numbers, in place of ``np``: ten times as fast, of the same values.
+
+    All others come from NumPy.
+
+    Examples
+    --------
+    >>> np_ = Scalar()
+    >>> np_.sign(-2.0), np_.heaviside(0.0, 0.5), np_.exp(1e3), float(np_.sqrt(4.0))
+    (-1.0, 0.5, inf, 2.0)
+    """
+
+    abs = staticmethod(abs)
+    cos = staticmethod(math.cos)
+    maximum = staticmethod(max)
+    minimum = staticmethod(min)
+    sin = staticmethod(math.sin)
+
+    @staticmethod
+    def sign(x: float) -> float:
+        """Sign of a number: 1, 0 or -1."""
+        return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
+
+    @staticmethod
+    def heaviside(x: float, at_zero: float) -> float:
+        """Unit step with a given value at 0."""
+        return 1.0 if x > 0.0 else 0.0 if x < 0.0 else at_zero
+
+    @staticmethod
+    def exp(x: float) -> float:
+        """Exponential; infinite where it is beyond the largest number."""
+        return math.exp(x) if x < 709.0 else math.inf
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(np, name)

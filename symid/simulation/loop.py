@@ -13,7 +13,7 @@ from symid.errors import SettingError
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
 from symid.simulation.imperfect import Moment
 from symid.simulation.plant import Plant
-from symid.simulation.reading import Reader
+from symid.simulation.sensor_channel import SensorChannel
 from symid.simulation.trajectory import Trajectory
 
 RUNAWAY = 1e100
@@ -32,7 +32,7 @@ class Loop:
         Reference; its sampling period is the controller's.
     controller : Controller
         The controller.
-    readers : sequence of Reader
+    readers : sequence of SensorChannel
         All sensors.
     steps : int
         Steps of the engine in one sample.
@@ -43,7 +43,7 @@ class Loop:
     plant: Plant
     trajectory: Trajectory
     controller: Controller
-    readers: Sequence[Reader]
+    readers: Sequence[SensorChannel]
     steps: int
     moment: Moment | None = None
 
@@ -63,7 +63,7 @@ class Loop:
         return min(self.law.limit, RUNAWAY) if self.law else 0.0
 
     @cached_property
-    def controlled(self) -> tuple[Reader, ...]:
+    def controlled(self) -> tuple[SensorChannel, ...]:
         """Sensors that the controller reads; SettingError if the axis has no such sensor."""
         by_signal = {reader.signal: reader for reader in self.readers}
         if unknown := [signal for signal in self.controller.signals if signal not in by_signal]:
@@ -73,7 +73,7 @@ class Loop:
         return tuple(by_signal[signal] for signal in self.controller.signals)
 
     @cached_property
-    def between(self) -> tuple[Reader, ...]:
+    def between(self) -> tuple[SensorChannel, ...]:
         """Sensors whose values are taken between two samples."""
         return tuple(reader for reader in self.readers if reader.is_between)
 
@@ -93,9 +93,9 @@ class Loop:
         return np.column_stack([path.position, path.velocity, path.acceleration, *noise, given])
 
     @cached_property
-    def pieces(self) -> tuple[tuple[float, tuple[Reader, ...]], ...]:
+    def pieces(self) -> tuple[tuple[float, tuple[SensorChannel, ...]], ...]:
         """Durations into which a sample is cut, each with the sensors that take their value at its end."""
-        moments: dict[float, tuple[Reader, ...]] = {
+        moments: dict[float, tuple[SensorChannel, ...]] = {
             self.period * i / self.steps: () for i in range(1, self.steps + 1)
         }
         for reader in self.between:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
 from typing import Final, Literal
 
 import numpy as np
@@ -196,7 +195,7 @@ def _lines(
 def _common_period(lines: FloatArray, sampling_period: float) -> tuple[float, int]:
     """Frequency of which the lines and the sampling frequency are multiples, Hz, and samples of its period."""
     exact = [_rational(value) for value in (*lines.tolist(), 1.0 / sampling_period)]
-    base = reduce(_common_divisor, exact)
+    base = Fraction(math.gcd(*(f.numerator for f in exact)), math.lcm(*(f.denominator for f in exact)))
     period = exact[-1] / base
     if period >= MOST_SAMPLES:
         raise SettingError(
@@ -214,12 +213,6 @@ def _rational(frequency: float) -> Fraction:
             "repeat: choose rounder frequencies and sampling period"
         )
     return exact
-
-
-def _common_divisor(one: Fraction, other: Fraction) -> Fraction:
-    return Fraction(
-        math.gcd(one.numerator, other.numerator), math.lcm(one.denominator, other.denominator)
-    )  # both in lowest terms
 
 
 def _schroeder(amplitudes: FloatArray) -> FloatArray:

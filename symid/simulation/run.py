@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,8 @@ from symid.simulation.engine import Engine
 from symid.simulation.linear_loop import LinearLoop
 from symid.simulation.loop import Loop, runaway
 from symid.simulation.mode import StickSlipMode
-from symid.simulation.record import MotionRecord
 from symid.simulation.sample_code import compiled
+from symid.simulation.sensor_channel import MotionRecord
 
 _SHORTEST, _LONGEST = 128, 4096
 """Samples of a block: after an event, and the maximum."""
@@ -63,14 +64,13 @@ class SimulationRun:
 
     def _next(self, end: int) -> None:
         """A block or some single samples, at most until `end`."""
-        ways = self._ways()
+        ways = self._ways_of_mode()
         if ways.linear is not None and self._singly == 0:
             self._by_block(ways.linear, min(self._made + self._block, end))
         else:
             self._by_sample(ways.sampled, min(self._made + (self._singly or _LONGEST), end))
 
-    def _ways(self) -> _Ways:
-        """How samples of the present mode are made."""
+    def _ways_of_mode(self) -> _Ways:
         mode = self._engine.mode
         if mode not in self._by_mode:
             self._by_mode[mode] = _Ways(self.loop, mode)
@@ -102,7 +102,8 @@ class SimulationRun:
         columns = [range(k, end), *loop.inputs[k:end].T.tolist()]
         state = record.states[k]
         limits = self._engine.mode.limits(state).ravel().tolist()
-        out, pending, memory = sampled(columns, pasts, state.tolist(), self._kept(), limits)
+        kept = self._memory.tolist() if loop.law else self._memory
+        out, pending, memory = sampled(columns, pasts, state.tolist(), kept, limits)
         made = self._write(np.array(out))
         self._memory = self._remembered(memory)
         self._engine.state = record.states[self._made].copy()
@@ -111,9 +112,6 @@ class SimulationRun:
             force, memory = pending
             self._event(force, self._remembered(memory))
             self._singly = max(self._singly - 1, 0)
-
-    def _kept(self) -> Any:
-        return self._memory.tolist() if self.loop.law else self._memory
 
     def _remembered(self, memory: Any) -> FloatArray:
         return np.array(memory, dtype=float) if self.loop.law else memory
@@ -153,17 +151,14 @@ class SimulationRun:
 
 
 class _Ways:
-    """Matrices and code for one mode, made when first needed."""
+    """Matrices of one mode, and its code, made when first needed."""
 
     def __init__(self, loop: Loop, mode: StickSlipMode) -> None:
         self._loop, self._mode = loop, mode
-        self._sampled: Callable[..., Any] | None = None
         law = loop.law
         self.linear = LinearLoop(loop, mode, law) if law and LinearLoop.applies(loop, mode) else None
 
-    @property
+    @cached_property
     def sampled(self) -> Callable[..., Any]:
         """Function that makes samples one by one."""
-        if self._sampled is None:
-            self._sampled = compiled(self._loop, self._mode)
-        return self._sampled
+        return compiled(self._loop, self._mode)

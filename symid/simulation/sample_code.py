@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.simulation.controller import LinearLaw
 from symid.simulation.loop import Loop
 from symid.simulation.mode import StickSlipMode
 from symid.simulation.plant import JUST_MOVING
-from symid.simulation.reading import Reader
+from symid.simulation.sensor_channel import SensorChannel
 
 _TEMPLATE = """
 def run(columns, pasts, state, memory, limits):
@@ -128,7 +127,8 @@ class SampleCode:
         if kept:
             lines.append(f"    {', '.join(kept)}, = next_memory.tolist()")
             lines.append("else:")
-            lines += [f"    {line}" for line in self._linear_memory(law, kept, inputs)]
+            for name, row in zip(kept, np.hstack([law.A, law.B]), strict=True):
+                lines.append(f"    {name} = {_form(zip([*self._memory, *inputs], row, strict=True))}")
         return lines
 
     def _moment(self) -> list[str]:
@@ -147,13 +147,6 @@ class SampleCode:
         return [
             f"settle{i}({_form(zip(end[: self._n], direction, strict=True))})"
             for i, (direction, _) in enumerate(self._memories)
-        ]
-
-    def _linear_memory(self, law: LinearLaw, kept: Sequence[str], inputs: Sequence[str]) -> list[str]:
-        rows = np.hstack([law.A, law.B])
-        return [
-            f"{name} = {_form(zip([*self._memory, *inputs], row, strict=True))}"
-            for name, row in zip(kept, rows, strict=True)
         ]
 
     def _motion(self) -> list[str]:
@@ -224,7 +217,7 @@ class SampleCode:
             lines.append(f"{force}{j} = {' + '.join(parts)}")
         return lines
 
-    def _read(self, reader: Reader, names: Sequence[str]) -> list[str]:
+    def _read(self, reader: SensorChannel, names: Sequence[str]) -> list[str]:
         """Value that a sensor takes between two samples."""
         value = f"value{len(self._values)}"
         self._values[reader.signal] = value
@@ -235,7 +228,7 @@ class SampleCode:
             row[reader.order * n : (reader.order + 1) * n] = reader.row
         return [*self._forces(names, "f"), f"{value} = {self._linear(row, names, 'f')}"]
 
-    def _value(self, i: int, reader: Reader) -> str:
+    def _value(self, i: int, reader: SensorChannel) -> str:
         """Value of a controlled sensor in this sample."""
         if reader.is_between:
             return self._values[reader.signal]

@@ -117,7 +117,7 @@ class Trajectory:
 
     def shifted(self, by: float) -> Trajectory:
         """The same motion about another place: `by` (m or rad) is added to each position."""
-        return self._with(self.position + by, self.velocity, self.acceleration, self.name)
+        return self._with(position=self.position + by)
 
     def then(self, other: Trajectory) -> Trajectory:
         """This trajectory and then `other`, whose first sample is the last one of this.
@@ -140,10 +140,10 @@ class Trajectory:
             )
         self._check_joint(other)
         return self._with(
-            np.concatenate([self.position, other.position[1:]]),
-            np.concatenate([self.velocity, other.velocity[1:]]),
-            np.concatenate([self.acceleration[:-1], other.acceleration]),
-            f"{self.name}, {other.name}",
+            position=np.concatenate([self.position, other.position[1:]]),
+            velocity=np.concatenate([self.velocity, other.velocity[1:]]),
+            acceleration=np.concatenate([self.acceleration[:-1], other.acceleration]),
+            name=f"{self.name}, {other.name}",
         )
 
     def dwell(self, seconds: float) -> Trajectory:
@@ -163,7 +163,7 @@ class Trajectory:
         count = intervals(seconds, self.sampling_period, "dwell")
         still = np.zeros(count + 1)
         rest = Trajectory(still + self.position[-1], still, still, self.sampling_period, "a dwell")
-        return self.then(rest)._named(self.name)
+        return self.then(rest)._with(name=self.name)
 
     def _check_joint(self, other: Trajectory) -> None:
         step = float(other.position[0] - self.position[-1])
@@ -180,13 +180,10 @@ class Trajectory:
                 f"ends with {self.velocity[-1]:g}: join trajectories at rest, or fade them in and out"
             )
 
-    def _with(
-        self, position: FloatArray, velocity: FloatArray, acceleration: FloatArray, name: str
-    ) -> Trajectory:
-        return Trajectory(position, velocity, acceleration, self.sampling_period, name, self.start)
-
-    def _named(self, name: str) -> Trajectory:
-        return self._with(self.position, self.velocity, self.acceleration, name)
+    def _with(self, **changed: Any) -> Trajectory:
+        """A plain trajectory, whatever the class of this one."""
+        names = [item.name for item in fields(Trajectory)]
+        return Trajectory(**{name: getattr(self, name) for name in names} | changed)
 
 
 def _greatest(values: FloatArray) -> float:

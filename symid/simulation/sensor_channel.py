@@ -1,9 +1,11 @@
-"""Readings of sensors: the exact motion with delay, noise and resolution."""
+"""The motion of a simulation, and its readings by sensors with delay, noise and resolution."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -11,16 +13,47 @@ from symid.arrays import FloatArray
 from symid.axis import Sensor
 from symid.simulation.mode import StickSlipMode
 from symid.simulation.plant import Plant
-from symid.simulation.record import MotionRecord
 
 _WHOLE = 1e-9
 """Distance from a whole number of samples, relative to one, below which a delay counts as whole."""
 
 
-class Reader:
-    """A sensor along a simulation.
+@dataclass(frozen=True, eq=False)
+class MotionRecord:
+    """Exact motion at the samples of a controller, and forces between them.
 
-    In each interval between two samples of the controller it takes one value, `moment` after the interval's begin;
+    Parameters
+    ----------
+    states : array of shape (n_samples + 1, 2 n)
+        Displacements and velocities.
+    accelerations : array of shape (n_samples + 1, n)
+        Under the force before the sample; zero if no sensor reads one.
+    forces : array of shape (n_samples,)
+        Drive force from each sample to the next.
+    between : dict of str to array of shape (n_samples,)
+        Values that sensors took between one sample and the next.
+    """
+
+    states: FloatArray
+    accelerations: FloatArray
+    forces: FloatArray
+    between: dict[str, FloatArray]
+
+    @classmethod
+    def empty(cls, n_samples: int, n_bodies: int, between: Sequence[str]) -> Self:
+        """An empty record for a number of samples."""
+        return cls(
+            states=np.zeros((n_samples + 1, 2 * n_bodies)),
+            accelerations=np.zeros((n_samples + 1, n_bodies)),
+            forces=np.zeros(n_samples),
+            between={signal: np.zeros(n_samples) for signal in between},
+        )
+
+
+class SensorChannel:
+    """A sensor in a simulation.
+
+    In each interval between two samples of the controller it takes one value, `moment` after the begin of the interval;
     sample k reads the value of interval k - 1 - age. Without delay the moment is the interval's end.
 
     Parameters
