@@ -34,8 +34,8 @@ from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked, working
 from symid.cli.saying import say
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
-from symid.fleet.limits import LONGEST
-from symid.fleet.settings import METHODS
+from symid.fleet.batch_settings import METHODS
+from symid.fleet.worker_limits import LONGEST
 from symid.report.batch import print_batch
 
 batch_options = shared(

@@ -1,11 +1,11 @@
-"""`identify_batch`: from many logs to a table with a row for each, as a table of contents."""
+"""`identify_batch`: from many logs to a table with a row for each."""
 
 from __future__ import annotations
 
 import os
 import shutil
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -17,13 +17,12 @@ import polars as pl
 from symid.axis import Axis
 from symid.errors import SymidError
 from symid.files import free_name, replacing
-from symid.fleet.journal import Journal, journal_file, read_journal
-from symid.fleet.lock import locked
+from symid.fleet.batch_settings import BatchSettings
+from symid.fleet.journal import Journal, journal_file, locked, read_journal
 from symid.fleet.plan import FleetAxis, PathLike, fleet_axes, log_files
 from symid.fleet.results import Units
 from symid.fleet.row import Row
 from symid.fleet.schedulers import Scheduler, scheduler_of
-from symid.fleet.settings import BatchSettings
 from symid.fleet.table import (
     parameter_columns,
     read_rows,
@@ -32,7 +31,7 @@ from symid.fleet.table import (
     units_of,
     write_table,
 )
-from symid.fleet.work import LogOutcome, Task, killed, work
+from symid.fleet.work import Task, killed, work
 from symid.shown import Shown
 from symid.text import visible
 
@@ -188,11 +187,14 @@ def _identified(
             book = opened.enter_context(Journal(journal)) if journal else None
             finished = opened.enter_context(closing(run.run(partial(work, chosen), tasks)))
             for task, outcome in track(finished, len(tasks)):
-                row, is_new = _row_of(task, outcome, earlier)
-                if book and is_new:
-                    book.append(row)
-                rows[task.log] = row
-                made += is_new
+                found = outcome or killed(task)
+                if found.row is None:  # log, axis and settings are as they were
+                    rows[task.log] = earlier[visible(task.log)][str(found.unchanged)]
+                    continue
+                if book:
+                    book.append(found.row)
+                rows[task.log] = found.row
+                made += 1
     except KeyboardInterrupt as stop:
         raise Interrupted(len(rows), journal) from stop
     except SymidError as error:
@@ -203,18 +205,14 @@ def _identified(
     diagnosed = any(axis.settings.diagnose for axis in chosen)
     joint = any(axis.settings.joint for axis in chosen)
     batch = Batch(ordered, units, diagnosed, joint, len(names) - made, files, replaced)
-    _write(batch, journal)
+    try:
+        for file in files:
+            write_table(batch.table, units, file)
+    except SymidError as error:
+        raise SymidError(f"{error}; {_kept(len(ordered), journal)}") from error
+    if journal:
+        journal.unlink(missing_ok=True)
     return batch
-
-
-def _row_of(
-    task: Task, outcome: LogOutcome | None, earlier: Mapping[str, Mapping[str, Row]]
-) -> tuple[Row, bool]:
-    """Row of a log, and whether this run has made it."""
-    found = outcome or killed(task)
-    if found.row is not None:
-        return found.row, True
-    return earlier[visible(task.log)][str(found.unchanged)], False
 
 
 def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dict[str, Row]], set[str]]:
@@ -247,14 +245,3 @@ def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
     except OSError as error:
         raise SymidError(f"{place}: cannot be written ({error.strerror}); {files[0]} is as it was") from error
     return place
-
-
-def _write(batch: Batch, journal: Path | None) -> None:
-    """Write all files, then remove the journal."""
-    try:
-        for file in batch.files:
-            write_table(batch.table, batch.units, file)
-    except SymidError as error:
-        raise SymidError(f"{error}; {_kept(len(batch.rows), journal)}") from error
-    if journal:
-        journal.unlink(missing_ok=True)

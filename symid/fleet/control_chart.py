@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from datetime import datetime
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +31,7 @@ LEAST_RUNS = 8
 """Runs from which changes are looked for."""
 _LIMIT = 3.0
 _STANDS_OFF = 4.5
-_TOLD = 3.0
+_LEAST_STEP = 3.0
 """Standard deviations that the jump between two segments must have to be called a step."""
 _MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
 _ROUNDS = 5
@@ -137,13 +137,10 @@ class _Series:
         """Days since the first run, or numbers of runs."""
         if not self.when:
             return np.zeros(0)
-        return np.array([_days(moment, self.when[0]) for moment in self.when])
-
-
-def _days(moment: datetime | float, first: datetime | float) -> float:
-    if isinstance(moment, datetime) and isinstance(first, datetime):
-        return (moment - first).total_seconds() / 86400
-    return float(moment)  # type: ignore[arg-type]  # both are numbers
+        first = self.when[0]
+        return np.array(
+            [(m - first) / timedelta(days=1) if isinstance(m, datetime) else float(m) for m in self.when]  # type: ignore[operator]
+        )
 
 
 def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
@@ -155,6 +152,8 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
     segments: tuple[TrendSegment, ...] = ()
     between = 0.0
     if x.size >= LEAST_RUNS:
+        # Outliers, segments and the variance between runs depend on each other: they are found in turn until the
+        # segments no longer change.
         between = _successive_variance(x, variance)
         for _ in range(_ROUNDS):
             outlying = _stand_off(x, variance + between)
@@ -184,7 +183,16 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
         outside=read_only(np.abs(x - centre) > limit),
         isolated=read_only(outlying),
         between=math.sqrt(between) * scale,
-        segments=tuple(_scaled(s, scale) for s in segments),
+        segments=tuple(
+            replace(
+                s,
+                level=s.level * scale,
+                slope=s.slope * scale,
+                level_variance=s.level_variance * scale**2,
+                slope_variance=s.slope_variance * scale**2,
+            )
+            for s in segments
+        ),
         changes=changes,
     )
 
@@ -260,7 +268,21 @@ def _changes(
             found += _steps(series, time, x, weights, segments[i - 1], after)
         if after.drifts:
             found.append(_drift(series, time, after))
-    return tuple(_in_units(change, scale, factor) for change in found)
+    # in the unit of the parameter, with the interval of the size
+    return tuple(
+        replace(
+            change,
+            size=float(change.size) * scale,
+            std=float(change.std) * scale,
+            interval=(
+                scale * (change.size - factor * change.std),
+                scale * (change.size + factor * change.std),
+            ),
+            before=float(change.before) * scale,
+            after=float(change.after) * scale,
+        )
+        for change in found
+    )
 
 
 def _steps(
@@ -274,22 +296,22 @@ def _steps(
     """The step between two segments; none where a drift begins or ends without one."""
     (old, old_variance), (new, new_variance) = before.at(time[after.first]), after.at(time[after.first])
     std = math.sqrt(old_variance + new_variance)
-    if abs(new - old) < _TOLD * std:
+    if abs(new - old) < _LEAST_STEP * std:
         return []
     first, last = places_of_step(time, x, weights, before, after)
     when = series.when
     return [
         Change(
-            "step",
-            after.first,
-            when[after.first],
-            when[first - 1],
-            when[last],
-            new - old,
-            std,
-            (0, 0),
-            old,
-            new,
+            kind="step",
+            log=after.first,
+            when=when[after.first],
+            earliest=when[first - 1],
+            latest=when[last],
+            size=new - old,
+            std=std,
+            interval=(0.0, 0.0),
+            before=old,
+            after=new,
         )
     ]
 
@@ -301,27 +323,14 @@ def _drift(series: _Series, time: FloatArray, segment: TrendSegment) -> Change:
     std = math.sqrt(segment.slope_variance) * length
     when = series.when
     return Change(
-        "drift", first, when[first], when[first], when[last], segment.slope * length, std, (0, 0), begin, end
+        kind="drift",
+        log=first,
+        when=when[first],
+        earliest=when[first],
+        latest=when[last],
+        size=segment.slope * length,
+        std=std,
+        interval=(0.0, 0.0),
+        before=begin,
+        after=end,
     )
-
-
-def _in_units(change: Change, scale: float, factor: float) -> Change:
-    """The change in the unit of the parameter, with the interval of its size."""
-    size, std = float(change.size) * scale, float(change.std) * scale
-    return Change(
-        change.kind,
-        change.log,
-        change.when,
-        change.earliest,
-        change.latest,
-        size,
-        std,
-        (size - factor * std, size + factor * std),
-        float(change.before) * scale,
-        float(change.after) * scale,
-    )
-
-
-def _scaled(s: TrendSegment, scale: float) -> TrendSegment:
-    variances = (s.level_variance * scale**2, s.slope_variance * scale**2)
-    return TrendSegment(s.first, s.end, s.middle, s.level * scale, s.slope * scale, *variances)

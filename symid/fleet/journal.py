@@ -1,4 +1,4 @@
-"""The journal of a batch: finished rows, kept while the batch runs, whatever ends it."""
+"""The journal of a batch: finished rows, kept while the batch runs, whatever ends it; and the lock of its results."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import contextlib
 import json
 import os
 import time
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 
-from symid.errors import SymidError
-from symid.files import is_finite_number
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
+from filelock import BaseFileLock, FileLock, Timeout
 
-_TEXTS = {name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str}
+from symid.errors import SettingError, SymidError
+from symid.files import is_finite_number
+from symid.fleet.row import TEXT_COLUMNS, Row
+
 _ROWS = 64
 _SECONDS = 1.0
 """Rows and seconds after which rows are forced to the disk; the death of the process alone loses none."""
@@ -50,7 +52,7 @@ def _is_row(row: object) -> bool:
     if not isinstance(row, dict) or not isinstance(row.get("log"), str):
         return False
     return all(
-        value is None or (isinstance(value, str) if name in _TEXTS else is_finite_number(value))
+        value is None or (isinstance(value, str) if name in TEXT_COLUMNS else is_finite_number(value))
         for name, value in row.items()
     )
 
@@ -120,3 +122,44 @@ class Journal:
 
     def _failure(self, error: OSError) -> SymidError:
         return SymidError(f"{self.file}: cannot be written ({error.strerror})")
+
+
+@contextlib.contextmanager
+def locked(files: Sequence[Path]) -> Iterator[None]:
+    """Hold tables of results against other batches, by a hidden file beside each, whose lock ends with its process.
+
+    Raises
+    ------
+    SettingError
+        If another batch holds one of them.
+    SymidError
+        If a lock cannot be made.
+    """
+    with contextlib.ExitStack() as held:
+        for file in sorted(files):
+            try:
+                held.callback(_release, _acquired(file.resolve()))
+            except Timeout as error:
+                raise SettingError(
+                    f"{file}: another batch is writing these results: wait for it, or give another output"
+                ) from error
+            except (OSError, NotImplementedError) as error:
+                cause = getattr(error, "strerror", None) or str(error)
+                raise SymidError(f"{file}: cannot be locked ({cause}): choose another folder") from error
+        yield
+
+
+def _acquired(file: Path) -> BaseFileLock:
+    place = file.with_name(f".{file.name}.lock")
+    while True:
+        lock = FileLock(place, timeout=0)
+        lock.acquire()
+        if place.exists():
+            return lock
+        lock.release()  # the batch before has removed it since it was opened
+
+
+def _release(lock: BaseFileLock) -> None:
+    with contextlib.suppress(OSError):  # Windows does not remove what is open
+        Path(lock.lock_file).unlink()
+    lock.release()

@@ -12,10 +12,8 @@ from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor
 from symid.fleet.joint import JointIdentification, LogFactors, identify_jointly
-from symid.fleet.results import UNKNOWN, Group, groups
-
-FACTORS = "factors"
-"""Column that holds them."""
+from symid.fleet.results import UNKNOWN, groups
+from symid.fleet.row import FACTORS
 
 
 def packed(found: LogFactors) -> str:
@@ -82,13 +80,10 @@ def join_results(
     """
     if FACTORS not in table.columns:
         raise SettingError("the results hold no factors to join: run symid batch with --joint")
-    return {
-        part.name: identify_jointly(model_of(part.axis, part.sensors), kept)
-        for part in groups(table, by_folder)
-        if part.axis != UNKNOWN and (kept := _kept(part, statuses))
-    }
-
-
-def _kept(part: Group, statuses: Sequence[str]) -> list[LogFactors]:
-    rows = part.rows.filter(pl.col("status").is_in(list(statuses)), pl.col(FACTORS).is_not_null())
-    return [unpacked(str(log), text) for log, text in rows.select("log", FACTORS).iter_rows()]
+    found = {}
+    for part in groups(table, by_folder):
+        rows = part.rows.filter(pl.col("status").is_in(list(statuses)), pl.col(FACTORS).is_not_null())
+        kept = [unpacked(str(log), text) for log, text in rows.select("log", FACTORS).iter_rows()]
+        if kept and part.axis != UNKNOWN:
+            found[part.name] = identify_jointly(model_of(part.axis, part.sensors), kept)
+    return found

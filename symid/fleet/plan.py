@@ -16,9 +16,8 @@ from symid.codegen import GeneratedModel
 from symid.codegen.store import StoredModule, model_of, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
 from symid.errors import GeneratedModuleError, SettingError, SymidError
-from symid.fleet.kept_factors import FACTORS
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS
-from symid.fleet.settings import BatchSettings
+from symid.fleet.batch_settings import BatchSettings
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS
 from symid.identification.logs import axis_columns
 
 PathLike = str | os.PathLike[str]

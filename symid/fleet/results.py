@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +16,7 @@ from symid.arrays import FloatArray
 from symid.data.memory import require_room
 from symid.errors import LogError, SettingError
 from symid.files import require_regular
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, TIMES
+from symid.fleet.row import TEXT_COLUMNS, TIMES
 
 UNKNOWN = "unknown axis"
 """Axis of logs that failed before it was known."""
@@ -23,7 +24,6 @@ UNITS = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
-_TEXTS = tuple(name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS, "factors": str}.items() if kind is str)
 _LARGEST = 1e150
 """Largest value of a parameter whose square is finite."""
 
@@ -81,8 +81,8 @@ def _read_parquet(path: Path) -> pl.DataFrame:
 
 
 def _read_csv(path: Path) -> pl.DataFrame:
-    texts = (name for name, kind in {**BEFORE, **AFTER, **DIAGNOSIS}.items() if kind is str)
-    table = pl.read_csv(path, schema_overrides=dict.fromkeys(texts, pl.String), infer_schema_length=None)
+    texts = dict.fromkeys(TEXT_COLUMNS, pl.String)
+    table = pl.read_csv(path, schema_overrides=texts, infer_schema_length=None)
     return table.with_columns(pl.col(pl.String).str.replace(_MADE_SAFE, "$1"))
 
 
@@ -134,7 +134,7 @@ def checked_results(table: pl.DataFrame) -> pl.DataFrame:
         raise SettingError(
             f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row a log"
         )
-    for name in (name for name in _TEXTS if name in table.columns):
+    for name in (name for name in TEXT_COLUMNS if name in table.columns):
         kind = table.schema[name]
         if name == "measured" and kind == pl.List(pl.String):
             continue
@@ -171,7 +171,9 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
     >>> [group.name for group in groups(table, by_folder=True)]
     ['emps in x', 'emps in y']
     """
-    keyed = _filled(table.with_columns(_FOLDER=_folders(table, by_folder), _SENSORS=_sensors(table)))
+    logs = table["log"].cast(pl.String).fill_null("")
+    folders = pl.Series([str(Path(log).parent) if by_folder else "" for log in logs], dtype=pl.String)
+    keyed = _filled(table.with_columns(_FOLDER=folders, _SENSORS=_sensors(table)))
     several = (
         keyed.group_by("_AXIS").agg(pl.col("_SENSORS").unique()).filter(pl.col("_SENSORS").list.len() > 1)
     )
@@ -183,12 +185,9 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
             name += f" from {sensors or 'unknown sensors'}"
         if folder:
             name += f" in {folder}"
-        found.append(Group(name, str(axis), _listed(sensors), rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
+        signals = tuple(each.strip() for each in str(sensors).split(",") if each.strip())
+        found.append(Group(name, str(axis), signals, rows.drop("_AXIS", "_SENSORS", "_FOLDER")))
     return tuple(sorted(found, key=lambda group: group.name))
-
-
-def _listed(sensors: object) -> tuple[str, ...]:
-    return tuple(name.strip() for name in str(sensors).split(",") if name.strip())
 
 
 def _filled(table: pl.DataFrame) -> pl.DataFrame:
@@ -207,11 +206,6 @@ def _sensors(table: pl.DataFrame) -> pl.Expr:
     if isinstance(table.schema["measured"], pl.List):
         column = column.list.join(", ")
     return column.cast(pl.String).replace("", None)
-
-
-def _folders(table: pl.DataFrame, wanted: bool) -> pl.Series:
-    logs = table["log"].cast(pl.String).fill_null("")
-    return pl.Series([str(Path(log).parent) if wanted else "" for log in logs], dtype=pl.String)
 
 
 def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
@@ -254,3 +248,44 @@ def _moment(value: object) -> datetime | None:
     if not isinstance(value, datetime):
         return None
     return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+
+@dataclass(frozen=True)
+class EffectCount:
+    """How often diagnoses found an effect at a place.
+
+    Parameters
+    ----------
+    effect, at : str
+        The effect and its place.
+    logs : int
+        Logs in which it was found.
+    axes : mapping of str to int
+        Axes in which it was found, and in how many of their logs.
+    """
+
+    effect: str
+    at: str
+    logs: int
+    axes: Mapping[str, int]
+
+
+def count_effects(found: Iterable[tuple[str, object, object]]) -> tuple[EffectCount, ...]:
+    """Effects over the fleet, the most frequent first.
+
+    Parameters
+    ----------
+    found : iterable of (axis, effect, at)
+        One for each log; without an effect it does not count.
+
+    Examples
+    --------
+    >>> count_effects([("emps", "backlash", "load"), ("rig", None, None), ("emps", "backlash", "load")])
+    (EffectCount(effect='backlash', at='load', logs=2, axes={'emps': 2}),)
+    """
+    axes: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
+    for axis, effect, at in found:
+        if effect:
+            axes[str(effect), str(at or "")][axis] += 1
+    counts = (EffectCount(*place, counted.total(), dict(counted)) for place, counted in axes.items())
+    return tuple(sorted(counts, key=lambda one: (-one.logs, one.effect, one.at)))

@@ -12,18 +12,19 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
-from symid.fleet.effects import EffectCount, count_effects
 from symid.fleet.results import (
+    EffectCount,
     Group,
     Units,
     checked_results,
+    count_effects,
     groups,
     moments,
     numbers,
     parameter_names,
 )
+from symid.fleet.sentences import sentence
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
-from symid.fleet.wording import sentence
 
 _TO_SIGMA = 1.4826
 """Standard deviation of normal values for each unit of their median absolute deviation."""
@@ -189,24 +190,25 @@ def review_fleet(
         table = table.sort("log").drop("recorded", strict=False)
     names = [name for name in parameter_names(table) if name not in without]
     parts = groups(table, by_folder)
-    axes = tuple(_axis_review(part, names, statuses, _units_of(part, units or {})) for part in parts)
+    axes = tuple(_axis_review(part, names, statuses, units or {}) for part in parts)
     counts = _counts(table, "status")
-    effects = _effects(parts)
+    effects = count_effects(
+        (part.name, effect, at)
+        for part in parts
+        if {"effect", "at"} <= set(part.rows.columns)
+        for effect, at in part.rows.select("effect", "at").iter_rows()
+    )
     verdicts = _counts(table, "verdict")
     return FleetReview(table, axes, counts, verdicts, effects, sentence(table, axes, counts, effects))
 
 
-def _units_of(group: Group, units: Units) -> Mapping[str, str]:
-    """Units of the parameters of an axis with its sensors."""
-    return units.get(group.axis, {}).get(",".join(group.sensors), {})
-
-
-def _axis_review(
-    group: Group, names: Sequence[str], statuses: Sequence[str], units: Mapping[str, str]
-) -> AxisReview:
+def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
     rows = group.rows.filter(pl.col("status").is_in(list(statuses)))
-    apart = _distinct(rows, names)
-    found = tuple(one for one in (_parameter_review(rows, name, units) for name in apart) if one is not None)
+    # A minimal parameter that is a physical one has the same numbers under a second name, and is left out.
+    last = {numbers(rows, name).tobytes(): name for name in names}
+    distinct = [name for name in names if last[numbers(rows, name).tobytes()] == name]
+    own = units.get(group.axis, {}).get(",".join(group.sensors), {})
+    found = tuple(one for one in (_parameter_review(rows, name, own) for name in distinct) if one is not None)
     return AxisReview(
         name=group.name,
         axis=group.axis,
@@ -217,12 +219,6 @@ def _axis_review(
         verdict=judge_spread({one.name: one.spread for one in found}),
         dated=rows.height > 0 and moments(rows) is not None,
     )
-
-
-def _distinct(rows: pl.DataFrame, names: Sequence[str]) -> list[str]:
-    """Parameters without those that are another one under a second name: a minimal parameter that is a physical one."""
-    last = {numbers(rows, name).tobytes(): name for name in names}
-    return [name for name in names if last[numbers(rows, name).tobytes()] == name]
 
 
 def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -> ParameterReview | None:
@@ -267,12 +263,3 @@ def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
     if column not in rows.columns:
         return {}
     return dict(Counter(str(value) for value in rows[column] if value is not None).most_common())
-
-
-def _effects(parts: Sequence[Group]) -> tuple[EffectCount, ...]:
-    told = [part for part in parts if {"effect", "at"} <= set(part.rows.columns)]
-    return count_effects(
-        (part.name, effect, at)
-        for part in told
-        for effect, at in part.rows.select("effect", "at").iter_rows()
-    )

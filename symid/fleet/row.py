@@ -47,6 +47,9 @@ DIAGNOSIS: Mapping[str, type] = {
 BEFORE: Mapping[str, type] = {**dict.fromkeys(TEXTS, str), **FIGURES}
 AFTER: Mapping[str, type] = {**RESIDUAL, **EXAMINED, **dict.fromkeys(TIMES, str)}
 """Columns before and after those of the parameters."""
+FACTORS = "factors"
+"""Column of the triangular factors of a log."""
+TEXT_COLUMNS = tuple(n for n, kind in {**BEFORE, **AFTER, **DIAGNOSIS, FACTORS: str}.items() if kind is str)
 
 
 def finite(value: Any) -> Value:

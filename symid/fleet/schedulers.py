@@ -19,7 +19,7 @@ import joblib
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from symid.errors import SettingError, SymidError
-from symid.fleet.limits import (
+from symid.fleet.worker_limits import (
     LONGEST,
     end_with_parent,
     ending_after,

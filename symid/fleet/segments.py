@@ -1,4 +1,4 @@
-"""Stretches of time in which a parameter stays or drifts evenly, and the changes between them.
+"""Segments of time in which a parameter is constant or drifts evenly, and the changes between them.
 
 A series is cut into segments, each with a level or with a level and a slope, so that
 
@@ -180,7 +180,7 @@ def _refined(
 
     def error(place: int) -> float:
         sides = ((first, place, sloping[0]), (place, last, sloping[1]))
-        return sum(_misfit(time, values, weights, *side) for side in sides)
+        return sum(_squared_error(time, values, weights, *side) for side in sides)
 
     return min(places, key=error) if reach else middle
 
@@ -188,14 +188,14 @@ def _refined(
 def fitted_segment(
     time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, *, sloping: bool
 ) -> TrendSegment:
-    """Level, or line, through a stretch of a series.
+    """Level, or line, through a segment of a series.
 
     Parameters
     ----------
     time, values, weights : array of shape (n,)
         The series.
     first, end : int
-        The stretch.
+        The segment.
     sloping : bool
         Whether it has a slope.
 
@@ -232,15 +232,15 @@ def places_of_step(
     costs = []
     for place in places:
         sides = ((before.first, int(place), before.drifts), (int(place), after.end, after.drifts))
-        costs.append(sum(_misfit(time, values, weights, *side) for side in sides))
-    odds = np.exp(-0.5 * (np.array(costs) - min(costs)))
-    order = np.argsort(-odds)
-    needed = int(np.searchsorted(np.cumsum(odds[order]), _CREDIBLE * odds.sum())) + 1
+        costs.append(sum(_squared_error(time, values, weights, *side) for side in sides))
+    likelihood = np.exp(-0.5 * (np.array(costs) - min(costs)))
+    order = np.argsort(-likelihood)
+    needed = int(np.searchsorted(np.cumsum(likelihood[order]), _CREDIBLE * likelihood.sum())) + 1
     kept = places[order[:needed]]
     return int(kept.min()), int(kept.max())
 
 
-def _misfit(
+def _squared_error(
     time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, sloping: bool
 ) -> float:
     line = fitted_segment(time, values, weights, first, end, sloping=sloping)
@@ -250,7 +250,7 @@ def _misfit(
 
 @dataclass(frozen=True)
 class _Sums:
-    """Cumulative weighted sums of a series, from which the cost of every stretch follows; shape (6, n_places)."""
+    """Cumulative weighted sums of a series, from which the cost of every segment follows; shape (6, n_places)."""
 
     rows: FloatArray
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symid.fleet.batch import Batch
-from symid.fleet.effects import count_effects
+from symid.fleet.results import count_effects
 
 _NORMAL = 1.4826
 """Standard deviation of a normal distribution by its median absolute deviation."""

@@ -11,10 +11,9 @@ import polars as pl
 
 from symid.data import write_frame
 from symid.errors import SettingError, SymidError
-from symid.fleet.kept_factors import FACTORS
 from symid.fleet.plan import FleetAxis
 from symid.fleet.results import UNITS, Units, read_results, with_safe_cells
-from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, Row
+from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS, Row
 
 SUFFIXES = (".parquet", ".csv")
 _TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}

@@ -18,12 +18,12 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, columns_in
 from symid.errors import LogError
 from symid.files import irregular
+from symid.fleet.batch_settings import ROW_METHODS
 from symid.fleet.joint import log_factors
-from symid.fleet.kept_factors import FACTORS, packed
-from symid.fleet.limits import TooLongError
+from symid.fleet.kept_factors import packed
 from symid.fleet.plan import FleetAxis
-from symid.fleet.row import Row, Value, finite, time_text, trouble, with_deviations
-from symid.fleet.settings import ROW_METHODS
+from symid.fleet.row import FACTORS, Row, Value, finite, time_text, trouble, with_deviations
+from symid.fleet.worker_limits import TooLongError
 from symid.identification import Constraints, Identification, identify, measured_signals, open_axis_log
 from symid.text import visible
 

@@ -46,7 +46,7 @@ def test_knowledge_is_part_of_what_a_row_depends_on(logs: Path) -> None:
 
 
 def test_what_is_not_possible_is_refused(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SettingError, match="'Mx' is no unknown parameter: choose from Fs, Fv, M"):
+    with pytest.raises(SettingError, match="'Mx' is not an unknown parameter: choose from Fs, Fv, M"):
         identify_batch("rigid_1m", logs, settings=BatchSettings(prior={"Mx": (1.0, 1.0)}))
     with pytest.raises(SettingError, match="not possible with method 'oe'"):
         BatchSettings(method="oe", bounds={"M": (0.0, None)})

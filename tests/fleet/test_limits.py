@@ -12,8 +12,8 @@ import pytest
 
 from symid.errors import SettingError
 from symid.fleet import BatchSettings, identify_batch
-from symid.fleet.limits import TooLongError, limit_memory, raising_after, share_of_memory
 from symid.fleet.schedulers import Processes, scheduler_of
+from symid.fleet.worker_limits import TooLongError, limit_memory, raising_after, share_of_memory
 
 
 def test_a_worker_that_holds_the_interpreter_is_ended() -> None:
@@ -46,7 +46,10 @@ def test_times_that_are_none_are_refused(seconds: float) -> None:
 
 def test_a_worker_ends_with_its_parent_even_while_it_holds_the_interpreter() -> None:
     """The parent starts a child that computes without a pause, and is killed."""
-    child = "from symid.fleet.limits import end_with_parent as e; e(); print('on', flush=True); sum(range(10**13))"
+    child = (
+        "from symid.fleet.worker_limits import end_with_parent as e; e(); "
+        "print('on', flush=True); sum(range(10**13))"
+    )
     parent = (
         "import subprocess, sys\n"
         f"run = subprocess.Popen([sys.executable, '-c', {child!r}], stdout=subprocess.PIPE)\n"
@@ -70,7 +73,7 @@ def test_a_worker_ends_with_its_parent_even_while_it_holds_the_interpreter() -> 
 def test_memory_of_a_process_is_limited() -> None:
     assert share_of_memory(2) >= 4e9
     program = (
-        "from symid.fleet.limits import limit_memory\nlimit_memory(3e8)\n"
+        "from symid.fleet.worker_limits import limit_memory\nlimit_memory(3e8)\n"
         "try:\n    bytearray(10**9)\nexcept MemoryError:\n    print('refused')\n"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -12,7 +12,7 @@ from fleet_logs import write_log
 import symid
 from symid.errors import SettingError
 from symid.fleet import BatchSettings, identify_batch, read_results
-from symid.fleet.lock import locked
+from symid.fleet.journal import locked
 from symid.fleet.plan import fleet_axes, log_files
 
 QUICK = BatchSettings(examine=False)

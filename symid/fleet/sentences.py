@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import polars as pl
 
-from symid.fleet.effects import EffectCount
-from symid.fleet.results import UNKNOWN
+from symid.fleet.results import UNKNOWN, EffectCount
 
 if TYPE_CHECKING:
     from symid.fleet.review import AxisReview
@@ -26,17 +25,17 @@ def sentence(
         return "No log."
     known = sum(one.axis != UNKNOWN for one in axes)
     parts = [f"{_plural(table.height, 'log')} of {_plural(known, 'axis', 'axes')}, {_ok(table, statuses)}."]
-    told = [one for one in axes if one.verdict.probabilities]
-    differing = [one for one in told if one.verdict.differs]
+    tested = [one for one in axes if one.verdict.probabilities]
+    differing = [one for one in tested if one.verdict.differs]
     if differing:
         worst = max(differing, key=_largest_share)
         which = ", ".join(worst.verdict.parameters[:3])
         parts.append(
-            f"{len(differing)} of {_plural(len(told), 'axis', 'axes')} really "
+            f"{len(differing)} of {_plural(len(tested), 'axis', 'axes')} really "
             f"{'differs' if len(differing) == 1 else 'differ'} from run to run"
             f"{', most of all' if len(differing) > 1 else ':'} {worst.name} in {which}."
         )
-    elif told:
+    elif tested:
         parts.append("No axis differs from run to run beyond its intervals.")
     changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
     if changed:

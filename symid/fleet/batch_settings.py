@@ -10,7 +10,7 @@ from symid.axis import Axis
 from symid.data import MEMORY, Layout
 from symid.data.resampling import Rate
 from symid.errors import SettingError
-from symid.fleet.limits import LONGEST
+from symid.fleet.worker_limits import LONGEST
 from symid.identification import Preparation
 from symid.identification.logs import axis_columns
 
@@ -113,14 +113,15 @@ class BatchSettings:
             chosen = tuple(name for name in self.measured if name in sensors) or None
         late = {name: value for name, value in self.preparation.late.items() if name in axis.signal_units}
         held = True if axis.only_drive.signal in self.held else self.preparation.held
+        free = frozenset(axis.physical_parameters)
         return replace(
             self,
             measured=chosen,
             columns=_of(self.columns, known),
             units=_of(self.units, known),
             gains=_of(self.gains, known),
-            bounds=_of(self.bounds, frozenset(axis.physical_parameters)),
-            prior=_of(self.prior, frozenset(axis.physical_parameters)),
+            bounds=_of(self.bounds, free),
+            prior=_of(self.prior, free),
             preparation=replace(self.preparation, late=late, held=held),
             held=(),
         )
@@ -137,7 +138,7 @@ class BatchSettings:
         free = {name for axis in axes for name in axis.physical_parameters}
         if strange := [name for name in (*self.bounds, *self.prior) if name not in free]:
             raise SettingError(
-                f"{strange[0]!r} is no unknown parameter: choose from {', '.join(sorted(free))}"
+                f"{strange[0]!r} is not an unknown parameter: choose from {', '.join(sorted(free))}"
             )
         forces = [axis.only_drive.signal for axis in axes]
         if unknown := [signal for signal in self.held if signal not in forces]:
