@@ -80,7 +80,7 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         code = 0  # whoever reads has read enough
     except OSError as error:
-        code = fail(_said(error))
+        code = fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     sys.exit(code)
 
 
@@ -105,7 +105,3 @@ def _run(arguments: list[str] | None) -> int:
         cause = f"{type(error).__name__}: {error}"
         return fail(f"a fault of symid, please report it ({cause}); {_TRACE}=1 shows where", 70)
     return code if isinstance(code, int) else 0
-
-
-def _said(error: OSError) -> str:
-    return f"{error.filename}: {error.strerror}" if error.filename else str(error)

@@ -23,12 +23,12 @@ from symid.cli.numbers import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,
+    give_result,
     json_option,
     measured_option,
     parameter_file,
     shared,
     signal_list,
-    write_json,
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked, working
@@ -132,10 +132,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
         with working("reviewing"):
             write_page(review_fleet(batch.table, units=batch.units), page)
     record = summary_of(batch)
-    if json_file:
-        write_json(record, json_file)
-    if json_file != "-":
-        print_batch(record)
+    give_result(record, json_file, print_batch)
 
 
 def _axes(names: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[str | Axis, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from symid.cli.options import json_option, write_json
+from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
 from symid.files import read_json
 from symid.report.comparison import comparison_record, print_comparison, values_of
@@ -21,7 +21,4 @@ def command(first: str, second: str, json_file: str | None) -> None:
     compared together too, which their correlations can decide when no single parameter does.
     """
     record = comparison_record(*(values_of(read_json(file), file) for file in (first, second)))
-    if json_file:
-        write_json(record, json_file)
-    if json_file != "-":
-        print_comparison(record)
+    give_result(record, json_file, print_comparison)

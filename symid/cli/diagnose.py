@@ -8,12 +8,13 @@ from typing import Any
 
 import click
 
-from symid.axis import Axis, load_axis, write_axis
+from symid.axis import load_axis, write_axis
 from symid.cli.logs import known_late, log_options, read_log_of
 from symid.cli.options import (
     assignments,
     cascade_gains,
     gain_option,
+    give_result,
     held_force,
     held_option,
     json_option,
@@ -31,7 +32,7 @@ from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
-from symid.simulation import Cascade, ClosedLoop
+from symid.simulation import ClosedLoop
 from symid.verbs.diagnose import derive_if_missing
 
 _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "seconds")
@@ -94,8 +95,9 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     recorded: dict[str, Any] = {
         "late": known_late(declared, options),
         "held": held_force(options["held"], declared),
-        "controller": _controller(declared, options["gains"]),
     }
+    if gains := cascade_gains(options["gains"]):
+        recorded["controller"] = ClosedLoop.with_gains(declared, gains).controller
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None
     if simulated and len(runs) > 1:
         raise SettingError(
@@ -120,19 +122,9 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     record = diagnosis_record(found)
     if options["report"]:
         write_html(found, page)
-    if options["json_file"]:
-        write_json(record, options["json_file"])
-    if options["json_file"] != "-":
-        print_diagnosis(record)
+    give_result(record, options["json_file"], print_diagnosis)
     if options["write_axis"]:
         _write_axis(found, Path(options["write_axis"]))
-
-
-def _controller(axis: Axis, gains: tuple[str, ...]) -> Cascade | None:
-    """Controller of ``--controller-gain``; None without."""
-    given = cascade_gains(gains)
-    controller = ClosedLoop.with_gains(axis, given).controller if given else None
-    return controller if isinstance(controller, Cascade) else None
 
 
 def _write_axis(found: Diagnosis, file: Path) -> None:

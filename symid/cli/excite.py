@@ -14,13 +14,13 @@ from symid.cli.options import (
     assignments,
     bandwidth_option,
     gain_option,
+    give_result,
     json_option,
     measured_option,
     parameter_file,
     reference_file,
     shared,
     signal_list,
-    write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import tracked
@@ -103,10 +103,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         track=lambda every: tracked(every, "references"),
     )
     write_log(found.best.trajectory.as_log(), output)
-    if json_file:
-        write_json(_record(found, experiment, output), json_file)
-    if json_file != "-":
-        _print(found, experiment, output)
+    give_result(_record(found, experiment, output), json_file, lambda _: _print(found, experiment, output))
 
 
 def _limits(text: str, axis: Axis) -> tuple[Limits, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +26,6 @@ from symid.symbolic import derive
 FORMATS = ("c", "mjcf", "fmu", "json")
 
 
-def _kind(options: Mapping[str, Any]) -> str:
-    return str(options["to"])
-
-
 @click.command(
     "export",
     cls=SafeCommand,
@@ -50,7 +45,13 @@ def _kind(options: Mapping[str, Any]) -> str:
     help="C99, MuJoCo, unit for co-simulation (FMI 2.0), or JSON.",
 )
 @measured_option
-@click.option("-o", "--output", metavar="FILE", type=Output(_kind), help="Where to write [standard output].")
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=Output(lambda options: str(options["to"])),
+    help="Where to write [standard output].",
+)
 @json_option
 def command(axis: str, **options: Any) -> None:
     """Write AXIS with its parameters for another program, and say what that program cannot express."""

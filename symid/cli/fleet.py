@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from symid.axis import load_axis
-from symid.cli.options import json_option, signal_list, write_json
+from symid.cli.options import give_result, json_option, signal_list
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import working
 from symid.codegen import GeneratedModel, model_of
@@ -91,10 +91,7 @@ def command(results: str, **options: Any) -> None:
     if page:
         write_page(found, page, joined)
     record = fleet_record(found, joined)
-    if options["json_file"]:
-        write_json(record, options["json_file"])
-    if options["json_file"] != "-":
-        print_fleet(record)
+    give_result(record, options["json_file"], print_fleet)
 
 
 def page_of(file: str | None) -> Path | None:

@@ -29,13 +29,13 @@ from symid.cli.options import (
     cascade_gains,
     dark_option,
     gain_option,
+    give_result,
     held_force,
     json_option,
     measured_option,
     parameter_file,
     shared,
     signal_list,
-    write_json,
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked, working
@@ -137,10 +137,13 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             )
         found, validation, record = _by_output_error(known, model, runs, validating, options)
     else:
+        # what the logs say without the given values
         alone = _identified(declared, model_of(axis, signals), runs, options) if fixed else None
-        found, validation, record = _by_regression(
-            known, model, runs, validating, constraints, alone, options
-        )
+        found = _identified(known, model, runs, options, constraints)
+        if alone is not None:
+            found = with_fixed(found, alone)
+        validation = predict(found, validating) if validating else None
+        record = identification_record(found, validation)
     if options["plot"]:
         from symid.report.plots import identification_figure, save_figure  # matplotlib takes a second to load
 
@@ -163,10 +166,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
             command=shlex.join(["symid", *sys.argv[1:]]),
         )
-    if options["json_file"]:
-        write_json(record, options["json_file"])
-    if options["json_file"] != "-":
-        print_identification(record)
+    give_result(record, options["json_file"], print_identification)
 
 
 def _by_known_values(
@@ -183,16 +183,11 @@ def _by_known_values(
         runs,
         known_by_log(options["known"], declared, len(runs)),
         signals,
-        preparation=replace(
-            preparation_of(options, known_late(declared, options)), held=held_force(options["held"], declared)
-        ),
+        preparation=_preparation(declared, options),
         nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
     )
     record = shared_record(found)
-    if options["json_file"]:
-        write_json(record, options["json_file"])
-    if options["json_file"] != "-":
-        print_shared(record)
+    give_result(record, options["json_file"], print_shared)
 
 
 def _require_page(options: dict[str, Any]) -> None:
@@ -202,26 +197,6 @@ def _require_page(options: dict[str, Any]) -> None:
     html_path(options["report"])
     if options["method"] == "oe":
         raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")
-
-
-def _by_regression(
-    declared: Axis,
-    model: GeneratedModel,
-    runs: Sequence[AnyLog],
-    validating: Log | None,
-    constraints: Constraints,
-    alone: Identification | None,
-    options: dict[str, Any],
-) -> tuple[Identification, Prediction | None, dict[str, Any]]:
-    """Least squares or instrumental variables: the result, its validation, and both as a record.
-
-    `alone` is what the logs say without the values that are given.
-    """
-    found = _identified(declared, model, runs, options, constraints)
-    if alone is not None:
-        found = with_fixed(found, alone)
-    validation = predict(found, validating) if validating else None
-    return found, validation, identification_record(found, validation)
 
 
 def _by_output_error(
@@ -263,9 +238,7 @@ def _identified(
     constraints: Constraints | None = None,
 ) -> Identification:
     """Identify by the method that was asked for."""
-    preparation = replace(
-        preparation_of(options, known_late(declared, options)), held=held_force(options["held"], declared)
-    )
+    preparation = _preparation(declared, options)
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
     if options["method"] == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
@@ -289,6 +262,11 @@ def _identified(
         nominal=nominal,
         constraints=constraints,
     )
+
+
+def _preparation(declared: Axis, options: dict[str, Any]) -> Preparation:
+    late, held = known_late(declared, options), held_force(options["held"], declared)
+    return replace(preparation_of(options, late), held=held)
 
 
 def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:

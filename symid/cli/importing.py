@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.table import Table as Shown
 
-from symid.axis import Axis, load_axis
+from symid.axis import load_axis
 from symid.cli.numbers import POSITIVE, Number
-from symid.cli.options import dark_option, json_option, write_json
+from symid.cli.options import dark_option, give_result, json_option, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
@@ -20,7 +19,7 @@ from symid.data.formats.scope_text import writer_of
 from symid.errors import SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
 from symid.report.colours import palette_of
-from symid.report.console import report_console
+from symid.report.console import TextTable, report_console
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,16 @@ def command(log: str, **options: Any) -> None:
         raise SettingError("-o needs --axis: a mapping names the signals of an axis")
     declared = load_axis(options["axis"]) if options["axis"] else None
     look = _look(Path(log), options["rate"])
-    mapping = _mapping(look, declared, options) if declared else None
+    mapping = None
+    if declared:
+        mapping = guessed_mapping(
+            declared,
+            look.columns,
+            layout=look.layout,
+            sampling_period=look.period,
+            gain=options["gain"],
+            rated=options["rated"],
+        )
     if options["plot"]:
         from symid.report.foreign import plot_foreign  # matplotlib takes a second to load
 
@@ -71,10 +79,9 @@ def command(log: str, **options: Any) -> None:
         plot_foreign(look.table, look.columns, look.period, options["plot"], palette)
     if mapping and options["output"]:
         write_json(mapping.as_record, options["output"])
-    if options["json_file"]:
-        write_json(_record(log, look, mapping), options["json_file"])
-    if options["json_file"] != "-":
-        _show(log, look, mapping, options)
+    give_result(
+        _record(log, look, mapping), options["json_file"], lambda _: _show(log, look, mapping, options)
+    )
 
 
 def _look(path: Path, rate: float | None) -> ForeignFile:
@@ -88,17 +95,6 @@ def _look(path: Path, rate: float | None) -> ForeignFile:
     return ForeignFile(layout, table, foreign_columns(table), period)
 
 
-def _mapping(look: ForeignFile, axis: Axis, options: dict[str, Any]) -> LogMapping:
-    return guessed_mapping(
-        axis,
-        look.columns,
-        layout=look.layout,
-        sampling_period=look.period,
-        gain=options["gain"],
-        rated=options["rated"],
-    )
-
-
 def _record(log: str, look: ForeignFile, mapping: LogMapping | None) -> dict[str, Any]:
     return {
         "log": log,
@@ -109,27 +105,22 @@ def _record(log: str, look: ForeignFile, mapping: LogMapping | None) -> dict[str
     }
 
 
-def _header_said(layout: Layout) -> str:
-    if not layout.named:
-        return f"{layout.above} lines above the values, no names"
-    return f"{layout.above} lines above the header, {layout.below} between it and the values"
-
-
 def _show(log: str, look: ForeignFile, mapping: LogMapping | None, options: dict[str, Any]) -> None:
     console = report_console()
     if look.layout:
         of = look.layout
-        console.print(
-            f"{log}: {of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}, {_header_said(of)}",
-            markup=False,
+        header = (
+            f"{of.above} lines above the header, {of.below} between it and the values"
+            if of.named
+            else f"{of.above} lines above the values, no names"
         )
-    shown = Shown(box=None, pad_edge=False)
-    for title in ("column", "seems to be", "unit", "because"):
-        shown.add_column(title)
+        layout = f"{of.encoding}, separator {of.separator!r}, decimal {of.decimal!r}"
+        console.print(f"{log}: {layout}, {header}", markup=False)
+    shown = TextTable("", "column", "seems to be", "unit", "because")
     for column in look.columns:
         what = f"{'commanded ' * column.setpoint}{column.quantity or '?'}"
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
-        shown.add_row(column.header, what, unit, column.reason)
+        shown.add(column.header, what, unit, column.reason)
     console.print(shown)
     if mapping is None:
         console.print("\nThese are guesses. With --axis AXIS they become a mapping.")

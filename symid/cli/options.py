@@ -224,7 +224,10 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     values = read_json(file)
     if isinstance(values, dict) and isinstance(values.get("physical"), dict):
         known = values["known"] if isinstance(values.get("known"), dict) else {}
-        values = {name: _value_of(found) for name, found in {**values["physical"], **known}.items()}
+        values = {
+            name: found.get("value") if isinstance(found, dict) else found
+            for name, found in {**values["physical"], **known}.items()
+        }
     if not isinstance(values, dict):
         raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
     parameters: dict[str, float] = {}
@@ -242,10 +245,6 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     return parameters
 
 
-def _value_of(found: object) -> object:
-    return found.get("value") if isinstance(found, dict) else found
-
-
 def write_json(record: object, file: str) -> None:
     """Write a record as JSON to a file, or to standard output for ``-``; numbers that are not finite become null."""
     if file != "-":
@@ -255,6 +254,14 @@ def write_json(record: object, file: str) -> None:
     else:
         encoding = (sys.stdout.encoding or "utf-8").lower().replace("-", "")
         sys.stdout.write(as_json(record, ascii_only=encoding != "utf8"))
+
+
+def give_result(record: Any, json_file: str | None, show: Callable[[Any], object]) -> None:
+    """Write a record as JSON where that is asked for, and show it unless standard output takes the JSON."""
+    if json_file:
+        write_json(record, json_file)
+    if json_file != "-":
+        show(record)
 
 
 _UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")

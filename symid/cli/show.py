@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from symid.axis import load_axis
-from symid.cli.options import dark_option, json_option, measured_option, signal_list, write_json
+from symid.cli.options import dark_option, give_result, json_option, measured_option, signal_list
 from symid.cli.outputs import Output, SafeCommand
 from symid.report.colours import palette_of
 from symid.report.derivation import derivation_record, print_derivation
@@ -29,7 +29,4 @@ def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_
 
         save_figure(schematic(declared, palette_of(dark)), plot)
     model = derive(declared, signal_list(measured))
-    if json_file:
-        write_json(derivation_record(model), json_file)
-    if json_file != "-":
-        print_derivation(model)
+    give_result(derivation_record(model), json_file, lambda _: print_derivation(model))

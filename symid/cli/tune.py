@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -14,6 +13,7 @@ from symid.cli.numbers import ORDER, POSITIVE
 from symid.cli.options import (
     assignments,
     dark_option,
+    give_result,
     held_force,
     json_option,
     late_option,
@@ -21,7 +21,6 @@ from symid.cli.options import (
     number,
     parameter_file,
     signal_list,
-    write_json,
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked
@@ -147,10 +146,7 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
         draw, show = partial(tuning_figure, found), partial(print_tuning, found)
     if options["plot"]:
         save_figure(draw(palette_of(options["dark"])), options["plot"])
-    if json_file:
-        write_json(record, json_file)
-    if json_file != "-":
-        show()
+    give_result(record, json_file, lambda _: show())
 
 
 def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> Tuning:
@@ -202,8 +198,7 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
     )
 
 
-def _tracked(frequencies: Sequence[float]) -> Iterator[float]:
-    return tracked(frequencies, "errors by frequency")
+_tracked = partial(tracked, what="errors by frequency")
 
 
 def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:

@@ -15,6 +15,8 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 from sympy.printing.numpy import NumPyPrinter
 
+from symid.symbolic.minimal import MinimalParameter
+
 
 class _Printer(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
     """Prints expressions of the law language with ``np`` as NumPy's name."""
@@ -97,6 +99,28 @@ class PolynomialLowering:
         name = f"{self._prefix}{len(self.assignments)}"
         self.assignments.append((name, text))
         return name
+
+
+def minimal_parameter_code(
+    parameters: Sequence[MinimalParameter],
+    names: Sequence[str | None],
+    write: Callable[[sp.Expr], str] = code,
+) -> tuple[list[tuple[str, str]], list[str]]:
+    """Assignments of what minimal parameters share, and the code of each of them.
+
+    Parameters
+    ----------
+    parameters : sequence of MinimalParameter
+        Rational functions of the physical parameters.
+    names, write
+        As of `PolynomialLowering`.
+    """
+    lowering, results = PolynomialLowering(names, write), []
+    for parameter in parameters:
+        above = lowering.lower(parameter.function.numerator)
+        below = lowering.lower(parameter.function.denominator)
+        results.append(above if below == write(sp.S.One) else f"{as_factor(above)}/{as_factor(below)}")
+    return lowering.assignments, results
 
 
 def as_factor(text: str) -> str:

@@ -8,7 +8,7 @@ from itertools import product
 
 import sympy as sp
 
-from symid.codegen.lowering import PolynomialLowering, as_factor, code, signal_names
+from symid.codegen.lowering import code, minimal_parameter_code, signal_names
 from symid.codegen.store import FORMAT
 from symid.codegen.vetting import signed
 from symid.signals import split_derivative
@@ -114,7 +114,7 @@ def module_text(model: DerivedModel) -> str:
         v=v,
         axis=model.axis.name,
         measured=", ".join(model.measured),
-        equations=_equations(model),
+        equations="\n".join(textwrap.fill(line, 110, subsequent_indent="    ") for line in minimal.written),
         measured_tuple=_tuple(model.measured),
         signature=model.axis.signature,
         format=FORMAT,
@@ -126,7 +126,9 @@ def module_text(model: DerivedModel) -> str:
         physical=_tuple(list(physical)),
         physical_units=_dictionary(physical),
         signed=_tuple(model.axis.signed_parameters),
-        per_log=_tuple(_log_parameters(model)),
+        per_log=_tuple(
+            [p.name for p in minimal.parameters if p.function.names & {*model.axis.log_parameters}]
+        ),
         held=model.axis.drives[0].held,
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
@@ -180,12 +182,6 @@ def _output_unit(model: DerivedModel, name: str) -> str:
     signal, order = split_derivative(name.removeprefix("-"))
     units = model.axis.signal_units
     return str(units[signal] / Unit.of("s") ** order)
-
-
-def _log_parameters(model: DerivedModel) -> tuple[str, ...]:
-    """Minimal parameters that differ from log to log."""
-    own = set(model.axis.log_parameters)
-    return tuple(p.name for p in model.minimal.parameters if p.function.names & own)
 
 
 def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
@@ -300,11 +296,6 @@ def _is_linear(entry: sp.Expr, constants: Sequence[sp.Symbol]) -> bool:
     return bool(entry.is_polynomial(*signals)) and sp.Poly(entry, *signals).total_degree() <= 1
 
 
-def _equations(model: DerivedModel) -> str:
-    """The minimal model as readable text, one equation a paragraph."""
-    return "\n".join(textwrap.fill(line, 110, subsequent_indent="    ") for line in model.minimal.written)
-
-
 def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
     """Statements that write expressions into rows of an array, in place where one NumPy function does it."""
     lines = []
@@ -344,13 +335,8 @@ def _constants(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> str:
 
 def _forward(model: DerivedModel) -> str:
     names = [None, *map(str, model.minimal.source.operators.ring.symbols[1:])]
-    lowering = PolynomialLowering(names)
-    results = []
-    for parameter in model.minimal.parameters:
-        above = lowering.lower(parameter.function.numerator)
-        below = lowering.lower(parameter.function.denominator)
-        results.append(above if below == "1" else f"{as_factor(above)}/{as_factor(below)}")
-    lines = [f"{name} = {text}" for name, text in lowering.assignments]
+    shared, results = minimal_parameter_code(model.minimal.parameters, names)
+    lines = [f"{name} = {text}" for name, text in shared]
     return textwrap.indent("\n".join([*lines, f"return np.array([{', '.join(results)}])"]), "    ")
 
 

@@ -58,12 +58,14 @@ def references(
     >>> max(float(np.ptp(one.position)) for one in found) <= 0.4
     True
     """
-    whole, half = _shakings(limits, rate, seconds, highest_mode, seeds), seconds / 2
+    whole, half = _vibrations(limits, rate, seconds, highest_mode, seeds), seconds / 2
     moves = list(_moves(limits, rate, half))
-    halves = _shakings(limits, rate, half, highest_mode, 0)
+    halves = _vibrations(limits, rate, half, highest_mode, 0)
     found = [_default_moves(limits, rate, seconds), replace(next(whole), name=DEFAULTS[1])]
     found += [*_moves(limits, rate, seconds), *whole]
-    found += [_named(one.then(other)) for one, other in product(moves[1::2], halves)]
+    for one, other in product(moves[1::2], halves):
+        name = f"{one.name}, then {other.name}"
+        found.append(replace(one.then(other), name=name))
     count = round(seconds * rate) + 1
     return [_lasting(one, count) for one in found]
 
@@ -77,12 +79,10 @@ def scaled(trajectory: Trajectory, share: float) -> Trajectory:
     >>> scaled(ramp, 0.5).position.tolist()
     [0.0, 0.5]
     """
-    return Trajectory(
-        share * trajectory.position,
-        share * trajectory.velocity,
-        share * trajectory.acceleration,
-        trajectory.sampling_period,
-        trajectory.name,
+    return trajectory.with_motion(
+        position=share * trajectory.position,
+        velocity=share * trajectory.velocity,
+        acceleration=share * trajectory.acceleration,
     )
 
 
@@ -129,16 +129,12 @@ def _repeated(once: Trajectory, times: int) -> Trajectory:
     def tiled(part: FloatArray) -> FloatArray:
         return np.append(np.tile(part[:-1], times), part[-1])
 
-    return Trajectory(
-        tiled(once.position),
-        tiled(once.velocity),
-        tiled(once.acceleration),
-        once.sampling_period,
-        once.name,
+    return once.with_motion(
+        position=tiled(once.position), velocity=tiled(once.velocity), acceleration=tiled(once.acceleration)
     )
 
 
-def _shakings(
+def _vibrations(
     limits: Limits, rate: float, seconds: float, highest_mode: float, seeds: int
 ) -> Iterator[Trajectory]:
     """Chirps, the one that is the default of `symid simulate` first, and multisines."""
@@ -188,19 +184,11 @@ def _stroke(limits: Limits) -> float:
     return _USED * (limits.travel[1] - limits.travel[0])
 
 
-def _named(motion: Trajectory) -> Trajectory:
-    return replace(
-        motion, name=motion.name.replace(", chirp", ", then chirp").replace(", multi", ", then multi")
-    )
-
-
 def _lasting(motion: Trajectory, count: int) -> Trajectory:
     """The trajectory extended by rest to a number of samples."""
     still = np.zeros(max(count - motion.n_samples, 0))
-    return Trajectory(
-        np.append(motion.position, still + motion.position[-1])[:count],
-        np.append(motion.velocity, still)[:count],
-        np.append(motion.acceleration, still)[:count],
-        motion.sampling_period,
-        motion.name,
+    return motion.with_motion(
+        position=np.append(motion.position, still + motion.position[-1])[:count],
+        velocity=np.append(motion.velocity, still)[:count],
+        acceleration=np.append(motion.acceleration, still)[:count],
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -11,28 +12,12 @@ from sympy.printing.c import C99CodePrinter, reserved_words, reserved_words_c99
 _RESERVED = {
     *reserved_words,
     *reserved_words_c99,
-    *("NAN", "INFINITY", "HUGE_VAL", "EOF", "NULL"),
-    *("p", "x", "dx", "signals", "W", "y", "X", "sign", "positive", "force"),
-    *(
-        "n",
-        "h",
-        "r",
-        "v",
-        "d",
-        "q",
-        "i",
-        "j",
-        "k",
-        "low",
-        "high",
-        "impulse",
-        "response",
-        "joint",
-        "joints",
-        "inverse",
+    *re.findall(
+        r"\w+",
+        """NAN INFINITY HUGE_VAL EOF NULL p x dx signals W y X sign positive force n h r v d q i j k low high
+        impulse response joint joints inverse way late before note noted followed sweep sweeps moved moving speed own
+        wanted change now has_jump""",
     ),
-    *("way", "late", "before", "note", "noted", "followed"),
-    *("sweep", "sweeps", "moved", "moving", "speed", "own", "wanted", "change", "now", "has_jump"),
 }
 """Words of C and names that the functions use themselves."""
 _MOST_FACTORS = 4

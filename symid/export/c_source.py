@@ -12,15 +12,14 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy as sp
 
 from symid.axis import Axis
-from symid.codegen.lowering import PolynomialLowering, as_factor, signal_names
+from symid.codegen.lowering import minimal_parameter_code, signal_names
 from symid.codegen.module import model_signals
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_motion import derivative, lines, members, readings, renamed
 from symid.export.c_step import step_function
 from symid.export.c_way import SHORTEST_STEP, way_words
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
-from symid.export.exported import Exported
-from symid.export.losses import losses_of_signals
+from symid.export.exported import Exported, losses_of_signals
 from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
 
@@ -196,25 +195,17 @@ def _words(
         "force": c_name(axis.only_drive.signal),
         "sensors": ", ".join(dynamics.sensors),
         "n_sensors": len(dynamics.sensors),
-        "regressor": _regressor(model, signals),
-        "output": _output(model, signals),
+        "regressor": _of_signals(
+            {f"W[{i}][{j}]": entry for i, row in enumerate(minimal.regressor) for j, entry in enumerate(row)},
+            signals,
+        ),
+        "output": _of_signals({f"y[{i}]": entry for i, entry in enumerate(minimal.output)}, signals),
         "forward": _forward(model),
         "derivative": derivative(dynamics),
         "step": step_function(dynamics),
         "readings": readings(dynamics),
         **way_words(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
     }
-
-
-def _regressor(model: DerivedModel, signals: Sequence[str]) -> str:
-    entries = {
-        f"W[{i}][{j}]": entry for i, row in enumerate(model.minimal.regressor) for j, entry in enumerate(row)
-    }
-    return _of_signals(entries, signals)
-
-
-def _output(model: DerivedModel, signals: Sequence[str]) -> str:
-    return _of_signals({f"y[{i}]": entry for i, entry in enumerate(model.minimal.output)}, signals)
 
 
 def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
@@ -229,18 +220,13 @@ def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
 
 def _forward(model: DerivedModel) -> str:
     """Minimal parameters by Horner's rule, what they share computed once."""
-    names = [c_name(name) for name in model.axis.physical_parameters]
-    lowering = PolynomialLowering([None, *names], c_code)
-    results = []
-    for parameter in model.minimal.parameters:
-        above = lowering.lower(parameter.function.numerator)
-        below = lowering.lower(parameter.function.denominator)
-        results.append(above if below == "1.0" else f"{as_factor(above)}/{as_factor(below)}")
+    names = [None, *map(c_name, model.axis.physical_parameters)]
+    shared, results = minimal_parameter_code(model.minimal.parameters, names, c_code)
     used = {name for p in model.minimal.parameters for name in p.function.names}
     return lines(
         [
             *members(name for name in model.axis.physical_parameters if name in used),
-            *(f"const double {name} = {text};" for name, text in lowering.assignments),
+            *(f"const double {name} = {text};" for name, text in shared),
             *(f"X[{i}] = {text};" for i, text in enumerate(results)),
         ]
     )

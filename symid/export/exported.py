@@ -1,9 +1,11 @@
-"""What an export gives: files, and what the axis lost on the way."""
+"""Result of an export: files, and what the axis lost on the way."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+
+from symid.axis import Axis
 
 
 @dataclass(frozen=True)
@@ -15,7 +17,7 @@ class Exported:
     files : mapping of str to str
         Text by the suffix of its file, the main one first.
     losses : tuple of str
-        What the target cannot express of the axis, one sentence each.
+        Parts of the axis that the target cannot express, one sentence each.
     """
 
     files: Mapping[str, str]
@@ -32,3 +34,18 @@ class Exported:
         main, *others = self.files.values()
         lines = (line for line in main.splitlines(keepends=True) if not line.startswith('#include "'))
         return "\n".join([*others, "".join(lines)])
+
+
+def losses_of_signals(axis: Axis) -> Iterator[str]:
+    """Losses of every format: values that belong to a log and not to the axis, and noise of the recorded force.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> list(losses_of_signals(load_axis("motor_bench")))
+    ['Pt: it differs from log to log; give 0 for an axis whose zeros are known.']
+    """
+    for name in axis.log_parameters:
+        yield f"{name}: it differs from log to log; give 0 for an axis whose zeros are known."
+    if axis.only_drive.noise or axis.only_drive.resolution:
+        yield f"{axis.only_drive.signal}: noise and resolution of the recorded force are left out."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -14,7 +14,6 @@ from symid.axis import (
     Backlash,
     Body,
     Damper,
-    Joint,
     Law,
     PendulumWeight,
     Spring,
@@ -25,6 +24,15 @@ from symid.symbolic.lagrange import Kinematics
 
 Path: TypeAlias = tuple[tuple[str, float], ...]
 """A displacement as coefficients of the free bodies' coordinates."""
+_PROPERTIES = {
+    "v": "damping",
+    "q": "stiffness",
+    "q**3": "cubic",
+    "v*abs(v)": "drag",
+    "sign(v)": "frictionloss",
+    "1": "constant",
+}
+"""Field of `Properties` for each law expression that has one."""
 
 
 @dataclass(frozen=True)
@@ -138,13 +146,6 @@ def _holder(body: Body) -> Body | None:
     return _carrier(body) if geared is None else geared.to
 
 
-def _line(body: Body | None) -> Iterator[str]:
-    """A body and all under which it is nested."""
-    while body is not None:
-        yield body.name
-        body = _holder(body)
-
-
 class _Collector:
     """Goes through the elements of an axis once."""
 
@@ -157,13 +158,10 @@ class _Collector:
         self.moments: dict[str, float] = {}
 
     def mechanism(self) -> Mechanism:
-        """All of it."""
+        """The mechanism of all elements."""
         inertia = {}
         for body in self.axis.bodies:
-            value, path = (
-                self.values[body.inertial],
-                self.path(self.kinematics.absolute(body)),
-            )
+            value, path = self.values[body.inertial], self.path(self.kinematics.absolute(body))
             if self._is_in_tree(body):
                 inertia[body.name] = value
             else:
@@ -202,7 +200,13 @@ class _Collector:
 
     def _check_coupling(self, body: Body, path: Path) -> None:
         """MuJoCo couples the inertia of joints only where one is nested under the other."""
-        lines = [tuple(_line(b)) for b in self.axis.free_bodies if b.name in dict(path)]
+        lines = []
+        for moved in (b for b in self.axis.free_bodies if b.name in dict(path)):
+            line, above = [moved.name], _holder(moved)
+            while above is not None:
+                line.append(above.name)
+                above = _holder(above)
+            lines.append(line)
         longest = max(lines, key=len)
         if not all(line[0] in longest for line in lines):
             raise SettingError(
@@ -261,28 +265,14 @@ class _Collector:
                 self.add(path, "stiffness", -stiffness)
                 self.plays.append(Play(path, stiffness, law.gap))
             case _:
-                for name, value, expression in self._terms(law):
+                for term in law.terms():
+                    name, value = _PROPERTIES.get(term.expression), self.values[term.parameter]
                     if name:
-                        self.add(path, name, value)
+                        self.add(path, name, -value if name == "constant" else value)
                     else:
-                        self._lose(law, f"left out: {value:.4g} {expression}")
-
-    def _terms(self, law: Law) -> Iterator[tuple[str | None, float, str]]:
-        known = {
-            "v": "damping",
-            "q": "stiffness",
-            "q**3": "cubic",
-            "v*abs(v)": "drag",
-            "sign(v)": "frictionloss",
-            "1": "constant",
-        }
-        for term in law.terms():
-            name, value = known.get(term.expression), self.values[term.parameter]
-            yield name, -value if name == "constant" else value, term.expression
+                        self._lose(law, f"left out: {value:.4g} {term.expression}")
 
     def _lose(self, law: Law, how: str) -> None:
-        self.losses.append(f"{type(law).__name__} at {_place(law.at)}: {how}.")
-
-
-def _place(joint: Joint) -> str:
-    return joint.name if isinstance(joint, Body) else f"{joint.first.name} and {joint.second.name}"
+        at = law.at
+        place = at.name if isinstance(at, Body) else f"{at.first.name} and {at.second.name}"
+        self.losses.append(f"{type(law).__name__} at {place}: {how}.")

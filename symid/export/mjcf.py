@@ -7,7 +7,7 @@ it; what acts between bodies, or on a geared one, a fixed tendon: a linear combi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from xml.sax.saxutils import quoteattr
 
 from symid.axis import (
@@ -21,8 +21,7 @@ from symid.axis import (
     Position,
     Sensor,
 )
-from symid.export.exported import Exported
-from symid.export.losses import losses_of_signals
+from symid.export.exported import Exported, losses_of_signals
 from symid.export.mechanism import Mechanism, Path, mechanism
 from symid.simulation import plant_of
 
@@ -91,7 +90,19 @@ class _Writer:
         self.axis, self.machine, self.timestep = axis, machine, timestep
         self.tendons: dict[Path, str] = {}
         self.losses = [*machine.losses, *losses_of_signals(axis)]
-        self.losses += _beyond(axis)
+        # MuJoCo has delay, limit and one lag of the drive, and no other imperfection.
+        lags = sorted(
+            (e for e in axis.imperfections if isinstance(e, ActuatorLag)), key=lambda lag: lag.seconds
+        )
+        self.losses += [
+            f"ActuatorLag: MuJoCo has one for each actuator, the slowest; left out: {lag.formula}."
+            for lag in lags[:-1]
+        ]
+        self.losses += [
+            f"{type(element).__name__}: MuJoCo has no such element; left out: {element.formula}."
+            for element in axis.imperfections
+            if not isinstance(element, (ActuatorDelay, ActuatorLag, ForceLimit))
+        ]
         if any(p.frictionloss for p in machine.paths.values()):
             self.losses.append(_SOFT)
 
@@ -229,10 +240,8 @@ class _Writer:
             self.losses.append(f"{sensor.signal}: MuJoCo's sensors have no resolution.")
         if isinstance(sensor, Acceleration):
             return self._acceleration(sensor, settings)
-        path, quantity = (
-            self.machine.readings[sensor.signal],
-            "pos" if isinstance(sensor, Position) else "vel",
-        )
+        path = self.machine.readings[sensor.signal]
+        quantity = "pos" if isinstance(sensor, Position) else "vel"
         name = f"name={quoteattr(sensor.signal)}"
         if _is_joint(path):
             return [f"<joint{quantity} {name} joint={quoteattr(path[0][0])}{settings}/>"]
@@ -259,18 +268,6 @@ class _Writer:
             f'<{kind} name={quoteattr(name)} objtype="site" objname={quoteattr(body.name)}{settings}/>'
             for name, body in places.items()
         ]
-
-
-def _beyond(axis: Axis) -> Iterator[str]:
-    """Imperfections for which MuJoCo has no words: all but delay, limit and the slowest lag of the drive."""
-    quicker = sorted(
-        (e for e in axis.imperfections if isinstance(e, ActuatorLag)), key=lambda lag: lag.seconds
-    )[:-1]
-    for lag in quicker:
-        yield f"ActuatorLag: MuJoCo has one for each actuator, the slowest; left out: {lag.formula}."
-    for element in axis.imperfections:
-        if not isinstance(element, (ActuatorDelay, ActuatorLag, ForceLimit)):
-            yield f"{type(element).__name__}: MuJoCo has no such element; left out: {element.formula}."
 
 
 def _written(number: float) -> str:

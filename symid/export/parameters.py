@@ -52,6 +52,11 @@ def parameter_record(
     if minimal is None:
         found = module.minimal_parameters(*(values[name] for name in physical_names))
         minimal = dict(zip(module.minimal_units, map(float, found), strict=True))
+    if missing := [name for name in module.minimal_units if name not in minimal]:
+        raise SettingError(
+            f"the minimal parameter {missing[0]} has no value: give --measured as it was identified, or physical "
+            "values alone"
+        )
     return {
         "axis": axis.name,
         "signature": axis.signature,
@@ -60,7 +65,7 @@ def parameter_record(
         "minimal": _table(
             "minimal",
             list(module.minimal_units),
-            [_known(minimal, name, "minimal") for name in module.minimal_units],
+            [minimal[name] for name in module.minimal_units],
             list(module.minimal_units.values()),
             known.get("minimal"),
         ),
@@ -72,14 +77,6 @@ def parameter_record(
             known.get("physical"),
         ),
     }
-
-
-def _known(values: Mapping[str, float], name: str, kind: str) -> float:
-    if name not in values:
-        raise SettingError(
-            f"the {kind} parameter {name} has no value: give --measured as it was identified, or physical values alone"
-        )
-    return values[name]
 
 
 def _table(
@@ -101,7 +98,9 @@ def _table(
         try:
             matrix = np.array(covariance, dtype=float)
         except (TypeError, ValueError) as error:
-            raise SettingError(f"the covariance of the {kind} parameters is no matrix of numbers") from error
+            raise SettingError(
+                f"the covariance of the {kind} parameters is not a matrix of numbers"
+            ) from error
         if matrix.shape != (len(names), len(names)):
             raise SettingError(
                 f"the covariance of the {kind} parameters is of shape {matrix.shape}, there are {len(names)} of them: "

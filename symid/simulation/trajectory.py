@@ -117,7 +117,7 @@ class Trajectory:
 
     def shifted(self, by: float) -> Trajectory:
         """The same motion about another place: `by` (m or rad) is added to each position."""
-        return self._with(position=self.position + by)
+        return self.with_motion(position=self.position + by)
 
     def then(self, other: Trajectory) -> Trajectory:
         """This trajectory and then `other`, whose first sample is the last one of this.
@@ -139,7 +139,7 @@ class Trajectory:
                 f"{self.sampling_period:g} s: give both the same sampling period"
             )
         self._check_joint(other)
-        return self._with(
+        return self.with_motion(
             position=np.concatenate([self.position, other.position[1:]]),
             velocity=np.concatenate([self.velocity, other.velocity[1:]]),
             acceleration=np.concatenate([self.acceleration[:-1], other.acceleration]),
@@ -163,7 +163,7 @@ class Trajectory:
         count = intervals(seconds, self.sampling_period, "dwell")
         still = np.zeros(count + 1)
         rest = Trajectory(still + self.position[-1], still, still, self.sampling_period, "a dwell")
-        return self.then(rest)._with(name=self.name)
+        return self.then(rest).with_motion(name=self.name)
 
     def _check_joint(self, other: Trajectory) -> None:
         step = float(other.position[0] - self.position[-1])
@@ -180,8 +180,8 @@ class Trajectory:
                 f"ends with {self.velocity[-1]:g}: join trajectories at rest, or fade them in and out"
             )
 
-    def _with(self, **changed: Any) -> Trajectory:
-        """A plain trajectory, whatever the class of this one."""
+    def with_motion(self, **changed: Any) -> Trajectory:
+        """A plain trajectory with other arrays or another name, by field."""
         names = [item.name for item in fields(Trajectory)]
         return Trajectory(**{name: getattr(self, name) for name in names} | changed)
 

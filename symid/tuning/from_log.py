@@ -18,8 +18,8 @@ from symid.identification.settings import coherent_band, completed
 from symid.simulation import Replay, Trajectory, plant_of, tuned_cascade
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun, exact_run
-from symid.tuning.noise import noise_levels
 from symid.tuning.total import TotalTuning, tune_total
+from symid.tuning.total_errors import noise_levels
 
 _LEAST_RATE = 8000.0
 """Rate of the simulated controller at least, Hz."""
@@ -172,6 +172,9 @@ def plausible_parameters(
     Frictions and dampings that come out negative are taken as small; masses and springs must be positive. Where no
     cutoff gives such values, the nominal ones are returned.
     """
+    springs = [element.named("stiffness") for element in axis.elements if isinstance(element, Spring)]
+    inertias = [body.inertial for body in axis.bodies]
+    positive = [name for name in (*inertias, *springs) if name in axis.physical_parameters]
     first = completed(settings, log, model).cutoff_hz
     assert first is not None
     for factor in (1.0, 0.7, 1.4, 0.5, 2.0, 0.3, 3.0):
@@ -180,7 +183,7 @@ def plausible_parameters(
         chosen = replace(settings, cutoff_hz=cutoff, decimation=decimation)
         found = identify(model, log, preparation=chosen, nominal=nominal, examine=False)
         parameters = found.physical_parameters
-        if parameters and all(parameters[name] > 0.0 for name in _inertias_and_springs(axis)):
+        if parameters and all(parameters[name] > 0.0 for name in positive):
             return {
                 name: value if name in model.signed else max(value, _LEAST_FRICTION)
                 for name, value in parameters.items()
@@ -190,9 +193,3 @@ def plausible_parameters(
     raise SettingError(
         f"{log.source}: no cutoff gives positive masses and springs for axis {axis.name!r}: give --parameters"
     )
-
-
-def _inertias_and_springs(axis: Axis) -> list[str]:
-    springs = [element.named("stiffness") for element in axis.elements if isinstance(element, Spring)]
-    names = [body.inertial for body in axis.bodies] + springs
-    return [name for name in names if name in axis.physical_parameters]

@@ -91,7 +91,7 @@ class TotalTuning(Shown):
     @property
     def total_percent(self) -> float:
         """Root mean square of the total errors of the decisive parameters, percent."""
-        return _together([self.total[name] for name in self.decisive])
+        return _rms([self.total[name] for name in self.decisive])
 
 
 def tune_total(
@@ -122,8 +122,8 @@ def tune_total(
     parameters : mapping of str to float
         Physical parameters with which the run was simulated, SI.
     runs : sequence of ExactRun
-        Noise-free runs of the axis along the trajectory of the log. Errors at the reversals of friction hang on the
-        last detail of a motion; several runs that differ in it keep them from being mistaken for an optimum.
+        Noise-free runs of the axis along the trajectory of the log. Errors at the reversals of friction depend
+        on the smallest details of a motion; several runs that differ in them keep luck from looking like an optimum.
     sampling_hz : float
         Sampling frequency of the log.
     noise : mapping of str to float
@@ -162,12 +162,12 @@ def tune_total(
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)
     candidates = _ranked(scan, counted)[:_CANDIDATES]
-    judged = [_together(errors.rms(settings)[counted]) for settings in candidates]
+    judged = [_rms(errors.rms(settings)[counted]) for settings in candidates]
     settings = _refined(errors, candidates[int(np.argmin(judged))], min(judged), counted)
     total = errors.rms(settings)
     lost = [name for name, kept in zip(errors.names, decisive & (total < _HOPELESS), strict=True) if not kept]
     cutoffs = np.unique([setting.cutoff_hz for setting, _ in scan])
-    best = [min(_together(rms[counted]) for s, rms in scan if s.cutoff_hz == cutoff) for cutoff in cutoffs]
+    best = [min(_rms(rms[counted]) for s, rms in scan if s.cutoff_hz == cutoff) for cutoff in cutoffs]
     return TotalTuning(
         axis=axis.name,
         measured=model.measured,
@@ -179,9 +179,7 @@ def tune_total(
         decisive=tuple(name for name, counts in zip(errors.names, counted, strict=True) if counts),
         cutoffs_hz=cutoffs,
         totals=100.0 * np.array(best),
-        recommended_sampling_hz=_recommended(
-            errors, runs[0], settings, 0.5 * _together(total[counted]), counted
-        ),
+        recommended_sampling_hz=_recommended(errors, runs[0], settings, 0.5 * _rms(total[counted]), counted),
         status="not_determined" if lost else "ok",
         message=f"errors beyond 80 %, lost in noise or bias: {', '.join(lost)}" if lost else "",
     )
@@ -192,7 +190,8 @@ def _scan(errors: TotalErrors, plain: Preparation, track: Track) -> list[tuple[P
     cutoffs = [float(f) for f in _cutoffs(errors.clean)]
     found = []
     for cutoff in track(cutoffs):
-        for factor in _decimations(errors.clean, cutoff):
+        usual = max(1, int(0.4 * errors.clean.sampling_frequency / cutoff))
+        for factor in sorted({1, max(1, usual // 2), usual, 2 * usual}):
             settings = replace(plain, cutoff_hz=cutoff, decimation=factor)
             found.append((settings, errors.estimate_of_rms(settings)))
     return found
@@ -205,7 +204,7 @@ def _ranked(scan: Sequence[tuple[Preparation, FloatArray]], counted: FloatArray)
     optimum: a cutoff is judged with the best of the next lower and of the next higher one, a quarter of weight each.
     """
     cutoffs = sorted({setting.cutoff_hz or 0.0 for setting, _ in scan})
-    squares = [_together(rms[counted]) ** 2 for _, rms in scan]
+    squares = [_rms(rms[counted]) ** 2 for _, rms in scan]
     best = np.array(
         [
             min(
@@ -243,22 +242,17 @@ def _cutoffs(clean: Log) -> FloatArray:
     return np.geomspace(min(max(24.0 / duration, highest / 200), highest / 2), highest, _CUTOFFS)
 
 
-def _decimations(clean: Log, cutoff: float) -> tuple[int, ...]:
-    usual = max(1, int(0.4 * clean.sampling_frequency / cutoff))
-    return tuple(sorted({1, max(1, usual // 2), usual, 2 * usual}))
-
-
 def _refined(errors: TotalErrors, start: Preparation, known: float, counted: FloatArray) -> Preparation:
     """The best setting of the scan with its cutoff refined by Nelder-Mead as far as the next cutoffs of the scan."""
     assert start.cutoff_hz is not None
-    cutoffs = _cutoffs(errors.clean)
+    first, cutoffs = start.cutoff_hz, _cutoffs(errors.clean)
     span = math.log(cutoffs[1] / cutoffs[0])
-    seen = {start.cutoff_hz: known}
+    seen = {first: known}
 
     def total(offset: FloatArray) -> float:
-        cutoff = _moved(start.cutoff_hz, float(np.clip(offset[0], -span, span)), cutoffs[-1])
+        cutoff = min(first * math.exp(np.clip(offset[0], -span, span)), cutoffs[-1])
         if cutoff not in seen:
-            seen[cutoff] = _together(errors.rms(replace(start, cutoff_hz=cutoff))[counted])
+            seen[cutoff] = _rms(errors.rms(replace(start, cutoff_hz=cutoff))[counted])
         return seen[cutoff]
 
     scipy.optimize.minimize(
@@ -270,11 +264,6 @@ def _refined(errors: TotalErrors, start: Preparation, known: float, counted: Flo
     return replace(start, cutoff_hz=min(seen, key=seen.__getitem__))
 
 
-def _moved(cutoff: float | None, by: float, highest: float) -> float:
-    assert cutoff is not None
-    return min(cutoff * math.exp(by), highest)
-
-
 def _recommended(
     errors: TotalErrors, run: ExactRun, settings: Preparation, allowed: float, counted: FloatArray
 ) -> float:
@@ -284,12 +273,12 @@ def _recommended(
     plain = replace(settings, decimation=None)
     for rate in map(float, rates):
         systematic = errors.relative(run.log(rate, errors.model.measured), plain)
-        if _together(systematic[counted]) <= allowed:
+        if _rms(systematic[counted]) <= allowed:
             return rate
     return math.nan
 
 
-def _together(errors: Sequence[float] | FloatArray) -> float:
+def _rms(errors: Sequence[float] | FloatArray) -> float:
     return float(np.sqrt(np.mean(np.square(errors))))
 
 

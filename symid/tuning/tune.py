@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from symid.axis import Axis, Law
+from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.codegen.generate import compiled
 from symid.data import differencing_bandwidth
@@ -20,9 +20,8 @@ from symid.shown import Shown
 from symid.simulation import Controller, Trajectory, plant_of, tuned_cascade
 from symid.symbolic import derive
 from symid.symbolic.expressions import is_smooth, law_expression
-from symid.tuning.bound import BoundSearch, Errors, Track, lowest_within
-from symid.tuning.exact_run import ExactRun, exact_run
-from symid.tuning.excitation import tuning_chirp
+from symid.tuning.bound import BoundSearch, Track, lowest_within
+from symid.tuning.exact_run import ExactRun, exact_run, tuning_chirp
 from symid.tuning.low_pass import LowPassErrors
 from symid.tuning.standard import standard_model
 
@@ -233,11 +232,12 @@ def without_jumps(axis: Axis) -> Axis:
     >>> list(without_jumps(load_axis("emps")).physical_parameters)
     ['M', 'Fv', 'OF']
     """
-    return axis.without(*(law for law in axis.laws if _jumps(law)))
-
-
-def _jumps(law: Law) -> bool:
-    return not all(is_smooth(law_expression(term.expression)) for term in law.terms())
+    jumping = (
+        law
+        for law in axis.laws
+        if not all(is_smooth(law_expression(term.expression)) for term in law.terms())
+    )
+    return axis.without(*jumping)
 
 
 def noise_free_run(
@@ -291,21 +291,22 @@ def _verdict(cutoff: BoundSearch, sampling: BoundSearch) -> tuple[Status, str]:
     for what, search in searches.items():
         if not math.isfinite(search.largest_error):
             return "not_determined", f"no parameter is determined at any {what}: choose a richer trajectory"
-    said = [text for what, search in searches.items() for text in _said_of(what, search)]
-    unknown = _undetermined(cutoff.errors, sampling.errors)
+    messages = [text for what, search in searches.items() for text in _advice(what, search)]
+    errors = [*cutoff.errors.items(), *sampling.errors.items()]
+    unknown = dict.fromkeys(name for name, error in errors if not math.isfinite(error))
     statuses = {search.status for search in searches.values()}
     if unknown:
-        said.append(
+        messages.append(
             f"{', '.join(unknown)} have no error (0, or not determined by this motion) and do not count"
         )
     if "bound_not_reached" in statuses:
-        return "bound_not_reached", "; ".join(said)
+        return "bound_not_reached", "; ".join(messages)
     if unknown:
-        return "not_determined", "; ".join(said)
-    return ("bound_met_everywhere" if "bound_met_everywhere" in statuses else "ok"), "; ".join(said)
+        return "not_determined", "; ".join(messages)
+    return ("bound_met_everywhere" if "bound_met_everywhere" in statuses else "ok"), "; ".join(messages)
 
 
-def _said_of(what: str, search: BoundSearch) -> Iterator[str]:
+def _advice(what: str, search: BoundSearch) -> Iterator[str]:
     lowest, highest = search.scanned_hz[0], search.scanned_hz[-1]
     if search.status == "bound_not_reached":
         yield (
@@ -317,8 +318,3 @@ def _said_of(what: str, search: BoundSearch) -> Iterator[str]:
             f"every {what} from {lowest:.4g} to {highest:.4g} Hz keeps the errors below {search.bound:g} %: the lowest "
             "one that was tried is given"
         )
-
-
-def _undetermined(*searches: Errors) -> tuple[str, ...]:
-    names = (name for errors in searches for name, e in errors.items() if not math.isfinite(e))
-    return tuple(dict.fromkeys(names))
