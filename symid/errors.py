@@ -1,6 +1,6 @@
-"""What symid raises when its input is wrong.
+"""Errors that symid raises when its input is wrong.
 
-Every message says what is wrong, which value, what is required and what to do. Numerical outcomes on
+Every message states the fault, the value, the requirement and the cure. Numerical outcomes on
 real data are not errors: they are a status in the result.
 """
 
@@ -27,7 +27,7 @@ class DeclarationError(SymidError):
 
 
 class EliminationError(SymidError):
-    """The sensors given do not allow an identification model; says which element and which sensor would help."""
+    """The sensors given do not allow an identification model; the message names the element and a sensor that helps."""
 
 
 class LogError(SymidError):
@@ -35,7 +35,7 @@ class LogError(SymidError):
 
 
 class GeneratedModuleError(SymidError):
-    """A generated module is missing or older than its declaration; says which command renews it."""
+    """A generated module is missing or older than its declaration; the message names the command that renews it."""
 
 
 class SettingError(SymidError):

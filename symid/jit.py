@@ -12,7 +12,7 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function of numbers and arrays as machine code, which is compiled at the first call.
 
     What was compiled is kept beside the module, or in the user's cache if that cannot be written; where neither can,
-    each process compiles anew.
+    each process compiles again.
 
     Examples
     --------

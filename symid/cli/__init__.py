@@ -23,7 +23,7 @@ COMMANDS = {
     "batch": "Many logs, one row each: parameters, deviations, verdicts.",
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
     "compare": "Two results side by side: which parameters differ, and by how many deviations.",
-    "fleet": "What a batch says of a fleet: spread between runs, changes over time, outliers.",
+    "fleet": "Review a batch: spread between runs, changes over time, outliers.",
     "export": "An identified axis as C, MuJoCo model, FMU or JSON, and what it loses there.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }

@@ -65,7 +65,7 @@ batch_options = shared(
         default="1GB",
         show_default=True,
         metavar="SIZE",
-        help="What a log may take in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+        help="Memory for a log in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
     ),
     click.option(
         "--timeout",

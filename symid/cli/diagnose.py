@@ -104,7 +104,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             f"--simulated goes with one log of the machine, not with {len(runs)}: give one LOG"
         )
     if simulated and nominal:
-        raise SettingError("--nominal and --simulated both say what the simulation is: give one of them")
+        raise SettingError("--nominal and --simulated both define the simulation: give one of them")
     limits = _limits(options["limits"])
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
     if options["report"]:

@@ -1,4 +1,4 @@
-"""`symid fleet`: what the results of a batch say of a fleet."""
+"""`symid fleet`: review of the results of a batch."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from symid.signals import is_signal_name
     type=click.Choice(["axis", "folder"]),
     default="axis",
     show_default=True,
-    help="What one machine is: all logs of an axis, or those in one folder.",
+    help="Logs of one machine: all logs of an axis, or those in one folder.",
 )
 @click.option(
     "--order",
@@ -111,7 +111,7 @@ def write_page(
 
 
 def _model(files: Mapping[str, str], axis: str, sensors: tuple[str, ...]) -> GeneratedModel:
-    """Model of an axis that results name. A table only names: which file is run, the user says."""
+    """Model of an axis named in results. No file is run because a table names it: files come from the user."""
     if axis not in files and not is_signal_name(axis):
         raise SettingError(f"results name the axis {axis!r}, which is not a name: give its file with --axis")
     return model_of(files.get(axis, axis), sensors or None)

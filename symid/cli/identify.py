@@ -101,7 +101,7 @@ loop_options = shared(
     default="1GB",
     show_default=True,
     metavar="SIZE",
-    help="What a log may take; a longer CSV or Parquet file is identified in blocks (wls and ols).",
+    help="Memory for a log; a longer CSV or Parquet file is identified in blocks (wls and ols).",
 )
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @click.option(
@@ -137,7 +137,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             )
         found, validation, record = _by_output_error(known, model, runs, validating, options)
     else:
-        # what the logs say without the given values
+        # estimate without the given values, for comparison
         alone = _identified(declared, model_of(axis, signals), runs, options) if fixed else None
         found = _identified(known, model, runs, options, constraints)
         if alone is not None:
@@ -172,7 +172,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 def _by_known_values(
     declared: Axis, runs: Sequence[AnyLog], signals: tuple[str, ...], options: dict[str, Any]
 ) -> None:
-    """Identify from logs in each of which values are known, and say what was found."""
+    """Identify from logs with values known for each, and print the result."""
     for name in ("bounds", "prior", "validation", "plot", "report"):
         if options[name]:
             raise SettingError(f"--known and --{name} do not go together: leave one of them out")

@@ -1,4 +1,4 @@
-"""Options that say what is known of the parameters beside the logs: values, bounds, priors."""
+"""Options for prior knowledge of the parameters: values, bounds, priors."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ knowledge_options = shared(
         "--bounds",
         multiple=True,
         metavar="NAME=LOW..HIGH",
-        help="Range of a parameter, such as Fv=0..300 or Ml=2..; 'physical': what cannot be negative is not.",
+        help="Range of a parameter, such as Fv=0..300 or Ml=2..; 'physical': no negative masses, springs or frictions.",
     ),
     click.option(
         "--prior",
@@ -123,7 +123,7 @@ def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | No
     Raises
     ------
     SettingError, LogError
-        If one is no range, or its unit cannot be read.
+        If one is not a range, or its unit cannot be read.
     """
     ranges = tuple(value for value in values if value != "physical")
     bounds: dict[str, tuple[float | None, float | None]] = {}
@@ -134,7 +134,7 @@ def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | No
         unit = axis.parameter_units.get(name, Unit())
         if not dots:
             raise SettingError(
-                f"--bounds {name}={text} is no range: write LOW..HIGH, one of them may be left out"
+                f"--bounds {name}={text} is not a range: write LOW..HIGH, one of them may be left out"
             )
         bounds[name] = (
             quantity(low, unit, f"--bounds {name}") if low else None,

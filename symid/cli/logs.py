@@ -92,7 +92,7 @@ preparation_options = shared(
 
 
 def read_log_of(declared: Axis, file: str, options: dict[str, Any]) -> Log:
-    """A log by the log options; what a mapping guessed is said on standard error and becomes notes of the log."""
+    """A log by the log options; guesses of a mapping are printed on standard error and become notes of the log."""
     log = read_axis_log(declared, file, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *said_guesses(options)))
 

@@ -75,7 +75,7 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     Raises
     ------
     SettingError
-        If a gain is not known, or no number.
+        If a gain is not known, or not a number.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def number(text: str, what: str) -> float:
     Raises
     ------
     SettingError
-        If the text is none.
+        If the text is not a finite number.
     """
     try:
         value = float(text)

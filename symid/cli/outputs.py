@@ -113,7 +113,7 @@ def _inputs(command: click.Command, values: Mapping[str, Any]) -> Iterator[tuple
                 try:
                     path = str(axis_file(text))
                 except SymidError:
-                    continue  # said when the axis is loaded
+                    continue  # reported when the axis is loaded
             found = _identity(path)
             if found is not None and os.path.isfile(path):
                 yield found, path
@@ -146,7 +146,7 @@ def _require_apart(wanted: tuple[_Wanted, ...]) -> None:
 def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *, overwrite: bool) -> None:
     path = output.path
     if not path.name:
-        raise SettingError(f"{output.said} names no file: give one")
+        raise SettingError(f"{output.said} does not name a file: give one")
     if path.is_dir():
         raise SettingError(f"{output.said} is a folder: give the name of a file")
     if not path.exists():

@@ -77,7 +77,7 @@ trajectory_options = shared(
         type=click.Choice(["position", "velocity", "acceleration"]),
         default="velocity",
         show_default=True,
-        help="What a chirp keeps constant over its frequencies; acceleration travels farthest, position least.",
+        help="Quantity of constant amplitude in a chirp; acceleration travels farthest, position least.",
     ),
     click.option(
         "--travel",
@@ -184,7 +184,7 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
 
 
 def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
-    """The axis with noise, resolution and delay of its signals as the options of these names say."""
+    """The axis with the noise, resolution and delay of the options of these names."""
     noise, resolution, delay = (
         assignments(options.get(name, ()), f"--{name}") for name in ("noise", "resolution", "delay")
     )

@@ -104,7 +104,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     "--noise",
     multiple=True,
     metavar="SIGNAL=STD",
-    help="The same with white noise of this standard deviation, SI; of each signal if there is no log.",
+    help="As --noise-from, with white noise of this standard deviation, SI; of each signal without a log.",
 )
 @click.option(
     "--log-rate",

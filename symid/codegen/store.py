@@ -161,7 +161,7 @@ class StoredModule:
     signature : str
         That of the declaration as it is now.
     cure : str
-        The command that generates the module anew.
+        The command that regenerates the module.
     """
 
     name: str
@@ -187,7 +187,7 @@ def stored_module(
     Raises
     ------
     GeneratedModuleError
-        If there is none.
+        If the module does not exist.
 
     Examples
     --------

@@ -71,7 +71,7 @@ def references(
 
 
 def scaled(trajectory: Trajectory, share: float) -> Trajectory:
-    """The same motion, smaller.
+    """The motion with all amplitudes multiplied by a share.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def _trapezoids(limits: Limits, rate: float, way: float, speeds: list[float], dw
 
 
 def _repeated(once: Trajectory, times: int) -> Trajectory:
-    """The same motion, from rest to rest, several times."""
+    """A motion from rest to rest, repeated."""
 
     def tiled(part: FloatArray) -> FloatArray:
         return np.append(np.tile(part[:-1], times), part[-1])

@@ -57,7 +57,7 @@ def smooth_force(
 
 
 def acts_otherwise(dynamics: SymbolicDynamics) -> bool:
-    """Whether the force that acts has a name of its own."""
+    """Whether the force that acts differs from the force that is sent."""
     imperfect = dynamics.imperfect
     return bool(imperfect.drive) or any(ACTING in law.free_symbols for law in imperfect.laws)
 
@@ -111,7 +111,7 @@ def _joint(
 
 
 def readings(dynamics: SymbolicDynamics) -> str:
-    """What sensors read of a state and its derivative, with ripple and in steps."""
+    """Readings of the sensors from a state and its derivative, with ripple and resolution."""
     n, found = len(dynamics.bodies), []
     steps = {sensor.signal: sensor.resolution for sensor in dynamics.axis.sensors}
     for i, (signal, (row, order)) in enumerate(dynamics.sensors.items()):
@@ -154,5 +154,5 @@ def renamed(expression: sp.Expr) -> sp.Expr:
 
 
 def lines(statements: Iterable[str]) -> str:
-    """Indented lines."""
+    """Statements as indented lines."""
     return textwrap.indent("\n".join(statements), "    ")

@@ -168,7 +168,7 @@ def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
 def _words(
     model: DerivedModel, dynamics: SymbolicDynamics, values: Mapping[str, float], losses: Sequence[str]
 ) -> dict[str, object]:
-    """What is filled into the templates."""
+    """Texts for the fields of the templates."""
     axis, minimal, name = model.axis, model.minimal, model.axis.name
     signals, parameters = model_signals(model), axis.physical_parameters
     constants = {**minimal.source.source.constants, **dynamics.constants}

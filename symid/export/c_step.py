@@ -142,7 +142,7 @@ def _drive(dynamics: SymbolicDynamics) -> list[str]:
 
 
 def _after(dynamics: SymbolicDynamics) -> str:
-    """What friction remembers of the step, and the time after it."""
+    """Statements for the states of friction and the time after the step."""
     n, found = len(dynamics.bodies), []
     for joint in dynamics.joints:
         speed = sp.Add(
@@ -181,7 +181,7 @@ def _law(dynamics: SymbolicDynamics) -> str:
 
 
 def _beyond(dynamics: SymbolicDynamics) -> list[tuple[str, str]]:
-    """What laws depend on beside the motion, as parameters of a C function and as arguments."""
+    """Inputs of laws besides the motion, as parameters of a C function and as arguments."""
     symbols = set().union(*(joint.force.free_symbols for joint in dynamics.joints))
     found = []
     if any(memory.symbol in symbols for joint in dynamics.joints for memory in joint.memories):

@@ -74,7 +74,7 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 
 
 def way_words(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> dict[str, str]:
-    """What delays add to header and source; nothing where there are none.
+    """Fields that delays add to header and source; empty without delays.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def way_words(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> di
 
 
 def _begin(axis: Axis, delay: float) -> str:
-    """Before its first step, an axis has read what it reads and been sent what it is sent."""
+    """Statements before the first step: readings and force are taken as constant until then."""
     found = [
         f"{axis.name}_derivative(p, x, {c_name(axis.only_drive.signal)}, change);",
         f"{axis.name}_sensors(x, change, y);",

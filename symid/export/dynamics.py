@@ -173,7 +173,7 @@ class _Joints:
         self.memories: dict[_Row, list[Memory]] = {}
 
     def add(self, row: dict[str, sp.Expr], parameter: sp.Expr, law: sp.Expr) -> None:
-        """One more law."""
+        """Add a law that acts along a row."""
         key = tuple(sorted(row.items()))
         if key not in self.names:
             name = "_".join(sorted(row))
@@ -187,7 +187,7 @@ class _Joints:
         self.memories.setdefault(tuple(sorted(row.items())), []).append(known)
 
     def found(self) -> tuple[LawJoint, ...]:
-        """All joints."""
+        """Joints with their laws and memories."""
         return tuple(
             LawJoint(name, dict(key), self.forces[key], tuple(self.memories.get(key, ())))
             for key, name in self.names.items()

@@ -1,4 +1,4 @@
-"""What acts beyond the equations of motion, as expressions: in the drive, in time, with a memory, in a reading."""
+"""Imperfections of an axis as expressions: of the drive, in time, with memory, of a reading."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ACTING, NOW = sp.Symbol("force_"), sp.Symbol("now_")
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What an imperfection remembers, a state z with z(1) = gain - decay z.
+    """State of an imperfection with memory, z(1) = gain - decay z.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Memory:
 
     @property
     def rate(self) -> sp.Expr:
-        """z(1)."""
+        """Derivative of the state, z(1)."""
         return self.gain - self.decay * self.symbol
 
 
@@ -95,23 +95,23 @@ class Imperfect:
 
     @cached_property
     def drive(self) -> tuple[DriveImperfection, ...]:
-        """Those of the drive but its delay, in the order in which a force passes them."""
+        """Imperfections of the drive without its delay, in the order in which a force passes them."""
         items = in_order(e for e in self.axis.elements if isinstance(e, DriveImperfection))
         return tuple(item for item in items if not isinstance(item, ActuatorDelay))
 
     @cached_property
     def in_joints(self) -> tuple[JointImperfection, ...]:
-        """Forces in joints."""
+        """Imperfections that act as forces in joints."""
         return tuple(e for e in self.axis.elements if isinstance(e, JointImperfection))
 
     @cached_property
     def delay(self) -> float:
-        """Of the drive, s."""
+        """Delay of the drive, s."""
         return sum(e.seconds for e in self.axis.elements if isinstance(e, ActuatorDelay))
 
     @cached_property
     def changes(self) -> tuple[PayloadChange, ...]:
-        """Masses that change."""
+        """Changes of masses over time."""
         return tuple(e for e in self.axis.elements if isinstance(e, PayloadChange))
 
     @cached_property
@@ -121,7 +121,7 @@ class Imperfect:
 
     @property
     def clock(self) -> str:
-        """The time in C."""
+        """C expression of the time."""
         return f"x[{self.first + len(self.remembering)}]"
 
     @property
@@ -145,7 +145,7 @@ class Imperfect:
         return law.xreplace(known)
 
     def read(self, signal: str) -> sp.Expr:
-        """What a sensor makes of an exact reading, `READING`."""
+        """Reading of a sensor for an exact reading, `READING`."""
         ripples = [e for e in self.axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
         return sp.Add(READING, *(imperfection_law(ripple) - READING for ripple in ripples))
 

@@ -37,7 +37,7 @@ _PROPERTIES = {
 
 @dataclass(frozen=True)
 class Properties:
-    """What acts along a path whose displacement is q and whose speed is v.
+    """Forces along a path of displacement q and speed v.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Properties:
     armature: float = 0.0
 
     def plus(self, name: str, value: float) -> Properties:
-        """With more of one of them."""
+        """The properties with a value added to one of them."""
         return replace(self, **{name: getattr(self, name) + value})
 
 
@@ -90,11 +90,11 @@ class Mechanism:
     drive : Path
         Along which the drive pushes.
     gain : float
-        Force per unit of the drive's command, or of its signal where that is none.
+        Force per unit of the drive's command, or of its signal without a command.
     readings : mapping of str to Path
-        What each sensor reads, before it is differentiated.
+        Displacement of each sensor, before it is differentiated.
     losses : tuple of str
-        What of the axis is in none of these.
+        Parts of the axis that none of these holds.
     """
 
     bodies: tuple[Body, ...]

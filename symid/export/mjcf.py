@@ -107,7 +107,7 @@ class _Writer:
             self.losses.append(_SOFT)
 
     def exported(self) -> Exported:
-        """The whole model."""
+        """The model as text, with its losses."""
         bodies = "\n".join(self._body(b, 2) for b in self.machine.roots)
         actuators = "\n".join(["    " + line for line in (self._motor(), *self._constants())])
         sensors = "\n".join("    " + line for s in self.axis.sensors for line in self._sensor(s))

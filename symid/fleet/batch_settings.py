@@ -34,7 +34,7 @@ class BatchSettings:
     layout, sampling_period, resample
         Of foreign files, as in `symid.read_axis_log`.
     preparation : Preparation
-        What is left open is chosen from each log.
+        Open settings are chosen from each log.
     held : tuple of str
         Forces that are held from sample to sample, besides those that axes declare as held.
     ddof : int, optional
@@ -44,13 +44,13 @@ class BatchSettings:
     bounds : mapping of str to (float or None, float or None)
         Between which physical parameters lie, None for no bound.
     prior : mapping of str to (float, float)
-        Mean and standard deviation of what is known of physical parameters beforehand.
+        Prior mean and standard deviation of physical parameters.
     controller : mapping of str to float
         Gains of the machine's controller by the fields of `symid.simulation.Cascade`, for "iv" and "oe".
     rate_hz : float, optional
         Rate of the controller.
     diagnose : bool
-        Whether each log is diagnosed too, which takes seconds a log.
+        Whether each log is diagnosed too, which takes seconds per log.
     examine : bool
         Whether timing and bias are examined, see `symid.identify`.
     joint : bool

@@ -164,7 +164,7 @@ def identify_jointly(
     Parameters
     ----------
     model : GeneratedModel
-        That from which the factors came.
+        Model from which the factors came.
     logs : sequence of LogFactors
         From `log_factors`.
     nominal : mapping of str to float, optional
@@ -173,7 +173,7 @@ def identify_jointly(
     Returns
     -------
     JointIdentification
-        Logs that cannot stand alone (one that never reverses, say) add what they know.
+        Logs that determine only some parameters, such as one that never reverses, contribute to those.
 
     Raises
     ------

@@ -58,7 +58,7 @@ def _is_row(row: object) -> bool:
 
 
 class Journal:
-    """Appends rows to a file, a line each.
+    """Appends rows to a file, one per line.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The table of results of a batch: one row a log, whose columns say which parameters it holds."""
+"""The table of results of a batch: one row per log, with columns for the parameters it has."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ def _sensors(table: pl.DataFrame) -> pl.Expr:
 
 
 def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
-    """A column as numbers; nan where there is none, or one that is too large to be reckoned with.
+    """A column as numbers; nan where a value is missing or its square is not finite.
 
     Examples
     --------

@@ -158,7 +158,7 @@ def review_fleet(
     Parameters
     ----------
     table : polars.DataFrame
-        One row a log with `log`, `axis`, `status`; `NAME` and `NAME_std` for each parameter; `recorded` (ISO) for
+        One row per log with `log`, `axis`, `status`; `NAME` and `NAME_std` for each parameter; `recorded` (ISO) for
         charts over time; `effect` and `at` where a diagnosis was made.
     units : mapping, optional
         From axis to sensors to parameter to unit, as a batch has them and `units_in` finds them in its file.
@@ -169,8 +169,8 @@ def review_fleet(
     by_folder : bool
         Whether the folder of a log identifies its machine.
     by_name : bool
-        Whether the names of the logs say in which order they were recorded, and `recorded` does not: it is the time of
-        the file, which copying may have changed.
+        Whether logs are in the order of their names, not of `recorded`: that is the time of the file, which copying may
+        have changed.
 
     Raises
     ------

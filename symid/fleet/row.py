@@ -1,4 +1,4 @@
-"""A row of the results: what is known of one log."""
+"""A row of the results: columns, and texts of times and errors."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ TEXT_COLUMNS = tuple(n for n, kind in {**BEFORE, **AFTER, **DIAGNOSIS, FACTORS: 
 
 
 def finite(value: Any) -> Value:
-    """A number as rows hold it: None where there is none.
+    """A number as rows hold it: None for nan, infinity and a missing value.
 
     Examples
     --------

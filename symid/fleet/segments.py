@@ -117,7 +117,7 @@ def cut(
     time, values, weights : array of shape (n,)
         In order of time; a weight is the inverse variance of a value, 0 for one that is left out.
     slope_penalty : float
-        What a slope costs.
+        Penalty of a slope.
 
     Examples
     --------
@@ -219,7 +219,7 @@ def fitted_segment(
 def places_of_step(
     time: FloatArray, values: FloatArray, weights: FloatArray, before: TrendSegment, after: TrendSegment
 ) -> tuple[int, int]:
-    """First and last place at which a step may lie, with 95 % probability: every place is as likely beforehand.
+    """First and last place at which a step may lie, with 95 % probability; all places are equally likely a priori.
 
     Parameters
     ----------
@@ -258,7 +258,7 @@ class _Sums:
     def of(
         cls, time: FloatArray, values: FloatArray, weights: FloatArray, places: npt.NDArray[np.int64]
     ) -> _Sums:
-        """Those of a series up to some places, centred and scaled so that differences of sums keep their digits."""
+        """Sums of a series up to each place, centred and scaled so that differences of sums keep their digits."""
         t = (time - time.mean()) / (np.ptp(time) or 1.0)
         x = values - np.median(values)
         terms = np.stack(

@@ -1,4 +1,4 @@
-"""How much a parameter differs from run to run, against what the intervals of the runs promise.
+"""How much a parameter differs from run to run, against the intervals of the runs.
 
 The value x_i of run i is mu + b_i + e_i: e_i has the standard deviation s_i that its identification promises, b_i the
 variance tau^2 between runs. All that is asked of tau^2 follows from the generalised statistic

@@ -27,7 +27,7 @@ def table_of(
     Parameters
     ----------
     rows : sequence of mapping
-        One a log.
+        One per log.
     parameters : iterable of str
         Names of the columns of parameters and deviations.
     diagnosed : bool

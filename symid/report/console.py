@@ -69,7 +69,7 @@ class TextTable(Table):
             self.add_column(heading, justify="right" if heading in right else "left")
 
     def add(self, *cells: str) -> None:
-        """Add a row."""
+        """Add a row of plain text."""
         self.add_row(*map(plain, cells))
 
 

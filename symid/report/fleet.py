@@ -220,7 +220,7 @@ def _size(one: dict[str, Any], which: str) -> str:
 
 
 def _events(axis: dict[str, Any]) -> list[str]:
-    """Changes and outliers, one a line."""
+    """Changes and outliers, one per line."""
     lines = []
     for name, one in axis["parameters"].items():
         lines += [f"{name} {change['sentence']}" for change in one["changes"]]

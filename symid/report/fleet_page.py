@@ -166,5 +166,5 @@ def _units(found: FleetReview) -> dict[str, str]:
 
 
 def _plain(table: pl.DataFrame, name: str) -> list[float | None]:
-    """Numbers of seven digits; None where there is none."""
+    """Numbers of seven digits; None for nan."""
     return [float(f"{value:.7g}") if math.isfinite(value) else None for value in numbers(table, name)]

@@ -89,7 +89,7 @@ def _over_time(found: Diagnosis) -> GridPlot:
 
 
 def _curves(found: Diagnosis) -> list[Curve]:
-    """Measured force, and that of each model that there is; where no effect was found, none with effects."""
+    """Measured force, and the force of each available model."""
     curves = [
         Curve("measured", "measured", MEASURED, 3.4),
         Curve("nominal", "nominal values", NOMINAL),

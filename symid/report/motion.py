@@ -45,7 +45,7 @@ class SensorMotion:
 
     @classmethod
     def of(cls, axis: Axis, log: Log) -> SensorMotion | None:
-        """That of a log; None if it holds no position."""
+        """Motion in a log; None without a position."""
         signals = [s.signal for s in axis.sensors if isinstance(s, Position) and s.signal in log.signals]
         if not signals:
             return None

@@ -1,4 +1,4 @@
-"""Numbers as reports write them; a dash where there is none."""
+"""Numbers as reports write them; a dash for a missing one."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def words(name: str) -> str:
 
 
 def capitalize_first(text: str) -> str:
-    """A sentence with a capital letter at its begin; names within it stay as they are.
+    """A sentence with a capital first letter; names within it keep their letters.
 
     Examples
     --------

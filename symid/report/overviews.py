@@ -23,7 +23,7 @@ from symid.text import visible
 _WIDTH, _ROW = 10.0, 1.9
 """In inches."""
 _MINIMAL = re.compile(r"X\d+")
-"""Minimal parameters repeat what the physical ones say."""
+"""Names of minimal parameters, which repeat the information of the physical ones."""
 
 
 def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:

@@ -22,11 +22,11 @@ class Stage:
     model : str
         Which model the error is of.
     level : Level or None
-        Error that is left; None where there is no such model.
+        Remaining error; None without such a model.
     floor : Level
         The noise floor.
     removed : float
-        By how much this stage is below the one before it, in the unit of the force; nan where there is none before.
+        Reduction against the stage before, in the unit of the force; nan for the first.
     """
 
     model: str
@@ -36,7 +36,7 @@ class Stage:
 
     @property
     def multiple(self) -> float:
-        """Error in multiples of the noise floor; nan where there is none."""
+        """Error in multiples of the noise floor; nan without an error."""
         return multiple_of_floor(self.level, self.floor)
 
     @property

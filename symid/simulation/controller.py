@@ -153,7 +153,7 @@ class Cascade(Controller):
     force_limit: float = math.inf
 
     def with_gains(self, **gains: float) -> Cascade:
-        """The same cascade with other gains, by the names of its fields."""
+        """A cascade with other gains, by the names of its fields."""
         return replace(self, **gains)  # type: ignore[arg-type]  # all fields that are given are numbers
 
     @property

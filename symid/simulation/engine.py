@@ -80,7 +80,7 @@ class Engine:
         return self.mode.flow.acceleration(self.state, drive + self.mode.force(self.state))
 
     def _advance_smoothly(self, drive_force: float, duration: float) -> bool:
-        """Advance without an event, if there is none: sliding joints keep their direction, stuck ones hold."""
+        """Advance if no event happens: sliding joints keep their direction, stuck ones hold; whether it did."""
         mode, start = self.mode, self.state
         if mode.varying:
             return False

@@ -1,4 +1,4 @@
-"""Plants with what acts in time, with a memory, or with the load of the drive."""
+"""Plants with imperfections: laws that depend on time, on a memory, or on the load of the drive."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def _law(
 
 @cache
 def scalar_law(element: Imperfection) -> Callable[..., float]:
-    """What an imperfection does as a function of numbers q, v, F, t and z."""
+    """Law of an imperfection as a function of numbers q, v, F, t and z."""
     return law_function(imperfection_law(element), ("F", "t", "z"))
 
 

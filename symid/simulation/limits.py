@@ -83,12 +83,12 @@ amplitude by at most 0.6666
                 )
 
     def check(self, name: str, demand: Extremes, *, scaled: bool = True) -> None:
-        """Nothing if a trajectory keeps the limits.
+        """Check that a trajectory keeps the limits.
 
         Parameters
         ----------
         name : str
-            What the trajectory is called in the message.
+            Name of the trajectory in the message.
         demand : Extremes
             Its range and greatest magnitudes.
         scaled : bool

@@ -103,7 +103,7 @@ class SensorChannel:
         return row, 0.0, 0.0
 
     def of_begin(self, mode: StickSlipMode) -> tuple[FloatArray, float, float]:
-        """The same value in terms of the state at the interval's begin."""
+        """The value in terms of the state at the begin of the interval."""
         row, drive, constant = self.of_state(mode)
         step = mode.step(self.moment)
         return row @ step.transition, float(row @ step.drive) + drive, float(row @ step.offset) + constant

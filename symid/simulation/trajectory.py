@@ -70,7 +70,7 @@ class Trajectory:
             object.__setattr__(self, kind, values)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays can be written to; building anew makes them read-only again.
+        # Unpickled arrays can be written to; building the record makes them read-only again.
         return (partial(type(self), **{item.name: getattr(self, item.name) for item in fields(self)}), ())
 
     @property
@@ -116,7 +116,7 @@ class Trajectory:
         )
 
     def shifted(self, by: float) -> Trajectory:
-        """The same motion about another place: `by` (m or rad) is added to each position."""
+        """The motion about another place: `by` (m or rad) is added to each position."""
         return self.with_motion(position=self.position + by)
 
     def then(self, other: Trajectory) -> Trajectory:

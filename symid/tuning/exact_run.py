@@ -159,7 +159,7 @@ _UNIT = 1e-3
 
 
 def excited_band(plant: Plant) -> tuple[float, float]:
-    """Band of a chirp that excites every mode, Hz: 0.1 Hz to 1.25 times the highest mode; to 20 Hz if there is none."""
+    """Band of a chirp that excites every mode, Hz: 0.1 Hz to 1.25 times the highest mode, or to 20 Hz without modes."""
     return LOWEST_HZ, _BEYOND_MODES * plant.highest_mode or _RIGID_HZ
 
 

@@ -69,7 +69,7 @@ class LowPassErrors:
         return [float(f) for f in np.geomspace(lowest, _HIGHEST_SHARE * self.rate, points)]
 
     def errors(self, cutoff_hz: float) -> dict[str, float]:
-        """Error of each physical parameter in percent; nan where its true value is 0 or the motion says nothing."""
+        """Error of each physical parameter in percent; nan if its true value is 0 or not determined."""
         motion, force = self._exact
         low_pass = LowPass(cutoff_hz, self.order)
         filtered = {name: low_pass.apply(values, self.rate) for name, values in motion.items()}

@@ -61,11 +61,11 @@ class TotalTuning(Shown):
         decimation, percent, from three draws.
     recommended_sampling_hz : float
         Lowest sampling frequency at which, at the chosen cutoff, systematic errors are below half of the total error;
-        nan if there is none up to eight times that of the log.
+        nan if none is up to eight times that of the log.
     status : str
         "ok", or "not_determined" where a parameter is lost.
     message : str
-        What the status means here; empty if all is well.
+        Meaning of the status; empty for "ok".
     """
 
     axis: str

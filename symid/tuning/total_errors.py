@@ -81,7 +81,7 @@ class TotalErrors:
         return self._over(self.noisy, settings)
 
     def estimate_of_rms(self, settings: Preparation) -> FloatArray:
-        """The same from the first three draws."""
+        """Root mean square errors from the first three draws."""
         return self._over(self.noisy[:_SCAN_DRAWS], settings)
 
     def _over(self, logs: Sequence[Log], settings: Preparation) -> FloatArray:

@@ -61,9 +61,9 @@ class Tuning(Shown):
     left_out : tuple of str
         Parameters of laws that jump at standstill, without which the axis was tuned.
     status : str
-        "ok", or what kept a bound from deciding: see `message`.
+        "ok", or the reason why a bound does not decide; see `message`.
     message : str
-        What the status means here and what to do; empty if all is well.
+        Meaning of the status and its cure; empty for "ok".
     """
 
     axis: str
@@ -268,7 +268,7 @@ def sampling_errors(
     log = run.log(sampling_hz, model.measured)
     found = identify(model, log, preparation=settings, nominal=parameters, examine=False)
     errors = relative_errors(found, parameters, kind)
-    # Parameters of a log, such as the unknown zero of an encoder, say nothing of the axis.
+    # Parameters of a log, such as the unknown zero of an encoder, are not properties of the axis.
     of_log = {*run.axis.log_parameters, *model.per_log}
     return {name: error for name, error in errors.items() if name not in of_log}
 

@@ -86,11 +86,11 @@ def to_si(text: str, expected: Unit | None = None) -> float:
     >>> to_si("mm"), round(to_si("1/min", Unit.of("rad/s")), 6), round(to_si("4096 counts/rev", Unit.of("rad")), 6)
     (0.001, 0.10472, 0.001534)
     """
-    said = text.strip()
-    if expected is not None and said == str(expected):
+    given = text.strip()
+    if expected is not None and given == str(expected):
         return 1.0
-    if expected == _ACCELERATION and said in _GRAVITY:
-        return _GRAVITY[said]
+    if expected == _ACCELERATION and given in _GRAVITY:
+        return _GRAVITY[given]
     read = _parsed(text)
     factor = read.factor if expected is None else _in(expected, read, text)
     if not (math.isfinite(factor) and factor > 0.0):
@@ -110,7 +110,7 @@ def _in(expected: Unit, read: _Read, text: str) -> float:
     if expected in _ROTATIONS and expected / read.unit == _RADIAN and not counted:
         if any(name.endswith(_CLOCKED) for name in read.names):
             return 2.0 * math.pi * read.factor
-        raise LogError(f"unit {_quoted(text)} may count radians or turns: write rad/s or rev/s, say")
+        raise LogError(f"unit {_quoted(text)} may count radians or turns: write for example rad/s or rev/s")
     if counted or read.unit == Unit():
         raise _says_nothing(text)
     raise LogError(
@@ -124,7 +124,7 @@ def _is_counted(read: _Read) -> bool:
 
 def _says_nothing(text: str) -> LogError:
     return LogError(
-        f"unit {_quoted(text)} does not say how much one is: write a unit such as mm or deg, what one count is "
+        f"unit {_quoted(text)} has no known size: write a unit such as mm or deg, what one count is "
         "(0.1 um), or the counts per turn or length (4096 counts/rev, 1000 counts/mm)"
     )
 
@@ -138,15 +138,15 @@ def _parsed(text: str) -> _Read:
     unknown = LogError(
         f"unit {_quoted(text)} is not known: write a unit such as m, mm, um, rad, deg, N, kN, A or V"
     )
-    said = re.sub(r"\b(?:per|pro)\b", "/", text.strip())
-    if said in ("", "-", "1", "%"):
+    given = re.sub(r"\b(?:per|pro)\b", "/", text.strip())
+    if given in ("", "-", "1", "%"):
         raise _says_nothing(text)
-    if said == "grad":
+    if given == "grad":
         raise LogError("unit 'grad' may be a degree or a gon: write deg or gon")
-    if len(said) > _LONGEST:
+    if len(given) > _LONGEST:
         raise unknown
     try:
-        read, rest = _product(said, 0)
+        read, rest = _product(given, 0)
     except (ValueError, OverflowError, ZeroDivisionError) as error:
         raise unknown from error
     if rest:
@@ -155,7 +155,7 @@ def _parsed(text: str) -> _Read:
 
 
 def _product(text: str, depth: int) -> tuple[_Read, str]:
-    """A product and what is left of the text behind it; ValueError if there is none."""
+    """A product and the rest of the text behind it; ValueError without a product."""
     read, sign, wanted = _Read(), 1, True
     while text.strip():
         token = _TOKEN.match(text)

@@ -25,7 +25,7 @@ def axis_of(given: AnyAxis) -> Axis:
     Raises
     ------
     SettingError
-        If it is none of these.
+        If it is of another type.
     SymidError
         If the axis does not exist.
 

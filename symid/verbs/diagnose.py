@@ -78,7 +78,7 @@ def diagnose(
 def derive_if_missing(axis: Axis, log: Log) -> None:
     """Derive the model from which a diagnosis gets the values it begins with, where it was not generated."""
     signals = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
-    with contextlib.suppress(SymidError):  # said by the diagnosis, which may be given nominal values
+    with contextlib.suppress(SymidError):  # reported by the diagnosis, which may be given nominal values
         model_of(axis, signals)
 
 

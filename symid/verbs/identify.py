@@ -55,7 +55,7 @@ def identify(
         Between which parameters lie, None for no bound; "physical" keeps masses, inertias, springs and frictions from
         being negative.
     prior : mapping of str to (mean, deviation), optional
-        What is known of parameters beforehand, with its standard deviation.
+        Prior value of parameters, with its standard deviation.
     examine : bool
         Whether timing and bias are estimated.
     **columns
@@ -65,8 +65,8 @@ def identify(
     Returns
     -------
     Identification
-        What cannot be determined is said by its status; nothing is raised for it. It is "contradicted" where `fixed`,
-        `bounds` or `prior` lead out of the intervals of what the log says by itself.
+        Its status states what cannot be determined; nothing is raised for it. It is "contradicted" where `fixed`,
+        `bounds` or `prior` lead out of the intervals of the estimate without them.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def _with_fixed(
     settings: dict[str, Any],
     columns: dict[str, Any],
 ) -> Identification:
-    """Identify the parameters that are not known, and compare with what the logs say by themselves."""
+    """Identify the parameters that are not known, and compare with the estimate of all parameters."""
     declared = axis_of(axis)
     runs = [log_of(declared, log, measured, **columns) for log in logs]
     signals = (
