@@ -32,11 +32,11 @@ def _written(match: re.Match[str]) -> str:
 
 
 def one_line(text: str) -> str:
-    """Visible text without line ends and double spaces.
+    r"""Visible text without line ends and double spaces.
 
     Examples
     --------
-    >>> one_line("two\\n  lines")
+    >>> one_line("two\n  lines")
     'two lines'
     """
     return visible(" ".join(text.split()))

@@ -48,11 +48,11 @@ _EXPRESSIONS: Final = (
 
 
 def signed(text: str) -> str:
-    """Text of a module with a last line that holds its hash.
+    r"""Text of a module with a last line that holds its hash.
 
     Examples
     --------
-    >>> require_vetted(signed("a = 1\\n"))
+    >>> require_vetted(signed("a = 1\n"))
     """
     return f"{text.rstrip()}\n\n{_MARK}{_hash(text.rstrip())}\n"
 

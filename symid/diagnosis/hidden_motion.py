@@ -210,8 +210,7 @@ def _periodic(
     n_log: int,
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Hidden coordinate and forces at the points; the way back from end to beginning is run twice, so that the course
-    is periodic."""
+    """Hidden coordinate and forces at the points; the way back to the beginning is run twice, for a periodic course."""
     n = driven.q.size
     order = np.concatenate([np.arange(n_log, n), np.arange(n)])
     states, courses = _stepped(discretised, driven, joints, by_state, laws, order, stride)

@@ -152,6 +152,7 @@ class IdentificationTrial:
         relative = {}
         for name, deviation in deviations.items():
             truth = self.parameters[name]
+            # The mean of several runs differs from the truth by chance up to two of its deviations; the rest is bias.
             if truth and math.isfinite(deviation):
                 error = abs(sum(one[0][name] for one in found) / runs - truth)
                 beyond = max(error - _CHANCE * deviation / math.sqrt(runs), 0.0)

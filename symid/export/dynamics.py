@@ -152,8 +152,9 @@ def _joints(operators: OperatorModel, kinematics: Kinematics, imperfect: Imperfe
     for entry in operators.source.inputs:
         if entry.expression.free_symbols:
             row = _row(operators, kinematics.displacement(entry.joint))
-            body, lever = next(iter(row.items()))
-            parameter = _expression(operators.inputs[body][str(entry.symbol)]) / lever
+            # In the balance of a body the law's parameter stands times the share of that body in the displacement.
+            body, share = next(iter(row.items()))
+            parameter = _expression(operators.inputs[body][str(entry.symbol)]) / share
             joints.add(row, sp.cancel(parameter), entry.expression)
     for element, law in zip(imperfect.in_joints, imperfect.laws, strict=True):
         joints.add(_row(operators, kinematics.displacement(element.at)), sp.Integer(1), law)

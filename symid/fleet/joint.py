@@ -250,6 +250,7 @@ def _information(logs: Sequence[LogFactors], weights: FloatArray) -> list[FloatA
 
 def _covariance(logs: Sequence[LogFactors], information: list[FloatArray], fit: LeastSquares) -> FloatArray:
     """Covariance of the joint estimate; nan where the classical one is."""
+    # Sandwich estimate: the bread is A^-1, the meat the covariance of each log's scores, A_k C_k A_k.
     inverse = fit.rank.inverse_root @ fit.rank.inverse_root.T
     scores = np.zeros_like(inverse)
     for log, A in zip(logs, information, strict=True):
@@ -268,6 +269,8 @@ def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float,
     ]
     if len(alone) < 2 or fit.status != "ok":
         return float("nan"), 0
+    # Parameters in units of their typical deviation, so that large and small ones keep their digits; then the mean
+    # weighted by the inverse covariances, and the sum of squared distances from it.
     scale = np.sqrt(np.mean([np.diag(covariance) for _, covariance in alone], axis=0))
     scale = np.where(scale > 0, scale, 1.0)
     precisions = [np.linalg.pinv(C / np.outer(scale, scale), hermitian=True) for _, C in alone]

@@ -99,8 +99,7 @@ def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: in
 
 
 def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Generator of the state, and effects of the drive, of each joint's laws (opposing it), of constant forces and of
-    forces along the given directions."""
+    """Generator of the state, and effects on it of drive, laws (opposing), constant forces and given directions."""
     n = len(plant.bodies)
     inverse = np.linalg.inv(plant.mass)
     generator = np.zeros((2 * n, 2 * n))

@@ -68,6 +68,7 @@ def correlation(residual: FloatArray, other: FloatArray, used: BoolArray, lags: 
     first = np.where(used, residual - residual[used].mean(), 0.0)
     second = np.where(used, other - other[used].mean(), 0.0)
     size = float(np.sqrt(np.sum(first**2) * np.sum(second**2)))
+    # Rows that are left out count as 0 and do not enter the number of pairs, on which the band depends.
     value, pairs = np.zeros(len(lags)), np.zeros(len(lags))
     for place, lag in enumerate(lags):
         late, early = slice(max(lag, 0), n + min(lag, 0)), slice(max(-lag, 0), n - max(lag, 0))

@@ -129,6 +129,7 @@ def simulate(
     run = SimulationRun(loop, record)
     for begin in progress(range(0, n_samples, _PART)):
         end = min(begin + _PART, n_samples)
+        # A mass that changes splits the run: the motion goes on from the state that it has then.
         while later and later[0][0] < end * period:
             time, changed = later.pop(0)
             run.advance(max(round(time / period), 1))

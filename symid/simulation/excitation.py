@@ -94,6 +94,7 @@ rad/s: multiply the amplitude by at most 0.8696
     phase, *omega = _phase(f0, f1, time, count * sampling_period, sweep)
     window = envelope(count, n_fade, sampling_period)
     g, slope, bend = _scaled(window, omega, DERIVATIVE_ORDER[quantity], size)
+    # Position g(t) sin(phi(t)) and its derivatives, g being the amplitude of the position and phi' = omega.
     sine, cosine = np.sin(phase), np.cos(phase)
     return Trajectory(
         position=centre + g * sine,

@@ -266,8 +266,9 @@ def _laws(
             continue
         functional = operators.functional(kinematics.displacement(entry.joint))
         body = next(iter(functional))
-        lever = numbers.number(functional[body])
-        parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / lever)
+        # In the balance of a body the law's parameter stands times the share of that body in the joint's displacement.
+        share = numbers.number(functional[body])
+        parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / share)
         direction = tuple(float(x) for x in numbers.row(functional, bodies))
         term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
         joints.setdefault(direction, []).append(term)

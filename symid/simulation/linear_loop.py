@@ -151,18 +151,23 @@ def loop_system(loop: Loop, mode: StickSlipMode, law: LinearLaw) -> LoopSystem:
             row[pipe.stop - 1] = 1.0
         else:
             row[:n] = reader.of_state(mode)[0]
+    # Where the controller remembers its last reading, z holds present less last reading instead: the memory is their
+    # difference, read off again.
     last = _last_readings(law, pipes)
     memory = np.eye(n_memory, size, n)
     for i, s in last.items():
         memory[i] = readings[s] - memory[i]
     force_state = law.D[3:] @ readings + law.C @ memory
     force_input = np.append(law.D, 1.0)
+    # The axis: `change` is what a sample adds to its state. Differences of readings follow from `change` alone, so
+    # that the readings themselves, which are far larger, do not round them.
     step = mode.step(loop.period)
     change = np.outer(step.drive, force_state)
     change[:, :n] += step.transition - np.eye(n)
     change_input = np.outer(step.drive, force_input)
     matrix, inputs, offset = np.zeros((size, size)), np.zeros((size, force_input.size)), np.zeros(size)
     matrix[:n], inputs[:n], offset[:n] = np.eye(n, size) + change, change_input, step.offset
+    # The controller.
     remembered = slice(n, n + n_memory)
     matrix[remembered] = law.A @ memory + law.B[:, 3:] @ readings
     inputs[remembered, :-1] = law.B
@@ -170,6 +175,7 @@ def loop_system(loop: Loop, mode: StickSlipMode, law: LinearLaw) -> LoopSystem:
         row = readings[s, :n]
         matrix[n + i], inputs[n + i], offset[n + i] = row @ change, row @ change_input, row @ step.offset
         inputs[n + i, 3 + s] -= 1.0
+    # Delayed readings: a new one enters its shift register, the others move on by one place.
     for reader, pipe in zip(loop.controlled, pipes, strict=True):
         if pipe.stop > pipe.start:
             row, drive, constant = reader.of_begin(mode) if reader.is_between else reader.of_state(mode)

@@ -191,6 +191,8 @@ def _line(law: JointLaw, sign: float) -> AffineForce | None:
     line = AffineForce(
         level, law.force(1.0, speeds[0]) - level, (law.force(0.0, speeds[-1]) - level) / speeds[-1]
     )
+    # Three points fix the line; many more, over all magnitudes, show whether the law is one. Laws are formulas of few
+    # terms: one that agrees at all of these points is the line.
     places = [(q, v) for q in (-1.3, 0.0, 0.4) for v in speeds]
     places += [(side * q, v) for side in (-1.0, 1.0) for q in _SPEEDS for v in (speeds[0], speeds[-1])]
     if not all(map(math.isfinite, (line.level, line.stiffness, line.damping))):

@@ -55,6 +55,8 @@ class Recursion:
         n_rows, rest = divmod(n, ROW)
         found = np.empty((n + 1, m))
         found[0] = start
+        # Response of each row to its own inputs from rest; the ends of these responses are the inputs of the recursion
+        # from row to row, which gives the states at the beginnings of the rows; their free responses are added.
         if n_rows > 1:
             forced = _product(inputs[: n_rows * ROW].reshape(n_rows, ROW * m), self._forced)
             begins = self._rows.states(start, forced[:-1, -m:])

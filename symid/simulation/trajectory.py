@@ -120,7 +120,7 @@ class Trajectory:
         return self.with_motion(position=self.position + by)
 
     def then(self, other: Trajectory) -> Trajectory:
-        """This trajectory and then `other`, whose first sample is the last one of this.
+        """The trajectory and then `other`, whose first sample is the last one of this.
 
         Raises
         ------
@@ -147,7 +147,7 @@ class Trajectory:
         )
 
     def dwell(self, seconds: float) -> Trajectory:
-        """This trajectory and then rest at its last position for `seconds`, at least.
+        """The trajectory and then rest at its last position for `seconds`, at least.
 
         Raises
         ------

@@ -73,6 +73,8 @@ class LowPassErrors:
         motion, force = self._exact
         low_pass = LowPass(cutoff_hz, self.order)
         filtered = {name: low_pass.apply(values, self.rate) for name, values in motion.items()}
+        # Exact derivatives are filtered, so that neither differences nor noise play a part: the error of the filter
+        # remains, which nonlinear laws of filtered motion do not commute with.
         W, y = self.model.sample(filtered, low_pass.apply(force, self.rate) if self.filter_force else force)
         if self.filter_force:
             for equation, column in self.model.law_columns:

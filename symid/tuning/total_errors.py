@@ -120,6 +120,7 @@ def noise_levels(log: Log, force: str, measured: Sequence[str]) -> dict[str, flo
     """
     rate, length = log.sampling_frequency, max(16, log.n_samples // _SEGMENTS)
     powers = {name: scipy.signal.welch(log[name], fs=rate, nperseg=length)[1] for name in (force, *measured)}
+    # S_FF - |S_Fq|^2 / S_qq is the part of the force that no position explains; the least over the sensors counts.
     frequency, own = scipy.signal.welch(log[force], fs=rate, nperseg=length)
     for name in measured:
         together = np.abs(scipy.signal.csd(log[force], log[name], fs=rate, nperseg=length)[1]) ** 2

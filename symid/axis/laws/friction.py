@@ -74,6 +74,7 @@ class AsymmetricFriction(Law):
     coulomb: tuple[str, str]
 
     def terms(self) -> tuple[Term, ...]:
+        """Viscous and Coulomb friction of each direction."""
         forward, backward = "positive(v)", "positive(-v)"
         return (
             Term(self.viscous[0], f"v*{forward}", 1, 1),
