@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axes.catalogue import Case
+from axes.case import Case
 from axes.plant import Plant, Sensor, Values, coulomb
 from symid import Axis, chain
 

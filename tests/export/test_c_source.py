@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from axes.catalogue import PINION, cases, derived, generated
+from axes.case import PINION
+from axes.catalogue import cases, derived, generated
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from export.compiler import Compiled

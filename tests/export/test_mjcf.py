@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 import pytest
-from axes.catalogue import PINION, cases
+from axes.case import PINION
+from axes.catalogue import cases
 from axes.effects import EFFECTS, values_of, with_effect
 from axes.plant import random_motion
 from axes.shipped import VALUES

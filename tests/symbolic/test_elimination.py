@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from axes.catalogue import Case, cases, derived, every_set
+from axes.case import Case
+from axes.catalogue import cases, derived, every_set
 from axes.chains import chain_plant, chain_values
 from axes.plant import Array, Values
 

@@ -1,0 +1,112 @@
+"""Laws of a user in a simulation, and the parts of a step against other solvers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from symid import (
+    Axis,
+    Body,
+    Drive,
+    Law,
+    Position,
+    Term,
+    ViscousFriction,
+    load_axis,
+)
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+from symid.simulation import (
+    OpenLoop,
+    Trajectory,
+    plant_of,
+    simulate,
+)
+from symid.simulation.flow import Flow
+from symid.simulation.recursion import Recursion
+
+PERIOD = 1 / 4000
+
+
+FLEXIBLE = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 80.0}
+FLEXIBLE |= {"Kl": 1e6, "Fl": 200.0, "Ml": 40.0}
+
+
+class Cube(Law):
+    """A spring that pushes away with the cube of the displacement."""
+
+    def terms(self) -> tuple[Term, ...]:
+        return (Term("k3", "q**3", signed=True),)
+
+
+def test_an_axis_that_a_law_lets_run_away_is_named() -> None:
+    body = Body("slide", mass="M")
+    axis = Axis("away", (body, Cube(body)), Drive("F", body), (Position("q", body),))
+    still = np.zeros(4000)
+    with pytest.raises(SettingError, match="runs away at t = 0"):
+        simulate(
+            axis,
+            {"M": 1.0, "k3": -1e9},
+            Trajectory(still, still, still, PERIOD, "rest"),
+            OpenLoop(still + 10.0),
+        )
+
+
+class Stribeck(Law):
+    """Friction that falls from Fs + dF at rest to Fs within 2 mm/s."""
+
+    def terms(self) -> tuple[Term, ...]:
+        return (Term("Fs", "sign(v)"), Term("dF", "sign(v)*exp(-(v/0.002)**2)"))
+
+
+def test_a_falling_friction_converges_with_the_second_order() -> None:
+    body = Body("slide", mass="M")
+    elements = (body, ViscousFriction(body, "Fv"), Stribeck(body))
+    axis = Axis("stribeck", elements, Drive("F", body), (Position("q", body),))
+    values = {"M": 100.0, "Fv": 80.0, "Fs": 40.0, "dF": 60.0}
+    rough = Trajectory(*(np.zeros(400) for _ in range(3)), PERIOD, "rest")
+    force = OpenLoop(np.full(400, 110.0))
+    runs = [simulate(axis, values, rough, force, steps=n).states[-1] for n in (1, 2, 4, 64)]
+    errors = [np.abs(run - runs[-1]).max() for run in runs[:-1]]
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.2)
+    assert errors[1] / errors[2] == pytest.approx(4, rel=0.2)
+    state, step = np.zeros(2), PERIOD / 400
+
+    def change(z: FloatArray) -> FloatArray:
+        friction = 40.0 + 60.0 * np.exp(-((z[1] / 0.002) ** 2))
+        return np.array([z[1], (110.0 - 80.0 * z[1] - friction) / 100.0])
+
+    for _ in range(399 * 400):
+        state = state + step * change(state + step / 2 * change(state))
+    assert runs[-1] == pytest.approx(state, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [1, 4, 7])
+@pytest.mark.parametrize("n", [1, 7, 8, 9, 64, 200, 1500])
+def test_a_recursion_is_what_it_says(size: int, n: int) -> None:
+    random = np.random.default_rng(size)
+    matrix = 0.98 * np.linalg.qr(random.standard_normal((size, size)))[0]
+    start, inputs = random.standard_normal(size), random.standard_normal((n, size))
+    states = [start]
+    for row in inputs:
+        states.append(matrix @ states[-1] + row)
+    assert Recursion(matrix).states(start, inputs) == pytest.approx(np.array(states), abs=1e-12)
+
+
+@pytest.mark.parametrize("duration", [1e-7, 1e-4, 0.01, 1.0])
+def test_the_flow_is_the_matrix_exponential(duration: float) -> None:
+    plant = plant_of(load_axis("direct_3m2s"), FLEXIBLE)
+    n = len(plant.bodies)
+    inverse = np.linalg.inv(plant.mass)
+    generator = np.zeros((3 * n, 3 * n))
+    generator[:n, n : 2 * n] = np.eye(n)
+    generator[n : 2 * n] = np.hstack([-inverse @ plant.stiffness, -inverse @ plant.damping, inverse])
+    exact = expm(generator * duration)
+    transition, gain = Flow(plant, ()).transition(duration)
+    found = np.hstack([transition, gain])
+    for rows in (slice(0, n), slice(n, 2 * n)):
+        for columns in (slice(0, n), slice(n, 2 * n), slice(2 * n, 3 * n)):
+            true = exact[rows, columns]
+            assert np.abs(found[rows, columns] - true).max() < 2e-12 * np.abs(true).max()
