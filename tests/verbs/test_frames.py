@@ -69,7 +69,7 @@ def test_columns_units_and_gains_are_as_for_files() -> None:
         ({"t": T, "q": np.where(T > 1, np.nan, T)}, "not finite"),
         ({"t": T, "w [1/min]": T}, "depends on what is measured"),
         ({"t": T, "a [g]": T}, "depends on what is measured"),
-        ({"t": T, "q [count]": T}, "how much one is"),
+        ({"t": T, "q [count]": T}, "has no known size"),
         ({"t": T, "q [mm]": T, "q": T}, "two columns are 'q'"),
         ({"t": T, "q": np.ones((N, 2))}, "no signals"),
         (5, "int is not a log"),
