@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_ROOMS = {
+_LAZY = {
     "Batch": "symid.fleet",
     "BatchSettings": "symid.fleet",
     "compiled": "symid.codegen.generate",
@@ -68,15 +68,15 @@ _ROOMS = {
     "tune": "symid.verbs.simulate",
     "Tuning": "symid.tuning",
 }
-"""Rooms that load sympy or scipy, opened when a name is used: declaring an axis needs neither."""
+"""Packages that load sympy or scipy, imported when a name is used: declaring an axis needs neither."""
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _ROOMS:
+    if name not in _LAZY:
         raise AttributeError(f"module 'symid' has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(_ROOMS[name]), name)
+    return getattr(import_module(_LAZY[name]), name)
 
 
 __all__ = [

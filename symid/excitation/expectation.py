@@ -101,7 +101,7 @@ class IdentificationTrial:
     def reached(self, trajectory: Trajectory, run: Simulation) -> dict[str, float]:
         """Extremes of a simulated axis at its first sensor; the jerk is that of the reference."""
         plant = plant_of(self.axis, self.parameters)
-        row, _ = plant.sensors[self.axis.controlled]
+        row = plant.sensors[self.axis.controlled].row
         n = row.size
         position, velocity = run.states[:, :n] @ row, run.states[:, n:] @ row
         return {

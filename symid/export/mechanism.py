@@ -110,11 +110,11 @@ class Mechanism:
     @property
     def roots(self) -> tuple[Body, ...]:
         """Bodies that are on no other one."""
-        return tuple(b for b in self.bodies if _holder(b) is None)
+        return tuple(b for b in self.bodies if _parent_in_tree(b) is None)
 
     def children(self, body: Body) -> tuple[Body, ...]:
         """Bodies that a body carries."""
-        return tuple(b for b in self.bodies if _holder(b) == body)
+        return tuple(b for b in self.bodies if _parent_in_tree(b) == body)
 
     def moves_freely(self, body: Body) -> bool:
         """Whether a body is one of the tree, with a frame that moves as it does."""
@@ -134,16 +134,16 @@ def mechanism(axis: Axis, values: Mapping[str, float]) -> Mechanism:
     return _Collector(axis, values).mechanism()
 
 
-def _carrier(body: Body) -> Body | None:
+def _parent(body: Body) -> Body | None:
     """The free body of the same kind that carries a body."""
     on = body.on
     return on if isinstance(on, Body) and on.geared is None and on.turns == body.turns else None
 
 
-def _holder(body: Body) -> Body | None:
+def _parent_in_tree(body: Body) -> Body | None:
     """The free body under which a body is nested: what carries it, or what turns the geared body that carries it."""
     geared = body.on.geared if isinstance(body.on, Body) else None
-    return _carrier(body) if geared is None else geared.to
+    return _parent(body) if geared is None else geared.to
 
 
 class _Collector:
@@ -202,10 +202,10 @@ class _Collector:
         """MuJoCo couples the inertia of joints only where one is nested under the other."""
         lines = []
         for moved in (b for b in self.axis.free_bodies if b.name in dict(path)):
-            line, above = [moved.name], _holder(moved)
+            line, above = [moved.name], _parent_in_tree(moved)
             while above is not None:
                 line.append(above.name)
-                above = _holder(above)
+                above = _parent_in_tree(above)
             lines.append(line)
         longest = max(lines, key=len)
         if not all(line[0] in longest for line in lines):
@@ -220,7 +220,7 @@ class _Collector:
         joints = []
         while chain is not None:
             joints.append((chain.name, 1.0))
-            chain = _carrier(chain)
+            chain = _parent(chain)
         return body.geared is None and dict(self.path(self.kinematics.absolute(body))) == dict(joints)
 
     def _element(self, element: object) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from symid.arrays import BoolArray, FloatArray
 from symid.data import Log, LowPass, QuinticSpline, central_difference
 from symid.simulation import ForwardDynamics
-from symid.simulation.plant import JointLaw
+from symid.simulation.plant import JointLaw, ScaledLaw
 
 Course = Literal["held", "smooth"]
 """Course of the drive force between two samples: held from each to the next, or the smooth one through all values."""
@@ -192,7 +192,7 @@ def run_of(
     margin = math.ceil(0.5 * log.sampling_frequency / lowpass.cutoff_hz)
     moving = np.ones(log.n_samples, dtype=bool)
     for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
-        can_hold = JointLaw(direction, tuple((1.0, term.force) for term in terms)).can_hold
+        can_hold = JointLaw(direction, tuple(ScaledLaw(1.0, term.force) for term in terms)).can_hold
         if motion is not None and can_hold and standstill != 0:
             moving &= ~_resting(motion, standstill, margin)
     kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))

@@ -203,5 +203,5 @@ def identified_response(
     s = 2j * np.pi * frequency[:, None, None]
     matrix = plant.mass * s**2 + plant.damping * s + plant.stiffness
     motion = np.linalg.solve(matrix, np.broadcast_to(plant.drive[:, None], (len(s), plant.drive.size, 1)))
-    response = plant.sensors[signal][0] @ motion[..., 0].T * s[:, 0, 0] ** order
+    response = plant.sensors[signal].row @ motion[..., 0].T * s[:, 0, 0] ** order
     return np.asarray(response)

@@ -16,7 +16,7 @@ from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics,
 from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
 from symid.simulation.multisine import Multisine, frequency_lines, multisine
-from symid.simulation.plant import Plant
+from symid.simulation.plant import Plant, SensorRow
 from symid.simulation.reference_loop import ClosedLoop
 from symid.simulation.trajectory import Trajectory
 
@@ -35,6 +35,7 @@ __all__ = [
     "OpenLoop",
     "Plant",
     "Replay",
+    "SensorRow",
     "Simulation",
     "Trajectory",
     "chirp",

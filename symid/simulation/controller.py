@@ -276,9 +276,9 @@ def tuned_cascade(
     SettingError
         If the signal is not that of a position sensor.
     """
-    if signal not in plant.sensors or plant.sensors[signal][1] != 0:
+    if signal not in plant.sensors or plant.sensors[signal].order != 0:
         raise SettingError(f"{signal!r} is not a position sensor of this axis: a cascade controls a position")
-    row, _ = plant.sensors[signal]
+    row = plant.sensors[signal].row
     angular = 2 * math.pi * bandwidth_hz
     s = 1j * angular / 100
     response = row @ np.linalg.solve(plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drive)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from math import prod
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -20,7 +20,7 @@ from symid.arrays import FloatArray, read_only
 from symid.axis import Axis, derivative_order
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
-from symid.simulation.plant import JointLaw, LawFunction, Plant
+from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
@@ -88,9 +88,9 @@ class ForwardDynamics:
         Effect on each body of each drive's force.
     constant : tuple of Polynomial
         Constant force on each body.
-    laws : tuple of (array, tuple of LawTerm)
-        Direction of each joint with nonlinear laws, and the laws.
-    sensors : mapping of str to (array, int)
+    laws : tuple of JointTerms
+        Nonlinear laws of each joint.
+    sensors : mapping of str to SensorRow
         As in `Plant`.
     """
 
@@ -101,8 +101,8 @@ class ForwardDynamics:
     motion: tuple[tuple[tuple[Polynomial, ...], ...], ...]
     drives: tuple[tuple[Polynomial, ...], ...]
     constant: tuple[Polynomial, ...]
-    laws: tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]
-    sensors: Mapping[str, tuple[FloatArray, int]]
+    laws: tuple[JointTerms, ...]
+    sensors: Mapping[str, SensorRow]
 
     @property
     def drive(self) -> tuple[Polynomial, ...]:
@@ -149,7 +149,7 @@ class ForwardDynamics:
             drives=np.array([[p.at(values) for p in row] for row in self.drives]),
             constant=np.array([p.at(values) for p in self.constant]),
             laws=tuple(
-                JointLaw(direction, tuple((term.parameter.at(values), term.force) for term in terms))
+                JointLaw(direction, tuple(ScaledLaw(term.parameter.at(values), term.force) for term in terms))
                 for direction, terms in self.laws
             ),
             sensors=self.sensors,
@@ -173,6 +173,21 @@ class LawTerm:
     parameter: Polynomial
     force: LawFunction
     forces: Callable[[FloatArray, FloatArray], FloatArray]
+
+
+class JointTerms(NamedTuple):
+    """Nonlinear laws of one joint.
+
+    Parameters
+    ----------
+    direction : array of shape (n_bodies,)
+        The joint's displacement is its product with the bodies' displacements.
+    terms : tuple of LawTerm
+        The laws.
+    """
+
+    direction: FloatArray
+    terms: tuple[LawTerm, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,9 +271,7 @@ class _Numbers:
         return read_only(np.array([self.number(functional[b]) if b in functional else 0.0 for b in bodies]))
 
 
-def _laws(
-    operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
-) -> tuple[tuple[FloatArray, tuple[LawTerm, ...]], ...]:
+def _laws(operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]) -> tuple[JointTerms, ...]:
     kinematics = Kinematics(operators.source.axis)
     joints: dict[tuple[float, ...], list[LawTerm]] = {}
     for entry in operators.source.inputs:
@@ -272,19 +285,14 @@ def _laws(
         direction = tuple(float(x) for x in numbers.row(functional, bodies))
         term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
         joints.setdefault(direction, []).append(term)
-    return tuple((read_only(np.array(direction)), tuple(terms)) for direction, terms in joints.items())
+    return tuple(
+        JointTerms(read_only(np.array(direction)), tuple(terms)) for direction, terms in joints.items()
+    )
 
 
-def _sensors(
-    operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]
-) -> Mapping[str, tuple[FloatArray, int]]:
-    axis = operators.source.axis
-    kinematics = Kinematics(axis)
-    rows = {
-        sensor.signal: (
-            numbers.row(operators.functional(kinematics.reading(sensor)), bodies),
-            derivative_order(sensor),
-        )
-        for sensor in axis.sensors
-    }
-    return MappingProxyType(rows)
+def _sensors(operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]) -> Mapping[str, SensorRow]:
+    kinematics, found = Kinematics(operators.source.axis), {}
+    for sensor in operators.source.axis.sensors:
+        row = numbers.row(operators.functional(kinematics.reading(sensor)), bodies)
+        found[sensor.signal] = SensorRow(row, derivative_order(sensor))
+    return MappingProxyType(found)

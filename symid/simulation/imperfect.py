@@ -25,7 +25,7 @@ from symid.axis import (
 )
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.law_functions import array_function, law_function
-from symid.simulation.plant import JointLaw, LawFunction, Plant
+from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw
 from symid.symbolic.expressions import imperfection_law
 
 _FINE, _MOST_STEPS = 0.5, 50
@@ -184,9 +184,9 @@ def _with_laws(plant: Plant, added: list[tuple[FloatArray, LawFunction]]) -> Pla
     for direction, force in added:
         same = next((i for i, law in enumerate(laws) if np.allclose(law.direction, direction)), None)
         if same is None:
-            laws.append(JointLaw(direction, ((1.0, force),), timed=True))
+            laws.append(JointLaw(direction, (ScaledLaw(1.0, force),), timed=True))
         else:
-            laws[same] = JointLaw(direction, (*laws[same].terms, (1.0, force)), timed=True)
+            laws[same] = JointLaw(direction, (*laws[same].terms, ScaledLaw(1.0, force)), timed=True)
     return replace(plant, laws=tuple(laws))
 
 
@@ -207,14 +207,14 @@ def direction_of(axis: Axis, joint: Joint) -> FloatArray:
             return np.zeros(len(free))
         if body.geared is None:
             return np.asarray([float(body == other) for other in free])
-        return np.asarray(body.geared.ratio * within(body.geared.to) + carrier(body))
+        return np.asarray(body.geared.ratio * within(body.geared.to) + displacement_of_parent(body))
 
-    def carrier(body: Body) -> FloatArray:
+    def displacement_of_parent(body: Body) -> FloatArray:
         carried = isinstance(body.on, Body) and body.on.turns == body.turns
         return absolute(body.on) if carried else np.zeros(len(free))
 
     def within(body: Body) -> FloatArray:
-        return np.asarray(absolute(body) - carrier(body))
+        return np.asarray(absolute(body) - displacement_of_parent(body))
 
     if isinstance(joint, Between):
         return np.asarray(absolute(joint.second) - joint.ratio * absolute(joint.first))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,36 @@ _PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0
 """Displacements at which a law is asked whether it holds: none, and four a decade from 1 um or urad to 10 m or rad."""
 
 
+class SensorRow(NamedTuple):
+    """What a sensor measures: a derivative of row @ displacements.
+
+    Parameters
+    ----------
+    row : array of shape (n_bodies,)
+        Factors of the displacements of the free bodies.
+    order : int
+        Derivative: 0 for a position, 1 for a velocity, 2 for an acceleration.
+    """
+
+    row: FloatArray
+    order: int
+
+
+class ScaledLaw(NamedTuple):
+    """A law as parameter times expression.
+
+    Parameters
+    ----------
+    parameter : float
+        SI.
+    expression : callable
+        Of displacement and velocity of the joint.
+    """
+
+    parameter: float
+    expression: LawFunction
+
+
 @dataclass(frozen=True, eq=False)
 class JointLaw:
     """All nonlinear laws that act along one direction.
@@ -31,14 +62,14 @@ class JointLaw:
     ----------
     direction : array of shape (n_bodies,)
         The joint's displacement is its product with the bodies' displacements.
-    terms : tuple of (float, callable)
-        Parameter and expression of each law, the latter of displacement and velocity of the joint.
+    terms : tuple of ScaledLaw
+        The laws.
     timed : bool
         Whether a law depends on more than the motion and changes from sample to sample.
     """
 
     direction: FloatArray
-    terms: tuple[tuple[float, LawFunction], ...]
+    terms: tuple[ScaledLaw, ...]
     timed: bool = False
 
     def force(self, q: float, v: float) -> float:
@@ -71,8 +102,8 @@ class Plant:
         c.
     laws : tuple of JointLaw
         Nonlinear laws by joint.
-    sensors : mapping of str to (array, int)
-        Row over the bodies and order of derivative of each signal.
+    sensors : mapping of str to SensorRow
+        Displacement that each signal measures, and its derivative.
     """
 
     bodies: tuple[str, ...]
@@ -82,7 +113,7 @@ class Plant:
     drives: FloatArray
     constant: FloatArray
     laws: tuple[JointLaw, ...]
-    sensors: Mapping[str, tuple[FloatArray, int]]
+    sensors: Mapping[str, SensorRow]
 
     @property
     def drive(self) -> FloatArray:
@@ -134,7 +165,7 @@ class Plant:
         >>> plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 3.0, "Fs": 4.0}).follows("q", 0.1, 0.5).tolist()
         [0.1, 0.5]
         """
-        row, _ = self.sensors[signal]
+        row = self.sensors[signal].row
         n = row.size
         scale = max(float(np.abs(self.stiffness).max()), 1.0)
         matrix = np.block([[self.stiffness / scale, row[:, None]], [row[None, :], np.zeros((1, 1))]])

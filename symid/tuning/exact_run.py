@@ -14,7 +14,7 @@ from symid.axis import Acceleration, Axis, Position
 from symid.data import Log
 from symid.errors import SettingError
 from symid.signals import derivative_name
-from symid.simulation import Controller, Plant, Simulation, Trajectory, chirp, plant_of, simulate
+from symid.simulation import Controller, Plant, SensorRow, Simulation, Trajectory, chirp, plant_of, simulate
 
 _PLACE, _PROBE = "place_of_{}", "probe_of_{}"
 """Signals of the sensors that are added to know every motion."""
@@ -33,13 +33,13 @@ class ExactRun:
         The axis, its sensors without imperfections.
     simulation : Simulation
         As simulated, with sensors of every motion.
-    rows : mapping of str to (array, int)
-        Row over the bodies and order of derivative of each signal.
+    rows : mapping of str to SensorRow
+        As in `Plant`.
     """
 
     axis: Axis
     simulation: Simulation
-    rows: Mapping[str, tuple[FloatArray, int]]
+    rows: Mapping[str, SensorRow]
 
     @property
     def period(self) -> float:
@@ -63,7 +63,7 @@ class ExactRun:
         n = run.accelerations.shape[1]
         motion = {}
         for body in self.axis.free_bodies:
-            row, _ = self.rows[_PLACE.format(body.name)]
+            row = self.rows[_PLACE.format(body.name)].row
             exact = (run.states[:, :n], run.states[:, n:], run.accelerations)
             for order, values in enumerate(exact):
                 motion[derivative_name(f"q_{body.name}", order)] = values[kept] @ row
