@@ -11,7 +11,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.fleet import page_of, write_page
 from symid.cli.identify import loop_options
 from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, priors_of
-from symid.cli.logs import (
+from symid.cli.log_options import (
     foreign_columns,
     late_of,
     log_options,
@@ -19,7 +19,7 @@ from symid.cli.logs import (
     preparation_options,
     said_guesses,
 )
-from symid.cli.numbers import POSITIVE
+from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,

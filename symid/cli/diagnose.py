@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from symid.axis import load_axis, write_axis
-from symid.cli.logs import known_late, log_options, read_log_of
+from symid.cli.log_options import known_late, log_options, read_log_of
 from symid.cli.options import (
     assignments,
     cascade_gains,

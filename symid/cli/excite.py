@@ -9,7 +9,7 @@ import click
 
 from symid.axis import Axis, load_axis
 from symid.cli.knowledge import quantity
-from symid.cli.numbers import POSITIVE
+from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
     assignments,
     bandwidth_option,

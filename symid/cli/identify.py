@@ -13,7 +13,7 @@ import click
 
 from symid.axis import Axis, load_axis
 from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options, known_by_log, known_option
-from symid.cli.logs import (
+from symid.cli.log_options import (
     known_late,
     log_options,
     log_settings,
@@ -23,7 +23,7 @@ from symid.cli.logs import (
     said_guesses,
     standstill_of,
 )
-from symid.cli.numbers import POSITIVE
+from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
     bytes_of,
     cascade_gains,

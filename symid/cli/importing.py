@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from symid.axis import load_axis
-from symid.cli.numbers import POSITIVE, Number
+from symid.cli.number_types import POSITIVE, Number
 from symid.cli.options import dark_option, give_result, json_option, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis
-from symid.cli.numbers import POSITIVE
+from symid.cli.number_types import POSITIVE
 from symid.cli.outputs import Output
 from symid.errors import SettingError
 from symid.files import is_finite_number, read_json, shortened, write_whole

@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from symid.axis import Axis, load_axis
-from symid.cli.numbers import LIMIT, NOT_NEGATIVE, POSITIVE
+from symid.cli.number_types import LIMIT, NOT_NEGATIVE, POSITIVE
 from symid.cli.options import (
     assignments,
     bandwidth_option,

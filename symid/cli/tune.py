@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.logs import late_of, log_options, read_log_of
-from symid.cli.numbers import ORDER, POSITIVE
+from symid.cli.log_options import late_of, log_options, read_log_of
+from symid.cli.number_types import ORDER, POSITIVE
 from symid.cli.options import (
     assignments,
     dark_option,

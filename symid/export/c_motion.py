@@ -9,7 +9,7 @@ import sympy as sp
 
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics
-from symid.export.imperfect import ACTING, NOW, added, sent
+from symid.export.imperfect_terms import ACTING, NOW, added, sent
 from symid.symbolic.expressions import READING
 
 

@@ -14,7 +14,7 @@ import sympy as sp
 from symid.export.c_code import c_code, c_name
 from symid.export.c_motion import acts_otherwise, clock, lines, members, renamed, smooth_force
 from symid.export.dynamics import VELOCITY, SymbolicDynamics
-from symid.export.imperfect import ACTING, NOW, Memory, sent
+from symid.export.imperfect_terms import ACTING, NOW, Memory, sent
 
 _LAW = """\
 /* Force of the laws in a joint against its motion. */

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from symid.axis import Axis, derivative_order
-from symid.export.imperfect import Imperfect, Memory, added
+from symid.export.imperfect_terms import Imperfect, Memory, added
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model

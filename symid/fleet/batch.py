@@ -20,10 +20,7 @@ from symid.files import free_name, replacing
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.journal import Journal, journal_file, locked, read_journal
 from symid.fleet.plan import FleetAxis, PathLike, fleet_axes, log_files
-from symid.fleet.results import Units
-from symid.fleet.row import Row
-from symid.fleet.schedulers import Scheduler, scheduler_of
-from symid.fleet.table import (
+from symid.fleet.result_table import (
     parameter_columns,
     read_rows,
     result_files,
@@ -31,6 +28,9 @@ from symid.fleet.table import (
     units_of,
     write_table,
 )
+from symid.fleet.results import Units
+from symid.fleet.row import Row
+from symid.fleet.schedulers import Scheduler, scheduler_of
 from symid.fleet.work import Task, killed, work
 from symid.shown import Shown
 from symid.text import visible

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from symid.report.console import TextTable, plain, report_console
-from symid.report.numbers import MISSING, significant, words
+from symid.report.number_text import MISSING, significant, words
 
 _MOST_LINES = 10
 

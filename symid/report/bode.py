@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from symid.arrays import FloatArray
 from symid.report.colours import Palette
-from symid.report.motion import COHERENT, FrequencyResponse, degrees_of
+from symid.report.frequency_response import COHERENT, FrequencyResponse, degrees_of
 
 CORRELATED = 0.5
 """Absolute correlation beyond which two parameters get an ellipse."""

@@ -13,7 +13,7 @@ from symid.diagnosis.experiment import Experiment
 from symid.diagnosis.result import Diagnosis, EffectParameter, Simulator
 from symid.report.console import TextTable, plain, report_console
 from symid.report.motion_gap import motion_line, motion_rows
-from symid.report.numbers import (
+from symid.report.number_text import (
     MISSING,
     band,
     multiple,

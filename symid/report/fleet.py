@@ -11,7 +11,7 @@ from rich.console import Console
 
 from symid.fleet import AxisReview, Change, FleetReview, JointIdentification, ParameterReview
 from symid.report.console import TextTable, plain, report_console
-from symid.report.numbers import MISSING, percent, probability, significant, with_deviation, words
+from symid.report.number_text import MISSING, percent, probability, significant, with_deviation, words
 
 _MOST_EFFECTS = 10
 _MOST_OUTLIERS = 5

@@ -10,7 +10,8 @@ from symid import __version__
 from symid.diagnosis.result import Diagnosis
 from symid.errors import SettingError
 from symid.files import write_whole
-from symid.report import colours, numbers
+from symid.report import colours
+from symid.report import number_text as numbers
 from symid.report.diagnosis import diagnosis_record, removes
 from symid.report.motion_gap import motion_line, motion_rows
 from symid.report.waterfall import scale_of

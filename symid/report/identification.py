@@ -12,7 +12,7 @@ from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
 from symid.identification import Bias, EquationResidual, Identification, Prediction
 from symid.report.console import TextTable, report_console
-from symid.report.numbers import MISSING, significant
+from symid.report.number_text import MISSING, significant
 
 
 def identification_record(found: Identification, validation: Prediction | None = None) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from symid.report.numbers import MISSING, share, significant
+from symid.report.number_text import MISSING, share, significant
 
 _DRIVERS = {
     "given": "simulated under the controller that was given",

@@ -16,7 +16,7 @@ from symid.axis import Axis
 from symid.diagnosis import Diagnosis, explained_axis
 from symid.errors import SettingError
 from symid.report.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE
-from symid.report.motion import (
+from symid.report.frequency_response import (
     COHERENT,
     FrequencyResponse,
     degrees_of,

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from symid.arrays import BoolArray, FloatArray
 from symid.report.binned import means_over, seen_range
 from symid.report.colours import Palette
-from symid.report.motion import SensorMotion
+from symid.report.frequency_response import SensorMotion
 
 _MOST_POINTS = 20_000
 

@@ -20,7 +20,7 @@ from symid.identification import Identification, Prediction
 from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
 from symid.report.drawn import Drawn
-from symid.report.motion import FrequencyResponse, SensorMotion, has_response, response_of
+from symid.report.frequency_response import FrequencyResponse, SensorMotion, has_response, response_of
 from symid.report.panels import Panel, draw_panel
 from symid.text import visible
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from symid.diagnosis.gap import Level
 from symid.diagnosis.result import Diagnosis
-from symid.report.numbers import words
+from symid.report.number_text import words
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
-from symid.simulation.imperfect import Moment, misreading, stages, steps_for
+from symid.simulation.imperfect_plant import Moment, misreading, stages, steps_for
 from symid.simulation.loop import Loop
-from symid.simulation.run import SimulationRun
 from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
+from symid.simulation.stepping import SimulationRun
 from symid.simulation.trajectory import Trajectory
 
 _PART = 8192

@@ -12,7 +12,7 @@ from symid.arrays import FloatArray
 from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection
 from symid.axis.imperfections import in_order
 from symid.simulation.controller import Command, Controller
-from symid.simulation.imperfect import scalar_law
+from symid.simulation.imperfect_plant import scalar_law
 
 
 @dataclass(frozen=True, eq=False)

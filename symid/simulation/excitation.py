@@ -17,7 +17,7 @@ from symid.data import REFERENCE, Log, derivatives
 from symid.errors import SettingError
 from symid.simulation.limits import Limits
 from symid.simulation.multisine import DERIVATIVE_ORDER, Quantity
-from symid.simulation.sampling import envelope, intervals, positive
+from symid.simulation.sample_grid import envelope, intervals, positive
 from symid.simulation.trajectory import Trajectory
 
 Sweep = Literal["linear", "logarithmic"]

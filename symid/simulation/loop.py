@@ -11,7 +11,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
-from symid.simulation.imperfect import Moment
+from symid.simulation.imperfect_plant import Moment
 from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import SensorChannel
 from symid.simulation.trajectory import Trajectory

@@ -13,7 +13,7 @@ from symid.arrays import FloatArray, read_only
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.limits import Extremes, Limits
-from symid.simulation.sampling import intervals, positive
+from symid.simulation.sample_grid import intervals, positive
 
 _JOINT: Final = 1e-9  # share of the greatest value by which two trajectories may differ where they join
 

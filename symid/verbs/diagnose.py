@@ -56,12 +56,11 @@ def diagnose(
         If a log cannot be used, or there are no nominal values and none can be identified to begin with.
     """
     declared = axis_of(axis)
-    runs = [
-        None if run is None else _whole(log_of(declared, run, measured, **columns))
-        for run in (log, validation)
-    ]
-    first, other = runs
-    assert first is not None
+    machine = log_of(declared, log, measured, **columns)
+    first, other = machine.window(0, machine.n_samples), None
+    if validation is not None:
+        unseen = log_of(declared, validation, measured, **columns)
+        other = unseen.window(0, unseen.n_samples)
     derive_if_missing(declared, first)
     return diagnose_axis(
         declared,
@@ -80,7 +79,3 @@ def derive_if_missing(axis: Axis, log: Log) -> None:
     signals = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
     with contextlib.suppress(SymidError):  # reported by the diagnosis, which may be given nominal values
         model_of(axis, signals)
-
-
-def _whole(log: Any) -> Log:
-    return log if isinstance(log, Log) else log.window(0, log.n_samples)

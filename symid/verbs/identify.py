@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, cast
 
 from symid.axis import Axis
-from symid.codegen import GeneratedModel, as_generated, model_of
-from symid.data import AnyLog, Log
+from symid.codegen import as_generated, model_of
+from symid.data import Log
 from symid.estimation.least_squares import Method
 from symid.identification import Constraints, Identification, Preparation, measured_signals, with_fixed
 from symid.identification import identify as identify_model
@@ -103,7 +103,11 @@ def identify(
         model = model_of(axis, measured_signals(declared, runs, measured))
     else:
         model = as_generated(axis)
-        runs = [_of_model(axis, model, log, columns) for log in given]
+        # a file or a frame needs the declaration for its units
+        runs = [
+            log if isinstance(log, Log) else log_of(axis_of(axis), log, model.measured, **columns)
+            for log in given
+        ]
     return identify_model(model, runs, constraints=Constraints.of(model, bounds, prior), **settings)
 
 
@@ -124,8 +128,3 @@ def _with_fixed(
     found = identify(declared.with_known(fixed), runs, measured=signals, **settings)
     alone = identify(declared, runs, measured=signals, **{**settings, "bounds": None, "prior": None})
     return with_fixed(found, alone)
-
-
-def _of_model(axis: AnyAxis, model: GeneratedModel, log: Recorded, columns: Mapping[str, Any]) -> AnyLog:
-    """A log as it is; a file or a frame needs the declaration for its units."""
-    return log if isinstance(log, Log) else log_of(axis_of(axis), log, model.measured, **columns)

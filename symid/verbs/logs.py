@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from symid.axis import Axis
 from symid.data import AnyLog, Frame, Log, LongLog
 from symid.identification import logs as files
-from symid.verbs.axes import AnyAxis, axis_of
+from symid.verbs.axes import of_any_axis
 
 Recorded: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
 """A log, the path of one, a data frame, or columns by name."""
@@ -44,53 +44,4 @@ def are_several(given: Recorded | Sequence[Recorded]) -> bool:
     return isinstance(given, (list, tuple))
 
 
-def read_axis_log(
-    axis: AnyAxis,
-    path: str | os.PathLike[str] | Frame,
-    *,
-    measured: Sequence[str] | None = None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    gains: Mapping[str, float] | None = None,
-    sampling_period: float | None = None,
-    **layout: Any,
-) -> Log:
-    """Log of an axis from a file or from a data frame.
-
-    Parameters
-    ----------
-    axis : Axis, str or model
-        Says which signals to expect, and in which units.
-    path : path-like or data frame
-        The file, or a frame of pandas, polars or pyarrow, or columns by name.
-    measured : sequence of str, optional
-        Sensors to read; all that there are by default.
-    columns, units, gains : mapping, optional
-        Column, unit and factor of signals whose columns are foreign, as in `symid.read_log`.
-    sampling_period : float, optional
-        Time between two samples, s, of a log without a column of the time.
-    **layout
-        ``layout`` of a foreign file, and ``resample``, as in `symid.read_log`.
-
-    Raises
-    ------
-    LogError
-        If the log cannot be used.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> t = np.arange(100) / 1000
-    >>> read_axis_log("rigid_1m", {"t": t, "q [mm]": 1e3 * np.sin(t), "F [kN]": np.cos(t)}).n_samples
-    100
-    """
-    return files.read_axis_log(
-        axis_of(axis),
-        path,
-        measured=measured,
-        columns=columns,
-        units=units,
-        gains=gains,
-        sampling_period=sampling_period,
-        **layout,
-    )
+read_axis_log = of_any_axis(files.read_axis_log)

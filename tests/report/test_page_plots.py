@@ -13,8 +13,8 @@ from symid.diagnosis import diagnose
 from symid.diagnosis.effects import Delay
 from symid.report.binned import means_over
 from symid.report.error_maps import error_maps
+from symid.report.frequency_response import response_of
 from symid.report.interactive import plots_of
-from symid.report.motion import response_of
 from symid.report.page_bode import bode_plots
 
 AXIS = load_axis("rigid_1m")

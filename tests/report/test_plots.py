@@ -18,7 +18,7 @@ from symid.codegen.store import load_generated
 from symid.identification import Identification, identify, predict
 from symid.report.bode import correlated_pairs, draw_ellipse
 from symid.report.colours import DARK, LIGHT
-from symid.report.motion import response_of
+from symid.report.frequency_response import response_of
 from symid.report.plots import identification_figure
 
 AXIS = load_axis("rigid_1m")

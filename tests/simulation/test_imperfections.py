@@ -25,7 +25,7 @@ from symid import (
 )
 from symid.errors import DeclarationError
 from symid.simulation import Cascade, OpenLoop, Trajectory, plant_of, simulate, trapezoids
-from symid.simulation.imperfect import direction_of
+from symid.simulation.imperfect_plant import direction_of
 
 AXIS = load_axis("rigid_1m")
 MOTOR = AXIS.bodies[0]

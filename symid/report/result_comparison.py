@@ -15,7 +15,7 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.files import is_finite_number, shortened
 from symid.report.console import TextTable, plain, report_console
-from symid.report.numbers import percent, significant, with_deviation
+from symid.report.number_text import percent, significant, with_deviation
 
 _DIFFERENT = 3.0
 """Standard deviations from which on parameters count as different."""

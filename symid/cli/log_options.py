@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis
-from symid.cli.numbers import COUNT, ORDER, RATE
+from symid.cli.number_types import COUNT, ORDER, RATE
 from symid.cli.options import (
     assignments,
     held_option,
