@@ -35,6 +35,8 @@ from symid.diagnosis.state import with_effects
 _ITERATIONS = 3
 _RIVALS = 3
 """Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
+_MOST = 0.5
+"""Share of what an effect takes away that another one in its place takes too."""
 _AS_GOOD = 1.1
 """In another order the fit may end elsewhere: it must leave as little."""
 
@@ -129,6 +131,8 @@ def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Mem
         matters = takes(before, whole, first)
         if found is None and matters and i > 0:
             found = _chosen(first, before, own, turn, library)
+        if found is not None and not _stands_in(found, before, whole):
+            found = None
         if found is None and matters:
             return []
         if found is None:
@@ -137,6 +141,12 @@ def _reselected(accepted: Sequence[Turn], library: Sequence[Effect]) -> list[Mem
         whole = found.confirmed[0].fit.after(first)
         members.append(Member(whole.state.placed[-1], found, float(before.blocks.squares[0].sum())))
     return members
+
+
+def _stands_in(found: Turn, before: Fit, whole: Fit) -> bool:
+    """Whether an effect takes away most of what the one at its place does."""
+    taken = before.mean_square - found.confirmed[0].fit.mean_square
+    return taken > _MOST * (before.mean_square - whole.mean_square)
 
 
 def _chosen(first: Fit, before: Fit, own: Placed, turn: Turn, library: Sequence[Effect]) -> Turn | None:

@@ -43,6 +43,8 @@ NOISE_ALONE = 1.5
 _STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
 _FEW = 3
 """Iterations after which a fit from another stiffness that leaves more than the first is given up."""
+_CLEARLY = 0.1
+"""Share of the mean square, up to which a fit from another stiffness is the better one: it found the resonance."""
 _RUN_AWAY = 5.0
 """Factor by which a mass, an inertia or a stiffness that is fitted has left where it began."""
 
@@ -51,8 +53,8 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     """The axis without effects, fitted from given values and, where these lead astray, from other stiffnesses.
 
     A mode that lies some widths of its resonance away from where it is sought is not found by small steps: the fit
-    then lets the bodies behind it grow out of sight. A fit from another stiffness is taken if noise alone is left
-    of it, or if it stays where the other ran away.
+    then lets the bodies behind it grow out of sight. A fit from another stiffness is taken if it leaves noise alone or
+    a small share of what the first one leaves, or if it stays where the other ran away.
 
     Parameters
     ----------
@@ -73,7 +75,8 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
             others.append(converged(*begun))
     tame = [fit for fit in others if not _ran_away(fit, values)]
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
-    return best if best.mean_square < NOISE_ALONE or astray else first
+    clearly = best.mean_square < max(NOISE_ALONE, _CLEARLY * first.mean_square)
+    return best if clearly or astray else first
 
 
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:

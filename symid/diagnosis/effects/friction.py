@@ -20,6 +20,14 @@ from symid.units import Unit
 _SPEED, _COURSE, _STATE, _LOAD, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z _load amplitude viscous")
 _DRIFTING = _COURSE * (_AMPLITUDE * sp.sign(_SPEED) + _VISCOUS * _SPEED)
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
+"""Of a slide, m."""
+_TURNED = np.geomspace(1e-5, 1e-2, 12)
+"""Of a turning joint, relative to its stroke: gears and bearings differ by more than slides do."""
+_SAMPLES = 2.0
+"""Distances that a sample passes after a reversal, below which a reach is none: the instant at which the friction jumps
+is known to a fraction of a sample."""
+_SLOW = 0.004
+"""Share of the highest speed below which noise reverses a motion too."""
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
 """Time constants of a drift, relative to the log: of slower ones the log shows the rate alone."""
@@ -40,7 +48,21 @@ class PreslidingFriction(JointEffect):
     positive = True
 
     def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        return [(float(x),) for x in _REACHES]
+        slides = str(joint_units(scene, place)[1]) == "m"
+        reaches = _REACHES if slides else scene.joints[place].stroke * _TURNED
+        return [(float(x),) for x in reaches]
+
+    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+        """Samples show how the friction builds up."""
+        joint, record = scene.joints[placed.at], scene.record
+        moving = np.flatnonzero(record.in_log & (np.abs(joint.v) > _SLOW * joint.top_speed))
+        begins = moving[1:][np.diff(np.sign(joint.v[moving])) != 0]
+        ahead = max(1, round(record.log.sampling_period / record.fine_time[1]))
+        begins = begins[begins + ahead < joint.q.size]
+        if not begins.size:
+            return False
+        passed = np.abs(joint.q[begins + ahead] - joint.q[begins])
+        return placed.shape[0] > _SAMPLES * float(np.median(passed))
 
     def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
@@ -139,12 +161,11 @@ class FrictionDrift(JointEffect):
         return self.is_moderate(scene, placed, 1.0)
 
     def is_moderate(self, scene: Scene, placed: Placed, time: float) -> bool:
-        """Whether amplitudes times `time` change no declared friction by more than a few times its level."""
-        kinds = (DeclaredCoulomb,) * self.coulomb + (DeclaredViscous,) * self.viscous
-        changes = zip(kinds, placed.amplitudes, strict=True)
-        return all(
-            abs(change * time) < _MOST_CHANGED * _level(scene, placed.at, kind) for kind, change in changes
-        )
+        """Whether amplitudes times `time` change declared friction at the highest speed by no more than a few times."""
+        top = scene.joints[placed.at].top_speed
+        kinds = ((DeclaredCoulomb, 1.0),) * self.coulomb + ((DeclaredViscous, top),) * self.viscous
+        changed = sum(abs(c) * v for c, (_, v) in zip(placed.amplitudes, kinds, strict=True)) * time
+        return changed < _MOST_CHANGED * sum(_level(scene, placed.at, kind) * v for kind, v in kinds)
 
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous
