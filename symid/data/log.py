@@ -17,6 +17,9 @@ from symid.data.frames import Frame, uniform
 from symid.errors import LogError
 from symid.shown import Shown
 
+_LARGEST = 1e30
+"""Magnitude above which a value is a marker or the end of an unstable simulation; its powers would overflow."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Log(Shown):
@@ -233,6 +236,12 @@ def _finite_copy(source: str, name: str, values: npt.ArrayLike) -> FloatArray:
         raise LogError(
             f"{source}: signal {name!r} has {bad.size} values that are not finite, "
             f"the first at index {bad[0]}: cut them out or repair them"
+        )
+    if copy.size and np.abs(copy).max() > _LARGEST:
+        at = int(np.argmax(np.abs(copy)))
+        raise LogError(
+            f"{source}: signal {name!r} is {copy[at]:.3g} at index {at}, which no machine reaches: "
+            "cut it out or repair it"
         )
     return copy
 

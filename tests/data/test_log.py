@@ -78,6 +78,7 @@ def test_a_missing_signal_names_those_there_are():
             0.1,
             "'q' has 2 values that are not finite, the first at index 1",
         ),
+        ({"q": [1.0, -9.9e37]}, 0.1, "'q' is -9.9e\\+37 at index 1, which no machine reaches"),
         ({"q": ["a", "b"]}, 0.1, "does not hold numbers"),
         ({"q": [1j, 2.0]}, 0.1, "complex"),
         ({"q": [1.0, 2.0]}, 0.0, "sampling period 0 s"),
