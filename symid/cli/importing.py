@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+import sys
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from symid.axis import load_axis
+from symid.axis import Axis, load_axis
+from symid.cli.asking import Known, asked, asked_file
 from symid.cli.number_types import POSITIVE, Number
 from symid.cli.options import dark_option, give_result, json_option, write_json
 from symid.cli.outputs import Output, SafeCommand
@@ -40,6 +42,15 @@ class ForeignFile:
 @click.argument("log")
 @click.option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
 @click.option(
+    "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal that is not guessed right."
+)
+@click.option(
+    "--unit",
+    multiple=True,
+    metavar="SIGNAL=UNIT",
+    help="Unit of a signal's column, such as q='5000 counts/mm'.",
+)
+@click.option(
     "--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time."
 )
 @click.option("--gain", type=Number(-math.inf), help="Force per unit of the drive's column, such as N per A.")
@@ -48,30 +59,36 @@ class ForeignFile:
     "-o",
     "--output",
     metavar="FILE.json",
-    type=Output("json"),
+    type=Output("mapping"),
     help="Write the mapping, for --mapping of other commands.",
 )
 @click.option(
     "--plot", metavar="FILE", type=Output("picture"), help="Draw the columns over time (png, svg or pdf)."
 )
+@click.option(
+    "--ask/--no-ask",
+    default=None,
+    help="Ask for what the file does not say [where standard input is a terminal].",
+)
 @dark_option
 @json_option
 def command(log: str, **options: Any) -> None:
     """Look at the foreign LOG: guess its layout, columns, units and sampling, and say why. Nothing is used unseen."""
-    if options["output"] and not options["axis"]:
-        raise SettingError("-o needs --axis: a mapping names the signals of an axis")
+    for option in ("output", "column", "unit", "ask"):
+        if options[option] and not options["axis"]:
+            said = "-o" if option == "output" else f"--{option}"
+            raise SettingError(f"{said} needs --axis: a mapping names the signals of an axis")
     declared = load_axis(options["axis"]) if options["axis"] else None
-    look = _look(Path(log), options["rate"])
-    mapping = None
-    if declared:
-        mapping = guessed_mapping(
-            declared,
-            look.columns,
-            layout=look.layout,
-            sampling_period=look.period,
-            gain=options["gain"],
-            rated=options["rated"],
-        )
+    look = _look(Path(log))
+    known = Known.of(options)
+    if declared and _asks(options):
+        _show_columns(log, look)
+        known = asked(declared, look.columns, lambda known: _mapping(look, declared, known), known)
+        options["output"] = options["output"] or asked_file(Path(log))
+    elif options["json_file"] != "-":
+        _show_columns(log, look)
+    look = replace(look, period=1 / known.rate) if known.rate else look
+    mapping = _mapping(look, declared, known) if declared else None
     if options["plot"]:
         from symid.report.foreign import plot_foreign  # matplotlib takes a second to load
 
@@ -80,19 +97,37 @@ def command(log: str, **options: Any) -> None:
     if mapping and options["output"]:
         write_json(mapping.as_record, options["output"])
     give_result(
-        _record(log, look, mapping), options["json_file"], lambda _: _show(log, look, mapping, options)
+        _record(log, look, mapping), options["json_file"], lambda _: _show_mapping(log, mapping, options)
     )
 
 
-def _look(path: Path, rate: float | None) -> ForeignFile:
-    """Layout, columns and the sampling period that is given or stated."""
+def _asks(options: dict[str, Any]) -> bool:
+    """Whether a person is there to answer, or questions are wanted anyway."""
+    if options["ask"] is None:
+        streams = (sys.stdin, sys.stdout)
+        return options["json_file"] != "-" and all(one is not None and one.isatty() for one in streams)
+    return bool(options["ask"])
+
+
+def _look(path: Path) -> ForeignFile:
+    """Layout, columns and the sampling period that is stated."""
     text = path.is_file() and (suffix_of(path) == ".csv" or suffix_of(path) not in SUFFIXES)
     layout = guessed_layout(path) if text and writer_of(path) is None else None
-    if rate is not None and rate <= 0:
-        raise SettingError(f"--rate is {rate:g}: it must be positive")
     table = open_table(path, layout)
-    period = 1 / rate if rate else (stated_period(path, layout) if layout else None)
-    return ForeignFile(layout, table, foreign_columns(table), period)
+    return ForeignFile(layout, table, foreign_columns(table), stated_period(path, layout) if layout else None)
+
+
+def _mapping(look: ForeignFile, axis: Axis, known: Known) -> LogMapping:
+    return guessed_mapping(
+        axis,
+        look.columns,
+        named=known.named,
+        units=known.units,
+        layout=look.layout,
+        sampling_period=1 / known.rate if known.rate else look.period,
+        gain=known.gain,
+        rated=known.rated,
+    )
 
 
 def _record(log: str, look: ForeignFile, mapping: LogMapping | None) -> dict[str, Any]:
@@ -105,7 +140,7 @@ def _record(log: str, look: ForeignFile, mapping: LogMapping | None) -> dict[str
     }
 
 
-def _show(log: str, look: ForeignFile, mapping: LogMapping | None, options: dict[str, Any]) -> None:
+def _show_columns(log: str, look: ForeignFile) -> None:
     console = report_console()
     if look.layout:
         of = look.layout
@@ -122,17 +157,23 @@ def _show(log: str, look: ForeignFile, mapping: LogMapping | None, options: dict
         unit = (column.unit or "?") + " (guessed)" * (column.unit is not None and not column.stated)
         shown.add(column.header, what, unit, column.reason)
     console.print(shown)
+
+
+def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any]) -> None:
+    console = report_console()
     if mapping is None:
         console.print("\nThese are guesses. With --axis AXIS they become a mapping.")
         return
-    console.print(f"\nGuessed for {options['axis']}, check each:")
+    if mapping.guesses:
+        console.print(f"\nGuessed for {options['axis']}, check each:")
     for guess in mapping.guesses:
         console.print(f"    {guess}", markup=False)
     for lack in mapping.missing:
         console.print(f"Missing: {lack}", markup=False)
     if options["output"]:
+        check = "check it, delete the guesses that are right, then" if mapping.guesses else "use it with"
         console.print(
-            f"\nwrote {options['output']}: check it, delete the guesses that are right, then\n    symid identify "
+            f"\nwrote {options['output']}: {check}\n    symid identify "
             f"{options['axis']} {log} --mapping {options['output']}",
             markup=False,
         )

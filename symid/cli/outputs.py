@@ -12,10 +12,10 @@ import click
 
 from symid.axis import axis_file
 from symid.errors import SettingError, SymidError
+from symid.files import read_json
 
 Kind = str | Callable[[Mapping[str, Any]], str]
 _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
-    "json": (b"{",),
     "html": (b"<!doctype html",),
     "picture": (b"\x89png", b"%pdf", b"<?xml", b"<svg"),
     "c": (b"#include <math.h>", b"/* axis "),
@@ -26,7 +26,24 @@ _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
     "results": (b"",),  # a batch looks into them itself
 }
 """First bytes of files that a command may replace: its own kind. A log or axis file may be a user's work."""
-_BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "json"), "c": (".h", "c")}
+_RECORDS: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {
+    "json": (
+        ("axis", "measured"),
+        ("axis", "log"),
+        ("axis", "reference"),
+        ("axis", "to"),
+        ("axis", "file"),
+        ("log", "columns"),
+        ("logs", "status"),
+        ("logs", "sentence"),
+        ("files", "parameters"),
+        ("checked", "written"),
+        ("identification", "diagnosis"),
+    ),
+    "mapping": (("columns", "guesses"),),
+}
+"""Names in the JSON that a command writes, of which one pair says that it did: other JSON may be a log or by hand."""
+_BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "values"), "c": (".h", "c")}
 """Suffix and kind of a second file that is written beside one of some kind."""
 _LOOK: Final = 4096
 _AXES: Final = ("axis", "axes", "also", "declared")
@@ -43,7 +60,8 @@ class Output(click.types.StringParamType):
     Parameters
     ----------
     kind : str or callable
-        One of json, html, picture, c, mjcf, fmu, log, axis, results; or a function of all options that gives it.
+        One of json, mapping, html, picture, c, mjcf, fmu, log, axis, results; or a function of all options
+        that gives it.
     """
 
     name = "FILE"
@@ -172,6 +190,16 @@ def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *,
 
 
 def _is_of_kind(path: Path, kind: str) -> bool:
+    """Whether a file is of a kind that a command may replace."""
+    if kind in _RECORDS:
+        try:
+            record = read_json(path)
+        except SettingError:
+            return False
+        return isinstance(record, dict) and any(record.keys() >= {*pair} for pair in _RECORDS[kind])
+    if kind == "values":  # of the axis beside them, which was written with them
+        axis = path.with_suffix(".py")
+        return axis.is_file() and _is_of_kind(axis, "axis")
     with path.open("rb") as file:
         begin = file.read(_LOOK).removeprefix(b"\xef\xbb\xbf").lstrip().lower()
     if kind == "axis":

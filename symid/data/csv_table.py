@@ -13,7 +13,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.layout import Layout, first_lines, layout_of_text, lines_of
+from symid.data.layout import Layout, fields, first_lines, layout_of_text, lines_of, uncommented
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, source_of, values_of
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
@@ -26,7 +26,7 @@ def open_csv(path: Path) -> Table:
     """Table in a CSV file; LogError if its first line holds no names."""
     first, second = _first_lines(path)
     separator = next((mark for mark in ("\t", ";") if mark in first), ",")
-    headers = tuple(text.strip() for text in _fields(first, separator))
+    headers = tuple(text.strip() for text in _fields(uncommented(first), separator))
     if not any(headers):
         raise LogError(f"{path}: the first line is empty: it must hold the names of the columns")
     if all(_is_number(text) for text in headers):
@@ -65,14 +65,17 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
             f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
         )
     headers = layout.headers(lines)
-    width = max(len(headers), len(_fields(lines[skipped], layout.separator)))
+    width = max(len(headers), len(fields(lines[skipped], layout.separator)))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         try:
             text = _one_kind_of_line_ends(content().decode(layout.encoding))
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
-        values = text.split("\n", skipped)[-1].encode("utf-8", errors="replace")
+        text = text.split("\n", skipped)[-1]
+        if layout.separator == " ":
+            text = "\n".join(" ".join(line.split()) for line in text.split("\n"))
+        values = text.encode("utf-8", errors="replace")
         try:
             frame = _scan_csv(values, layout.separator, width, positions, pl.String(), header_rows=0)
         except POLARS_FAILURES as error:

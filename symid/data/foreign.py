@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -44,7 +44,7 @@ _WRITTEN: Final = {
     "U/min": "rpm",
     "sec": "s",
 }
-_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*")
+_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\]):]*)[\])]\s*")
 _TRAILING: Final = re.compile(
     r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m)"
 )
@@ -120,6 +120,15 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
     return ForeignColumn(header, None, None, setpoint, why, False)
 
 
+def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
+    """A column in a unit that its user gives; LogError if it measures nothing that a log holds."""
+    quantity, read = _measured_in(unit)
+    if quantity is None:
+        to_si(unit)
+        raise LogError(f"unit {unit!r} measures no signal of an axis: give one such as ms, mm, rpm, N or A")
+    return replace(column, quantity=quantity, unit=read, reason="its unit is given", stated=True)
+
+
 def _rises_evenly(values: FloatArray) -> bool:
     """Whether these are the times of samples, or their numbers."""
     steps = np.diff(values)
@@ -131,8 +140,8 @@ def split_header(header: str) -> tuple[str, str | None]:
 
     Examples
     --------
-    >>> split_header("Time (ms)"), split_header("Torque %"), split_header("ActPos")
-    (('Time', 'ms'), ('Torque', '%'), ('ActPos', None))
+    >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)")
+    (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None))
     """
     match = _BRACKETS.fullmatch(header) or _TRAILING.fullmatch(header)
     return (match["name"], match["unit"].strip()) if match else (header, None)

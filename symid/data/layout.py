@@ -16,7 +16,7 @@ from symid.errors import LogError
 _BEGINNING = 200_000
 _LINES = 400
 _LEAST_ROWS = 5
-_SEPARATORS = ("\t", ";", ",", "|")
+_SEPARATORS = ("\t", ";", ",", "|", " ")
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -34,7 +34,7 @@ class Layout:
     encoding : str
         Encoding of its text.
     separator : str
-        Separator of fields.
+        Separator of fields; a space stands for any number of spaces and tabs.
     decimal : str
         Decimal mark, a point or a comma.
     above : int
@@ -80,7 +80,7 @@ class Layout:
         if not self.named:
             count = len(fields(lines[self.skipped].rstrip(self.separator), self.separator))
             return tuple(f"column {i + 1}" for i in range(count))
-        names = [text.strip() for text in fields(lines[self.above], self.separator)]
+        names = [text.strip() for text in fields(uncommented(lines[self.above]), self.separator)]
         if self.below != 1:
             return tuple(names)
         units = [text.strip().strip("[]()") for text in fields(lines[self.above + 1], self.separator)]
@@ -88,8 +88,21 @@ class Layout:
         return tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=False))
 
 
+def uncommented(line: str) -> str:
+    """A line without the mark of a comment at its beginning, as programs write it before names.
+
+    Examples
+    --------
+    >>> uncommented("# t q F")
+    't q F'
+    """
+    return line.lstrip().removeprefix("#").lstrip(" ") if line.lstrip().startswith("#") else line
+
+
 def fields(line: str, separator: str) -> list[str]:
     """Fields of a line; one of a quote that is never closed, or that is longer than any, is one field."""
+    if separator == " ":
+        return line.split()
     try:
         return next(csv.reader([line], delimiter=separator), [])
     except csv.Error:
@@ -210,9 +223,14 @@ def _header(above: Sequence[str], separator: str, width: int) -> int | None:
     """Line of the names: the one farthest up of those that stand together above the values, two at most."""
     nearest: int | None = None
     for place in range(len(above) - 1, max(len(above) - 3, -1), -1):
-        texts = [text.strip() for text in fields(above[place], separator)]
+        texts = [text.strip() for text in fields(uncommented(above[place]), separator)]
         filled = [text for text in texts if text]
-        if len(texts) < width or not filled or _numbers(above[place], separator):
+        if (
+            len(texts) < width
+            or (separator == " " and len(texts) > width)
+            or not filled
+            or _numbers(above[place], separator)
+        ):
             break
         if len(filled) >= width - 1 or nearest is None:
             nearest = place

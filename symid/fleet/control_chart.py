@@ -33,6 +33,8 @@ _LIMIT = 3.0
 _STANDS_OFF = 4.5
 _LEAST_STEP = 3.0
 """Standard deviations that the jump between two segments must have to be called a step."""
+_TINY, _SMALLEST = np.finfo(np.float64).tiny, 1e-100
+"""Least standard deviation, and its least ratio to the value; a smaller one is no deviation of a measurement."""
 _MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
 _ROUNDS = 5
 _NEIGHBOURS = 5
@@ -115,7 +117,12 @@ def control_chart(
             f"values of shape {x.shape}, deviations {s.shape}, {'no' if times is None else len(times)} times: "
             "one of each for each run"
         )
-    known = [int(i) for i in np.flatnonzero(np.isfinite(x) & np.isfinite(s) & (s > 0))]
+    known = [
+        int(i)
+        for i in np.flatnonzero(
+            np.isfinite(x) & np.isfinite(s) & (s > np.maximum(_TINY, _SMALLEST * np.abs(x)))
+        )
+    ]
     chosen = known if times is None else sorted(known, key=lambda i: times[i])
     when: list[datetime] | list[float] = (
         [times[i] for i in chosen] if times is not None else [float(i) for i in chosen]

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 from symid.axis import Axis, Drive, derivative_order
 from symid.data import REFERENCE, ForeignColumn, Layout
+from symid.data.foreign import split_header, with_unit
 from symid.data.layout import first_lines
 from symid.errors import LogError, SettingError
 from symid.files import is_finite_number, read_json, shortened
 from symid.units import Unit, to_si
 
-_QUANTITIES = ("position", "velocity", "acceleration")
+QUANTITIES: Final = ("position", "velocity", "acceleration")
+"""Of sensors, by the order of the derivative that they read."""
 _PERIOD = re.compile(
     r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
     re.IGNORECASE,
@@ -145,6 +148,8 @@ def guessed_mapping(
     axis: Axis,
     columns: Iterable[ForeignColumn],
     *,
+    named: Mapping[str, str] = MappingProxyType({}),
+    units: Mapping[str, str] = MappingProxyType({}),
     layout: Layout | None = None,
     sampling_period: float | None = None,
     gain: float | None = None,
@@ -161,22 +166,32 @@ def guessed_mapping(
         Its signals.
     columns : iterable of ForeignColumn
         From `foreign_columns`.
+    named, units : mapping of str to str
+        Columns and units that are known by signal; these are no guesses.
     layout, sampling_period
         Of the file.
     gain : float, optional
         Force per unit of the drive's column.
     rated : float, optional
         Force that 100 % stands for.
+
+    Raises
+    ------
+    SettingError
+        If a signal or column that is named does not exist.
+    LogError
+        If a unit cannot be read.
     """
-    guess = _Guess(list(columns))
+    require_known(LogMapping(columns={**named, **units}), axis)
+    guess = _Guess(list(columns), named, units)
     guess.clock(sampling_period)
     for sensor in axis.sensors:
-        guess.sensor(sensor.signal, _QUANTITIES[derivative_order(sensor)], needed=sensor == axis.sensors[0])
+        guess.sensor(sensor.signal, QUANTITIES[derivative_order(sensor)], needed=sensor == axis.sensors[0])
     for drive in axis.drives:
         guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
-    setpoint = next((c for c in guess.free if c.setpoint and c.quantity == "position"), None)
-    if setpoint is not None:
-        guess.take(REFERENCE, setpoint)
+    setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]
+    if (reference := guess.chosen(REFERENCE, setpoint)) is not None:
+        guess.take(REFERENCE, reference)
     return LogMapping(
         guess.names,
         guess.units,
@@ -214,8 +229,12 @@ def _period_in(line: str) -> float | None:
 class _Guess:
     """Columns that are still free, and what has been decided."""
 
-    def __init__(self, columns: list[ForeignColumn]) -> None:
-        self.free = columns
+    def __init__(
+        self, columns: list[ForeignColumn], named: Mapping[str, str], given: Mapping[str, str]
+    ) -> None:
+        self.named = {signal: _column_called(name, signal, columns) for signal, name in named.items()}
+        self.given = given
+        self.free = [column for column in columns if column not in self.named.values()]
         self.names: dict[str, str] = {}
         self.units: dict[str, str] = {}
         self.gains: dict[str, float] = {}
@@ -223,22 +242,28 @@ class _Guess:
         self.guesses: list[str] = []
         self.missing: list[str] = []
 
+    def chosen(self, signal: str, candidates: Sequence[ForeignColumn]) -> ForeignColumn | None:
+        """The column that is named for a signal, else the first candidate; in its given unit, if there is one."""
+        column = self.named.get(signal, next(iter(candidates), None))
+        return with_unit(column, self.given[signal]) if column and signal in self.given else column
+
     def take(self, signal: str, column: ForeignColumn, unit: str | None = None) -> None:
         """Decide that a column is a signal."""
-        self.free.remove(column)
+        self.free = [other for other in self.free if other.header != column.header]
         self.names[signal] = column.header
         written = unit or column.unit
         if written:
             self.units[signal] = written
-        self.guesses.append(
-            f"{signal} is column {column.header!r}{f' in {column.unit}' if column.unit else ''}: {column.reason}"
-        )
+        if signal not in self.named or not column.stated:
+            what = f"{signal} is column {column.header!r}{f' in {column.unit}' if column.unit else ''}"
+            lacking = column.quantity is None and signal in self.named
+            self.guesses.append(f"{what}: {'no unit, so SI is assumed' if lacking else column.reason}")
 
     def clock(self, sampling_period: float | None) -> None:
         """The column of the time, or the period of a file that has none."""
-        times = [c for c in self.free if c.quantity == "time"]
-        if times and times[0].unit:
-            self.take("t", times[0])
+        time = self.chosen("t", [c for c in self.free if c.quantity == "time"])
+        if time and time.unit:
+            self.take("t", time)
         elif sampling_period is not None:
             self.period = sampling_period
             self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
@@ -251,8 +276,9 @@ class _Guess:
         """A column for a sensor: one of its name, else the first measured one of its quantity."""
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
         found.sort(key=lambda c: not c.header.startswith(signal))
-        if found:
-            self.take(signal, found[0])
+        column = self.chosen(signal, found)
+        if column is not None:
+            self.take(signal, column)
         elif needed:
             self.missing.append(f"no column seems to be the {quantity} {signal}: name it in columns")
 
@@ -265,13 +291,13 @@ class _Guess:
         if command and "voltage" in measured and own not in measured:
             self.take(command, measured["voltage"])
             return
-        column = next((measured[q] for q in (own, "percent", "current") if q in measured), None)
+        column = self.chosen(signal, [measured[q] for q in (own, "percent", "current") if q in measured])
         if column is None:
             self.missing.append(f"no column seems to be the force {signal}: name it in columns")
             return
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
-        if column.quantity == own and _measures(column.unit, unit):
+        if column.quantity in (own, None) and _measures(column.unit, unit):
             self.take(signal, column)
             if gain is not None:
                 self.gains[signal] = gain
@@ -286,6 +312,18 @@ class _Guess:
             self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
             return
         self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
+
+
+def _column_called(name: str, signal: str, columns: Sequence[ForeignColumn]) -> ForeignColumn:
+    """The column with a header, or with a name before its unit."""
+    wanted = name.strip()
+    for column in (
+        c for part in (0, 1) for c in columns if wanted == (c.header, split_header(c.header)[0])[part]
+    ):
+        return column
+    raise SettingError(
+        f"there is no column of numbers {name!r} for {signal}: choose from {', '.join(c.header for c in columns)}"
+    )
 
 
 def _measures(written: str | None, unit: Unit) -> bool:

@@ -69,7 +69,8 @@ def values_of(record: object, source: str) -> Values:
     found = next(
         (record[name] for name in ("physical", "parameters") if isinstance(record.get(name), dict)), None
     )
-    entries = record if found is None else {**found, **(record.get("known") or {})}
+    known = record.get("known")
+    entries = record if found is None else {**found, **(known if isinstance(known, dict) else {})}
     values, deviations, units = {}, {}, {}
     for name, entry in entries.items():
         value, std, unit = _entry(entry)

@@ -27,6 +27,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("mine.py").write_text("# by hand\n", encoding="utf-8")
     Path("picture.png").write_text("t,q,F\n", encoding="utf-8")
     Path("hard.json").hardlink_to("P.json")
+    Path("log.json").write_text(json.dumps({"t": [0.0, 0.1], "q": [1.0, 2.0]}), encoding="utf-8")
+    Path("mapping.json").write_text(json.dumps({"columns": {"t": "t"}, "guesses": []}), encoding="utf-8")
+    Path("broken.json").write_text("{", encoding="utf-8")
     return tmp_path
 
 
@@ -36,6 +39,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "identify rigid_1m in.csv --json in.csv",
         "identify rigid_1m in.csv --json other.csv",
         "identify rigid_1m in.csv --nominal P.json --json P.json",
+        "identify rigid_1m in.csv --json P.json",
+        "identify rigid_1m in.csv --json log.json",
+        "identify rigid_1m in.csv --json mapping.json",
+        "identify rigid_1m in.csv --json broken.json",
+        "diagnose rigid_1m in.csv --write-axis P.py",
+        "import in.csv --axis rigid_1m -o log.json",
         "identify rigid_1m in.csv --nominal P.json --json hard.json",
         "identify rigid_1m in.csv --plot picture.png",
         "import in.csv --axis rigid_1m -o in.csv",

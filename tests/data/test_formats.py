@@ -423,3 +423,20 @@ def test_a_column_of_words_is_no_column_of_moments(tmp_path: Path) -> None:
     path.write_text(text().replace("\n0.004,", "\nlater,"))
     with pytest.raises(LogError, match="'later' in row 2"):
         read_log(path, expected=EXPECTED)
+
+
+@pytest.mark.parametrize("mark", ["", "# "])
+def test_columns_of_spaces_are_read(mark: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.dat"
+    rows = "\n".join(f"{t:12.6f}{q:26.17e}\t  {f!r}  " for t, q, f in zip(T, Q, F.tolist(), strict=True))
+    path.write_text(f"a log of the axis, written by hand\n{mark}t   q\tF\n{rows}\n")
+    layout = guessed_layout(path)
+    assert layout == Layout("utf-8-sig", " ", ".", 1, 0)
+    log = read_log(path, expected=EXPECTED, layout=layout)
+    np.testing.assert_array_equal(log["q"], Q)
+    np.testing.assert_array_equal(log["F"], F)
+
+
+def test_the_mark_of_a_comment_is_no_name(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "a.csv", np.column_stack(list(COLUMNS.values())), header="t,q,F", delimiter=",")
+    np.testing.assert_array_equal(read_log(tmp_path / "a.csv", expected=EXPECTED)["F"], F)

@@ -154,3 +154,12 @@ def test_few_runs_equal_runs_and_equal_times_are_no_errors() -> None:
     assert control_chart(np.arange(20.0), np.ones(20), at).values.size == 20
     with pytest.raises(SettingError, match="3 times"):
         control_chart([1.0], [1.0], [datetime(2026, 1, 1, tzinfo=UTC)] * 3)
+
+
+def test_a_deviation_that_is_none_leaves_its_run_out() -> None:
+    x, s, _ = series(30, 2.0, 3)
+    s[4] = 1e-320
+    chart = control_chart(x, s)
+    assert 4 not in chart.order
+    assert np.isfinite(chart.centre).all()
+    assert control_chart(x, np.full(30, 1e-320)).order.size == 0

@@ -1,0 +1,339 @@
+"""Files as drives, scopes and robots write them, each from `symid import` to `symid diagnose` without an editor.
+
+One motion of a rigid axis (0.2 um counts, 1 kHz, force held by the drive) is written by the library or in the layout of
+each writer, with its names, units and clocks. Commands are run as a user would, with the options in the table: what a
+file does not say (force per ampere, length of a count) is given. Printed are the error of the identified mass, the
+verdict of the diagnosis, and what stopped it.
+
+Usage: python -m benchmarks.foreign_files [NAME ...] [--no-diagnosis]
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import gzip
+import io
+import json
+import shlex
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import asammdf
+import h5py
+import nptdms
+import numpy as np
+import openpyxl
+import polars as pl
+import scipy.io
+from mcap.writer import Writer as McapWriter
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as BagWriter
+from rosbags.typesys import Stores, get_typestore
+
+from symid import load_axis, simulate
+from symid.cli import main as symid
+from symid.simulation import plant_of, trapezoids, tuned_cascade
+
+TRUE = {"M": 120.0, "Fv": 300.0, "Fs": 60.0}
+PERIOD, COUNT, KT = 1e-3, 0.2e-6, 85.0
+
+
+def motion() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Times, counted positions, forces and references."""
+    axis = load_axis("rigid_1m")
+    reference = trapezoids([0.4, 0.15], [0.2, 0.6, 1.0], acceleration=5.0, jerk=200.0, sampling_period=PERIOD)
+    log = simulate(axis, TRUE, reference, tuned_cascade(plant_of(axis, TRUE), "q")).log
+    rng = np.random.default_rng(1)
+    force = log["F"] + 0.5 * rng.standard_normal(log.n_samples)
+    return log.time, COUNT * np.round(log["q"] / COUNT), force, np.asarray(log["reference"])
+
+
+T, Q, F, R = motion()
+EPOCH = 1_760_000_000_000_000_000
+STAMPS = (EPOCH + np.round(1e9 * T).astype(np.int64)).tolist()
+
+
+def rows(columns: list[np.ndarray], separator: str, *, comma: bool = False) -> str:
+    text = "\n".join(separator.join(f"{x:.10g}" for x in row) for row in zip(*columns, strict=True))
+    return text.replace(".", ",") if comma else text
+
+
+def plain(path: Path) -> None:
+    head = "Zeit [ms];Sollposition [mm];Istposition [mm];Strom [A]\n"
+    path.write_text(head + rows([1e3 * T, 1e3 * R, 1e3 * Q, F / KT], ";", comma=True), "cp1252")
+
+
+def counts(path: Path) -> None:
+    head = "Sinumerik Trace\nAchse;X1\nAbtastzeit: 1 ms\n\nZeit;Lageistwert;Drehmoment\nms;Inkr;Nm\n"
+    path.write_text(head + rows([1e3 * T, np.round(Q / COUNT), F / 50.0], ";", comma=True), "cp1252")
+
+
+def twincat(path: Path) -> None:
+    channels = {"Axis1.ActPos": 1e3 * Q, "Axis1.ActTorque": F / 10.0, "Axis1.SetPos": 1e3 * R}
+    lines = ["Name\tScope YT Project", "File\tC:\\Scope\\run.svdx", "Starttime of export\t133000", ""]
+    for key, values in {
+        "Name": list(channels),
+        "SymbolComment": [""] * 3,
+        "Data-Type": ["REAL64", "REAL64", "REAL64"],
+        "SampleTime[ms]": ["1"] * 3,
+        "VariableSize": ["8"] * 3,
+        "SymbolName": list(channels),
+        "NetID": ["5.1.2.3.1.1"] * 3,
+        "Port": ["501"] * 3,
+    }.items():
+        lines.append("\t".join(x for value in values for x in (key, value)))
+    body = rows([x for value in channels.values() for x in (1e3 * T, value)], "\t")
+    path.write_text("\r\n".join([*lines, "", *body.splitlines()]) + "\r\n")
+
+
+def control_desk(path: Path) -> None:
+    head = [
+        'header_version,"1.0"',
+        'type,"measurement"',
+        'date,"2026-11-21"',
+        "name,XAxis,Model Root/Axis/pos,Model Root/Axis/I_q",
+        "unit,s,mm,A",
+        "description,,,",
+    ]
+    body = [
+        f"trace_values,{line}" if k == 0 else f",{line}"
+        for k, line in enumerate(rows([T, 1e3 * Q, F / KT], ",").splitlines())
+    ]
+    path.write_text("\n".join([*head, *body]) + "\n")
+
+
+def dspace_mat(path: Path) -> None:
+    ys = np.empty((1, 2), dtype=object)
+    ys[0, 0] = {"Name": '"Model Root"/"Axis"/"position"', "Data": Q, "Unit": "m"}
+    ys[0, 1] = {"Name": '"Model Root"/"Drive"/"force"', "Data": F, "Unit": "N"}
+    scipy.io.savemat(path, {"rec1_001": {"X": {"Name": "", "Data": T}, "Y": ys, "Description": "x"}})
+
+
+def simulink(path: Path) -> None:
+    signals = np.empty((1, 2), dtype=object)
+    signals[0, 0] = {"values": Q[:, None], "dimensions": 1.0, "label": "position"}
+    signals[0, 1] = {"values": F[:, None], "dimensions": 1.0, "label": "force"}
+    scipy.io.savemat(path, {"ScopeData": {"time": T[:, None], "signals": signals, "blockName": "m/Scope"}})
+
+
+def matrix(path: Path) -> None:
+    scipy.io.savemat(path, {"data": np.column_stack([T, Q, F])})
+
+
+def matlab_7_3(path: Path) -> None:
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in {"time": T, "pos_mm": 1e3 * Q, "force": F}.items():
+            file[f"log/{name}"] = values[None, :]
+            file[f"log/{name}"].attrs["MATLAB_class"] = np.bytes_("double")
+    content = bytearray(path.read_bytes())
+    content[:128] = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM"
+    path.write_bytes(bytes(content))
+
+
+def hdf5(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        for name, values, unit in (("time", T, "s"), ("position", 1e3 * Q, "mm"), ("current", F / KT, "A")):
+            file[f"measurement/{name}"] = values
+            file[f"measurement/{name}"].attrs["unit"] = unit
+
+
+def tdms(path: Path) -> None:
+    wave = {"wf_increment": PERIOD, "wf_start_offset": 0.0, "wf_samples": T.size}
+    with nptdms.TdmsWriter(path) as writer:
+        writer.write_segment(
+            [
+                nptdms.ChannelObject("cDAQ", "Position", 1e3 * Q, {**wave, "unit_string": "mm"}),
+                nptdms.ChannelObject("cDAQ", "Force", F, {**wave, "unit_string": "N"}),
+            ]
+        )
+
+
+def mdf4(path: Path) -> None:
+    with asammdf.MDF() as file:
+        file.append([asammdf.Signal(1e3 * Q, T, unit="mm", name="Axis.Position")])
+        file.append([asammdf.Signal(F, T, unit="N", name="Axis.Force")])
+        file.save(path, overwrite=True)
+
+
+def mcap(path: Path) -> None:
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        channel = writer.register_channel(
+            "/axis", "json", writer.register_schema("axis", "jsonschema", b"{}")
+        )
+        for stamp, q, f in zip(STAMPS, Q.tolist(), F.tolist(), strict=True):
+            writer.add_message(channel, stamp, json.dumps({"position": q, "effort": f}).encode(), stamp)
+        writer.finish()
+
+
+def _bag(path: Path, plugin: StoragePlugin) -> None:
+    """Joint states with stamps that jitter by 20 us."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    joints, header, moment = (
+        store.types[name]
+        for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    )
+    late = np.random.default_rng(2).integers(0, 20_000, T.size).tolist()
+    folder = path.with_suffix("")
+    with BagWriter(folder, version=9, storage_plugin=plugin) as bag:
+        topic = bag.add_connection("/joint_states", joints.__msgtype__, typestore=store)
+        for stamp, delay, q, f in zip(STAMPS, late, Q, F, strict=True):
+            now = stamp + delay
+            head = header(moment(now // 10**9, now % 10**9), "")
+            message = joints(head, ["axis_x"], np.array([q]), np.array([]), np.array([f]))
+            bag.write(topic, now + 100_000, store.serialize_cdr(message, joints.__msgtype__))
+    (folder / path.name).rename(path)
+
+
+def ros2_mcap(path: Path) -> None:
+    _bag(path, StoragePlugin.MCAP)
+
+
+def ros2_db3(path: Path) -> None:
+    _bag(path, StoragePlugin.SQLITE3)
+
+
+def plot_juggler(path: Path) -> None:
+    head = "__time,/joint_states/axis_x/position,/joint_states/axis_x/effort\n"
+    body = "\n".join(
+        f"{t:.9f},{q:.10g},{f:.10g}" for t, q, f in zip(1e-9 * np.array(STAMPS), Q, F, strict=True)
+    )
+    path.write_text(head + body)
+
+
+def excel(path: Path) -> None:
+    book = openpyxl.Workbook()
+    book.active.append(["Versuch 7", "Achse X"])
+    book.active.append(["Zeit", "Position", "Kraft"])
+    book.active.append(["s", "mm", "N"])
+    for row in zip(T.tolist(), (1e3 * Q).tolist(), F.tolist(), strict=True):
+        book.active.append(row)
+    book.save(path)
+
+
+def json_log(path: Path) -> None:
+    path.write_text(
+        json.dumps(
+            {"meta": {"axis": "x"}, "log": {"time": T.tolist(), "position": Q.tolist(), "force": F.tolist()}}
+        )
+    )
+
+
+def json_lines(path: Path) -> None:
+    records = zip(STAMPS, (1e3 * Q).tolist(), F.tolist(), strict=True)
+    path.write_text(
+        "\n".join(json.dumps({"timestamp_ns": s, "pos_mm": q, "force_n": f}) for s, q, f in records)
+    )
+
+
+def feather(path: Path) -> None:
+    pl.DataFrame(
+        {"timestamp": pl.Series(STAMPS).cast(pl.Datetime("ns")), "position": Q, "force": F}
+    ).write_ipc(path)
+
+
+def npz(path: Path) -> None:
+    np.savez_compressed(path, time=T, position=Q, force=F)
+
+
+def gzipped(path: Path) -> None:
+    path.write_bytes(gzip.compress(("time,position (mm),force (N)\n" + rows([T, 1e3 * Q, F], ",")).encode()))
+
+
+def headerless(path: Path) -> None:
+    path.write_text(rows([T, 1e3 * Q, F], " "))
+
+
+def iso(path: Path) -> None:
+    moments = pl.Series(STAMPS).cast(pl.Datetime("ns")).dt.strftime("%Y-%m-%dT%H:%M:%S%.6fZ")
+    body = "\n".join(f"{t},{q:.10g},{f:.10g}" for t, q, f in zip(moments, 1e3 * Q, F, strict=True))
+    path.write_text("timestamp,position_mm,force_N\n" + body)
+
+
+FILES: dict[str, tuple[str, Callable[[Path], None], str, str]] = {
+    "semicolons, German": ("a.csv", plain, "--gain 85", ""),
+    "Siemens-like trace, counts": (
+        "b.csv",
+        counts,
+        "--gain 50 --column q=Lageistwert --unit q='5000 counts/mm'",
+        "",
+    ),
+    "TwinCAT Scope": ("c.csv", twincat, "--gain 10", ""),
+    "ControlDesk CSV": ("d.csv", control_desk, "--gain 85", ""),
+    "ControlDesk MAT": ("d.mat", dspace_mat, "", ""),
+    "Simulink structure": ("e.mat", simulink, "", ""),
+    "MATLAB matrix": ("f.mat", matrix, "--column q=data(:,2) --column F=data(:,3)", ""),
+    "MATLAB 7.3 struct": ("g.mat", matlab_7_3, "", ""),
+    "HDF5": ("h.h5", hdf5, "--gain 85", ""),
+    "TDMS": ("i.tdms", tdms, "", ""),
+    "MDF 4": ("j.mf4", mdf4, "", ""),
+    "MCAP, JSON": ("k.mcap", mcap, "", ""),
+    "MCAP, ROS 2": ("l.mcap", ros2_mcap, "", "--resample own"),
+    "ROS 2 bag, SQLite": ("m.db3", ros2_db3, "", "--resample own"),
+    "PlotJuggler": ("n.csv", plot_juggler, "", ""),
+    "Excel": ("o.xlsx", excel, "", ""),
+    "JSON": ("p.json", json_log, "", ""),
+    "JSON lines": ("q.jsonl", json_lines, "", ""),
+    "Feather": ("r.feather", feather, "", ""),
+    "NPZ": ("s.npz", npz, "", ""),
+    "CSV.GZ": ("t.csv.gz", gzipped, "", ""),
+    "without names": ("u.txt", headerless, "--column q='column 2' --unit q=mm --column F='column 3'", ""),
+    "ISO time": ("v.csv", iso, "", ""),
+}
+"""By name: file, writer, options of `symid import` beyond the axis, and those of `identify` and `diagnose`."""
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    """Exit code and last line on standard error of a command."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
+        try:
+            symid(list(arguments))
+        except SystemExit as end:
+            lines = said.getvalue().strip().splitlines()
+            return int(end.code or 0), lines[-1] if lines else ""
+    return 0, ""
+
+
+def outcome(name: str, *, diagnosed: bool) -> str:
+    """What became of a file, in a line."""
+    file, write, options, later = FILES[name]
+    write(Path(file))
+    code, said = run("import", file, "--axis", "rigid_1m", *shlex.split(options), "-o", "map.json")
+    if code:
+        return f"import: {said}"
+    common = ["rigid_1m", file, "--mapping", "map.json", "--held", "F", *later.split()]
+    code, said = run("identify", *common, "--json", "found.json")
+    if code:
+        return f"identify: {said}"
+    record = json.loads(Path("found.json").read_text())
+    line = f"{100 * (record['physical']['M']['value'] / TRUE['M'] - 1):+6.2f} %  {record['status']:4}"
+    if diagnosed:
+        code, said = run("diagnose", *common, "--json", "why.json")
+        line += f"  diagnose: {said}" if code else f"  {json.loads(Path('why.json').read_text())['verdict']}"
+    return line
+
+
+def main() -> int:
+    """Print a line for each file."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", default=list(FILES))
+    parser.add_argument("--no-diagnosis", action="store_true")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        for name in options.names or FILES:
+            begin = time.perf_counter()
+            line = outcome(name, diagnosed=not options.no_diagnosis)
+            print(f"{name:28} {line}  {time.perf_counter() - begin:.1f} s", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,166 @@
+"""Questions of `symid import` on what a foreign file does not say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from symid.axis import Axis, derivative_order
+from symid.cli.options import assignments, number
+from symid.data import ForeignColumn
+from symid.data.foreign import split_header, with_unit
+from symid.errors import LogError, SettingError
+from symid.identification import LogMapping
+from symid.identification.mapping import QUANTITIES
+from symid.units import Unit, to_si
+
+_OF_A_DRIVE = ("force", "current", "percent")
+_EXAMPLES = {
+    "time": "s, ms, us",
+    "position": "mm, um, deg, 5000 counts/mm, 4096 counts/rev",
+    "velocity": "mm/s, rpm",
+    "acceleration": "m/s^2, g",
+    "force": "N, Nm, A, %",
+}
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of a foreign file besides its text.
+
+    Parameters
+    ----------
+    named, units : dict of str to str
+        Columns and units by signal.
+    rate : float or None
+        Sampling rate of a file without a column of the time, Hz.
+    gain, rated : float or None
+        Force per unit of the drive's column, and force at 100 %.
+    """
+
+    named: dict[str, str] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    rate: float | None = None
+    gain: float | None = None
+    rated: float | None = None
+
+    @classmethod
+    def of(cls, options: dict[str, Any]) -> Known:
+        """What the options of `symid import` give."""
+        named, units = assignments(options["column"], "--column"), assignments(options["unit"], "--unit")
+        return cls(named, units, options["rate"], options["gain"], options["rated"])
+
+
+def asked(
+    axis: Axis,
+    columns: Sequence[ForeignColumn],
+    guess: Callable[[Known], LogMapping],
+    known: Known,
+) -> Known:
+    """Ask for the column and unit of each signal, the factor of the drive and the rate, with guesses as defaults.
+
+    Parameters
+    ----------
+    axis : Axis
+        Its signals.
+    columns : sequence of ForeignColumn
+        Columns of the file.
+    guess : callable
+        Gives the mapping of what is known.
+    known : Known
+        What the options gave; it is not asked for.
+    """
+    quantities = {"t": "time", **{s.signal: QUANTITIES[derivative_order(s)] for s in axis.sensors}}
+    quantities |= {drive.signal: "force" for drive in axis.drives}
+    for signal, quantity in quantities.items():
+        unit = Unit.of("s") if signal == "t" else axis.signal_units[signal]
+        known = _with_signal(signal, quantity, unit, columns, guess(known), known)
+    missing = guess(known).missing
+    if known.rate is None and any("--rate" in line for line in missing):
+        known = replace(known, rate=_asked_number("Sampling rate in Hz"))
+    if lacking := next((line for line in missing if "has no factor" in line), None):
+        signal = lacking.partition(" ")[0]
+        if "%" in lacking:
+            said = f"{signal} at 100 %, in {axis.signal_units[signal]}"
+            return replace(known, rated=_asked_number(said))
+        return replace(known, gain=_asked_number(f"{signal}, {lacking.rpartition(' in ')[2]}"))
+    return known
+
+
+def asked_file(log: Path) -> str:
+    """A name for the mapping that is not taken."""
+
+    def free(text: str) -> str:
+        if Path(text).exists():
+            raise click.UsageError(f"{text} is there: give another name")
+        return text
+
+    return str(click.prompt("Write the mapping to", default=f"{log.name}.mapping.json", value_proc=free))
+
+
+def _with_signal(
+    signal: str,
+    quantity: str,
+    unit: Unit,
+    columns: Sequence[ForeignColumn],
+    mapping: LogMapping,
+    known: Known,
+) -> Known:
+    """What is known after the questions about a signal."""
+    if signal not in known.named:
+        column = click.prompt(
+            f"Column of {signal}, the {quantity} (name, number, or - for none)",
+            default=mapping.columns.get(signal, "-"),
+            value_proc=lambda text: _column_of(text, columns),
+        )
+        if column is None:
+            return known
+        known = replace(known, named={**known.named, signal: column.header})
+    column = _column_of(known.named[signal], columns)
+    if column is None or column.stated or signal in known.units:
+        return known
+    said = click.prompt(
+        f"Unit of {column.header!r} ({_EXAMPLES[quantity]})",
+        default=column.unit or str(unit),
+        value_proc=lambda text: _unit_of(text, quantity, unit, column),
+    )
+    return replace(known, units={**known.units, signal: said})
+
+
+def _column_of(text: str, columns: Sequence[ForeignColumn]) -> ForeignColumn | None:
+    """The column of a name or a number in the table; None for none."""
+    name = text.strip()
+    if name in ("", "-"):
+        return None
+    found = next((c for c in columns if name in (c.header, split_header(c.header)[0])), None)
+    if found is None and name.isascii() and name.isdigit() and 1 <= int(name) <= len(columns):
+        return columns[int(name) - 1]
+    if found is None:
+        raise click.UsageError(
+            f"there is no column {name!r}: give a name or number of the table, or - for none"
+        )
+    return found
+
+
+def _unit_of(text: str, quantity: str, unit: Unit, column: ForeignColumn) -> str:
+    """A unit that measures what is expected; of the drive's column a current or a percentage too."""
+    try:
+        if quantity != "force" or with_unit(column, text).quantity not in _OF_A_DRIVE:
+            to_si(text, unit)
+    except LogError as error:
+        raise click.UsageError(str(error)) from error
+    return text
+
+
+def _asked_number(question: str) -> float:
+    def read(text: str) -> float:
+        try:
+            return number(text, "the answer")
+        except SettingError as error:
+            raise click.UsageError(str(error)) from error
+
+    return float(click.prompt(question, value_proc=read))
