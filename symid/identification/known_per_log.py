@@ -104,6 +104,7 @@ def identify_with_known(
     *,
     preparation: Preparation | None = None,
     nominal: Mapping[str, float] | None = None,
+    examine: bool = True,
 ) -> SharedIdentification:
     """Identify an axis from logs in each of which values of its parameters are known.
 
@@ -117,7 +118,7 @@ def identify_with_known(
         For each log the values of the same parameters, SI.
     signals : sequence of str
         Sensors to use.
-    preparation : Preparation, optional
+    preparation, examine
         As in `symid.identify`.
     nominal : mapping of str to float, optional
         Where to begin; found without it as a rule.
@@ -133,7 +134,7 @@ def identify_with_known(
     for group in values:
         runs = [log for log, one in zip(logs, known, strict=True) if tuple(sorted(one.items())) == group]
         model = model_of(axis.with_known(dict(group)), tuple(signals))
-        found.append(identify(model, runs, preparation=preparation))
+        found.append(identify(model, runs, preparation=preparation, examine=examine))
     return _shared(axis, tuple(found), tuple(map(dict, values)), nominal)
 
 

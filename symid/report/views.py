@@ -16,7 +16,7 @@ from symid.diagnosis import Diagnosis
 from symid.errors import SettingError
 from symid.files import write_whole
 from symid.fleet import Batch, review_fleet, summary_of
-from symid.identification import Identification
+from symid.identification import Identification, SharedIdentification
 from symid.output_error import OutputErrorIdentification
 from symid.report.batch import print_batch
 from symid.report.console import ReportConsole
@@ -31,6 +31,7 @@ from symid.report.output_error import output_error_record
 from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
 from symid.report.plots import identification_figure
 from symid.report.schematic import schematic
+from symid.report.shared_identification import print_shared, shared_record
 from symid.report.tuning import print_total_tuning, print_tuning, total_tuning_figure, tuning_figure
 from symid.shown import Shown
 from symid.symbolic import DerivedModel
@@ -71,6 +72,7 @@ show.register(DerivedModel, print_derivation)
 show.register(Tuning, print_tuning)
 show.register(TotalTuning, print_total_tuning)
 show.register(Identification, lambda found, to: print_identification(identification_record(found), to))
+show.register(SharedIdentification, lambda found, to: print_shared(shared_record(found), to))
 show.register(
     OutputErrorIdentification, lambda found, to: print_identification(output_error_record(found), to)
 )

@@ -3,16 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, cast
+from typing import Any, Literal, cast, overload
 
 from symid.axis import Axis
 from symid.codegen import as_generated, model_of
 from symid.data import Log
+from symid.errors import SettingError
 from symid.estimation.least_squares import Method
-from symid.identification import Constraints, Identification, Preparation, measured_signals, with_fixed
+from symid.identification import (
+    Constraints,
+    Identification,
+    Preparation,
+    SharedIdentification,
+    identify_with_known,
+    measured_signals,
+    with_fixed,
+)
 from symid.identification import identify as identify_model
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, are_several, log_of
+
+
+@overload
+def identify(
+    axis: AnyAxis,
+    logs: Recorded | Sequence[Recorded],
+    *,
+    known: Mapping[str, Sequence[float]],
+    **settings: Any,
+) -> SharedIdentification: ...
+
+
+@overload
+def identify(
+    axis: AnyAxis, logs: Recorded | Sequence[Recorded], *, known: None = None, **settings: Any
+) -> Identification: ...
 
 
 def identify(
@@ -27,9 +52,10 @@ def identify(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float | None, float | None]] | Literal["physical"] | None = None,
     prior: Mapping[str, tuple[float, float]] | None = None,
+    known: Mapping[str, Sequence[float]] | None = None,
     examine: bool = True,
     **columns: Any,
-) -> Identification:
+) -> Identification | SharedIdentification:
     """Identify the parameters of an axis from one log, or from several jointly.
 
     Parameters
@@ -56,6 +82,9 @@ def identify(
         being negative.
     prior : mapping of str to (mean, deviation), optional
         Prior value of parameters, with its standard deviation.
+    known : mapping of str to sequence of float, optional
+        Values of parameters in each log, in the order of the logs, such as the payload, SI; not with another method,
+        with bounds or priors.
     examine : bool
         Whether timing and bias are estimated.
     **columns
@@ -64,7 +93,7 @@ def identify(
 
     Returns
     -------
-    Identification
+    Identification, or SharedIdentification with `known`
         Its status states what cannot be determined; nothing is raised for it. It is "contradicted" where `fixed`,
         `bounds` or `prior` lead out of the intervals of the estimate without them.
 
@@ -93,6 +122,12 @@ def identify(
         "nominal": nominal,
         "examine": examine,
     }
+    if known is not None:
+        if method != "wls" or bounds or prior or ddof is not None:
+            raise SettingError(
+                "known= does not go with bounds=, prior=, ddof= or method='ols': leave these out"
+            )
+        return _with_known(axis_of(axis).with_known(fixed or {}), given, measured, known, settings, columns)
     if fixed:
         return _with_fixed(
             axis, given, measured, fixed, {**settings, "bounds": bounds, "prior": prior}, columns
@@ -109,6 +144,32 @@ def identify(
             for log in given
         ]
     return identify_model(model, runs, constraints=Constraints.of(model, bounds, prior), **settings)
+
+
+def _with_known(
+    axis: Axis,
+    logs: Sequence[Recorded],
+    measured: Sequence[str] | None,
+    known: Mapping[str, Sequence[float]],
+    settings: Mapping[str, Any],
+    columns: Mapping[str, Any],
+) -> SharedIdentification:
+    """Identify what logs share in each of which the values of some parameters are known."""
+    for name, values in known.items():
+        if isinstance(values, (int, float)) or len(values) != len(logs):
+            raise SettingError(
+                f"known {name}={values} for {len(logs)} logs: give a list of one value for each log"
+            )
+    runs = [log_of(axis, log, measured, **columns) for log in logs]
+    return identify_with_known(
+        axis,
+        runs,
+        [{name: float(values[i]) for name, values in known.items()} for i in range(len(runs))],
+        measured_signals(axis, runs, measured),
+        preparation=settings["preparation"],
+        nominal=settings["nominal"],
+        examine=settings["examine"],
+    )
 
 
 def _with_fixed(

@@ -20,6 +20,7 @@ from symid import (
     Position,
     ViscousFriction,
     derive,
+    identify,
     load_axis,
     write_axis,
 )
@@ -60,6 +61,20 @@ def test_two_payloads_tell_the_constant_of_the_drive() -> None:
     empty, loaded = (group.minimal_parameters["X3"] for group in found.groups)
     assert found.physical_parameters["Kt"] == pytest.approx(12.5 / (loaded - empty), rel=5e-3)
     assert found.physical_parameters["M"] == pytest.approx(12.5 * empty / (loaded - empty), rel=5e-3)
+
+
+def test_the_verb_takes_one_value_for_each_log() -> None:
+    logs = [log_with(0.0, 1), log_with(12.5, 2)]
+    found = identify(AXIS, logs, known={"Ml": (0.0, 12.5)}, fixed={"Fv": 120.0}, examine=False)
+    assert list(found.physical_parameters) == ["M", "Fs", "Kt"]
+    assert found.status == "ok", found.message
+    assert found.physical_parameters["Kt"] == pytest.approx(55.0, rel=5e-3)
+    assert "Ml = 12.5: with 12.5 kg" in found.summary()
+    for wrong in ({"Ml": 12.5}, {"Ml": (0.0,)}):
+        with pytest.raises(SettingError, match="a list of one value for each log"):
+            identify(AXIS, logs, known=wrong)
+    with pytest.raises(SettingError, match="does not go with bounds="):
+        identify(AXIS, logs, known={"Ml": (0.0, 12.5)}, bounds="physical")
 
 
 def test_deviations_are_those_of_repetitions() -> None:
