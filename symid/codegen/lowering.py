@@ -9,6 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 import sympy as sp
@@ -61,38 +64,38 @@ class PolynomialLowering:
         self._write = write
         self.assignments: list[tuple[str, str]] = []
         self._prefix = "c__" if any(name and re.fullmatch(r"c\d+", name) for name in names) else "c"
-        self._known: dict[frozenset[tuple[tuple[int, ...], Any]], str] = {}
+        self._known: dict[tuple[int, tuple[tuple[int, str], ...]], str] = {}
 
     def lower(self, polynomial: PolyElement) -> str:
         """Code of a polynomial in terms of variables and earlier assignments."""
-        self._number = polynomial.ring.domain.to_sympy
-        return self._lower(dict(polynomial.terms()), 0)
+        number = cache(lambda c: self._write(polynomial.ring.domain.to_sympy(c)))
+        ordered = sorted(polynomial.items(), key=itemgetter(0), reverse=True)
+        return self._lower([m for m, _ in ordered], [number(c) for _, c in ordered], 0)
 
-    def _lower(self, terms: Mapping[tuple[int, ...], Any], variable: int) -> str:
-        while variable < len(self.names) and not any(monomial[variable] for monomial in terms):
+    def _lower(self, monomials: Sequence[tuple[int, ...]], numbers: Sequence[str], variable: int) -> str:
+        """Code of terms in falling order that agree in the variables before this one."""
+        while variable < len(self.names) and not monomials[0][variable]:
             variable += 1
         if variable == len(self.names):
-            (value,) = terms.values()
-            return self._write(self._number(value))
-        key = frozenset(terms.items())
+            return numbers[0]
+        parts, first = [], 0
+        for power, group in groupby(monomials, key=itemgetter(variable)):
+            last = first + len(list(group))
+            parts.append((power, self._lower(monomials[first:last], numbers[first:last], variable + 1)))
+            first = last
+        key = (variable, tuple(parts))
         if key not in self._known:
-            text = self._horner(terms, variable)
-            self._known[key] = text if len(terms) == 1 else self._assign(text)
+            text = self._horner(str(self.names[variable]), dict(parts))
+            self._known[key] = text if len(monomials) == 1 else self._assign(text)
         return self._known[key]
 
-    def _horner(self, terms: Mapping[tuple[int, ...], Any], variable: int) -> str:
-        by_power: dict[int, dict[tuple[int, ...], Any]] = {}
-        for monomial, value in terms.items():
-            rest = (*monomial[:variable], 0, *monomial[variable + 1 :])
-            by_power.setdefault(monomial[variable], {})[rest] = value
-        name = self.names[variable]
+    def _horner(self, name: str, parts: Mapping[int, str]) -> str:
         text = ""
-        for power in range(max(by_power), -1, -1):
+        for power in range(max(parts), -1, -1):
             if text:
-                text = f"{name}*{as_factor(text)}" if text != self._write(sp.S.One) else str(name)
-            if power in by_power:
-                part = self._lower(by_power[power], variable + 1)
-                text = f"{text} + {part}" if text else part
+                text = f"{name}*{as_factor(text)}" if text != self._write(sp.S.One) else name
+            if power in parts:
+                text = f"{text} + {parts[power]}" if text else parts[power]
         return text
 
     def _assign(self, text: str) -> str:

@@ -259,7 +259,7 @@ def _place_of_coulomb(
 ) -> list[tuple[int, int]]:
     """Velocity and index of a minimal parameter that is this physical one, from its column sign(velocity)."""
     for j, minimal in enumerate(model.minimal.parameters):
-        if str(minimal.function.expression) == parameter:
+        if minimal.function.names == {parameter} and str(minimal.function) == parameter:
             columns = {row[j] for row in model.minimal.regressor} - {0}
             return [(i, j) for i, velocity in enumerate(velocities) if columns == {sp.sign(velocity)}]
     return []

@@ -19,9 +19,10 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Sensor
 from symid.errors import EliminationError
+from symid.symbolic.determinants import TooLargeError
 from symid.symbolic.equations import InputOutputEquation, SignalWriter, by_power, driving_terms
 from symid.symbolic.expressions import positive
-from symid.symbolic.kernel import EliminationRow, TooLargeError, divisible, left_kernel, primitive
+from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, operator_model

@@ -3,32 +3,29 @@
 `left_kernel` gives multipliers l(s) with l(s) A(s) = 0, `divisible` those that also make columns divisible by a
 power of s. Both bases are row-reduced: no other basis multiplies (differentiates) the balances less.
 
-Where one multiplier exists, it is found by fraction-free elimination along the diagonal, which for a chain is the
-three-term recursion of its determinants. Where there are several, they come from the order-basis algorithm
-(Beckermann and Labahn, SIAM J. Matrix Anal. Appl. 15 (1994) 804; as M-basis in Giorgi, Jeannerod and Villard,
-ISSAC 2003): conditions on the coefficients of s^0, s^1, ... are met one by one, each at the cost of one
-multiplication by s of the row of lowest degree.
+Where one multiplier exists, its entries are minors of the matrix (Cramer's rule). Where there are several, they come
+from the order-basis algorithm (Beckermann and Labahn, SIAM J. Matrix Anal. Appl. 15 (1994) 804; as M-basis in Giorgi,
+Jeannerod and Villard, ISSAC 2003): conditions on the coefficients of s^0, s^1, ... are met one by one, each at the cost
+of one multiplication by s of the row of lowest degree.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import gcd, prod
 from random import Random
 
 from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.errors import EliminationError
+from symid.symbolic.determinants import Minors, TooLargeError, connected
 from symid.symbolic.operators import Row, add
-from symid.symbolic.polynomials import common_divisor, quotient, times
+from symid.symbolic.polynomials import common_divisor, from_flint, quotient, times, to_flint
 
 MOST_PRODUCTS = 200_000
-"""Most products of terms in one elimination step: some seconds, and more than any useful formula needs."""
-
-
-class TooLargeError(Exception):
-    """The polynomials of an elimination grow beyond the limit of cost."""
+"""Most products of terms in one step of an order basis: some seconds, and more than any useful formula needs."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +105,9 @@ def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing)
     """
     start = {name: EliminationRow({name: ring.one}, dict(row)) for name, row in rows.items()}
     basis: list[EliminationRow] = []
-    for names, columns in _components(rows, unknown):
+    for names, columns in connected(
+        {name: [c for c in row if c in unknown] for name, row in rows.items()}, unknown
+    ):
         block = {name: start[name] for name in names}
         surplus = len(names) - len(columns)
         if surplus < 0:
@@ -133,48 +132,24 @@ def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list
     return basis
 
 
-def _components(rows: Mapping[str, Row], unknown: Sequence[str]) -> list[tuple[list[str], list[str]]]:
-    """Connected components of the rows and unknown columns, in the order of the rows."""
-    groups: list[tuple[list[str], set[str]]] = []
-    for name, row in rows.items():
-        columns = {column for column in row if column in unknown}
-        joined = [group for group in groups if group[1] & columns]
-        merged = (
-            [n for group in joined for n in group[0]] + [name],
-            columns.union(*(group[1] for group in joined)),
-        )
-        groups = [group for group in groups if group not in joined] + [merged]
-    order = {name: i for i, name in enumerate(rows)}
-    return [
-        (sorted(names, key=order.__getitem__), [c for c in unknown if c in columns])
-        for names, columns in groups
-    ]
-
-
 def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring: PolyRing) -> EliminationRow:
-    """The one combination of n + 1 rows that is free of n columns, by fraction-free elimination."""
-    rows = dict(block)
-    left = list(columns)
-    pivots: list[PolyElement] = []
-    # Fraction-free (Bareiss): cross-multiplication leaves earlier pivots as common factors, which are divided out.
-    while left:
-        column = min(left, key=lambda c: sum(c in row.entries for row in rows.values()))
-        left.remove(column)
-        holders = [name for name, row in rows.items() if column in row.entries]
-        if not holders:
-            raise EliminationError(
-                f"the motion of {column} enters no equation: join it to the axis or remove it"
-            )
-        # The balance of the body itself keeps the elimination of a chain a three-term recursion.
-        name = column if column in holders else min(holders, key=lambda n: len(rows[n].entries[column]))
-        pivot = rows.pop(name)
-        for holder in holders:
-            if holder != name:
-                combined = rows[holder].combine(pivot.entries[column], pivot, -rows[holder].entries[column])
-                rows[holder] = _without_factors(combined, pivots)
-        pivots.append(pivot.entries[column])
-    (last,) = rows.values()
-    return primitive(last, ring)
+    """The one combination of n + 1 rows that is free of n columns: its multipliers are the minors of n rows."""
+    rows = [to_flint(row.entries) for row in block.values()]
+    entries = {(i, j): row[c] for i, row in enumerate(rows) for j, c in enumerate(columns) if c in row}
+    one = to_flint({"": ring.one})[""]
+    minors, places = Minors(entries, one), tuple(range(len(rows)))
+    found = [minors.of(places[:i] + places[i + 1 :], places[:-1]) * (-1) ** i for i in places]
+    if not any(found):
+        raise EliminationError(
+            f"the motion of {', '.join(columns)} is not determined by the sensors: add a sensor there"
+        )
+    common = reduce(lambda common, part: common.gcd(part), sorted(found, key=len))
+    found = [minor / common for minor in found]
+    shown = dict.fromkeys(c for row in rows for c in row if c not in columns)
+    sums = {
+        c: sum((m * row[c] for m, row in zip(found, rows, strict=True) if c in row), one * 0) for c in shown
+    }
+    return EliminationRow(from_flint(dict(zip(block, found, strict=True)), ring), from_flint(sums, ring))
 
 
 def _order_basis(
@@ -232,24 +207,6 @@ def _without_common_factor(first: PolyElement, second: PolyElement) -> tuple[Pol
 def _combine(row: Row, factor: PolyElement, other: Row, other_factor: PolyElement) -> Row:
     total = {column: times(entry, factor) for column, entry in row.items()}
     return add(total, {column: times(entry, other_factor) for column, entry in other.items()}, 1)
-
-
-def _without_factors(row: EliminationRow, pivots: Sequence[PolyElement]) -> EliminationRow:
-    """Divide a row by earlier pivots, the factors that fraction-free elimination leaves, as often as possible."""
-    for pivot in pivots:
-        parts = [*row.multipliers.values(), *row.entries.values()]
-        while (
-            not pivot.is_ground
-            and all(len(part) >= len(pivot) or pivot.is_term for part in parts)
-            and _divides(pivot, parts)
-        ):
-            row = row.divided(pivot)
-            parts = [*row.multipliers.values(), *row.entries.values()]
-    return row
-
-
-def _divides(divisor: PolyElement, parts: Sequence[PolyElement]) -> bool:
-    return all(not part.rem(divisor) for part in sorted(parts, key=len))
 
 
 def primitive(row: EliminationRow, ring: PolyRing, *, keep_powers_of_s: bool = False) -> EliminationRow:

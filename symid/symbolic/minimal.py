@@ -27,10 +27,13 @@ from symid.signals import derivative_name
 from symid.symbolic.elimination import InputOutputModel
 from symid.symbolic.equations import InputOutputEquation
 from symid.symbolic.expressions import exact
+from symid.symbolic.polynomials import quotient_if_whole
 from symid.symbolic.span import Span
 from symid.units import Unit
 
 _AFTER_ALL_DERIVATIVES = 1000
+_LONG = 200
+"""Terms from which on a function is not written by sympy."""
 _ONE = 0
 """Place of the constant 1 in a basis."""
 
@@ -53,13 +56,15 @@ class ParameterFunction:
         """numerator / denominator in lowest terms, as far as monomials and exact division go."""
         ring = numerator.ring
         if not denominator.is_term and len(numerator) >= len(denominator):
-            whole, rest = numerator.div(denominator)
-            if not rest:
+            whole = quotient_if_whole(numerator, denominator)
+            if whole is not None:
                 return cls(whole, ring.one)
         shared = tuple(
             min(powers) for powers in zip(*numerator.itermonoms(), *denominator.itermonoms(), strict=True)
         )
         scale = 1 / (denominator.LC if denominator.is_term else ring.domain.one)
+        if not any(shared) and scale == ring.domain.one:
+            return cls(numerator, denominator)
         return cls(_over_monomial(numerator, shared, scale), _over_monomial(denominator, shared, scale))
 
     @cached_property
@@ -71,6 +76,8 @@ class ParameterFunction:
         else:
             powers, scale = (0,) * len(self.numerator.ring.gens), self.numerator.ring.domain.one
             below = str(self.denominator)
+        if not any(powers) and scale == self.numerator.ring.domain.one:
+            return {(below, m): c for m, c in self.numerator.terms()}
         return {
             (below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale
             for m, c in self.numerator.terms()
@@ -90,9 +97,8 @@ class ParameterFunction:
     @property
     def names(self) -> set[str]:
         """Names of the physical parameters in it."""
-        ring = self.numerator.ring
-        parts = (self.numerator, self.denominator)
-        return {str(x) for i, x in enumerate(ring.symbols) if any(part.degree(i) > 0 for part in parts)}
+        powers = zip(*self.numerator.itermonoms(), *self.denominator.itermonoms(), strict=True)
+        return {str(x) for x, used in zip(self.numerator.ring.symbols, powers, strict=True) if any(used)}
 
     @property
     def is_linear(self) -> bool:
@@ -111,6 +117,17 @@ class ParameterFunction:
             below = sp.Mul(*(g**-p for g, p in zip(ring.symbols, powers, strict=True) if p < 0))
             fractions.setdefault(below, []).append(ring.domain.to_sympy(coefficient) * above)
         return sp.Add(*(sp.Add(*terms) / below for below, terms in fractions.items()))
+
+    def __str__(self) -> str:
+        """Its expression; a long one term by term, which sympy would take minutes to sort."""
+        if len(self.numerator) <= _LONG or not self.denominator.is_term:
+            return str(self.expression)
+        names, field = list(map(str, self.numerator.ring.symbols)), self.numerator.ring.domain
+        written = []
+        for (_, powers), c in self.monomials.items():
+            factors = [f"{n}**{p}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p]
+            written.append("*".join(factors if c == 1 else [f"({field.to_sympy(c)})", *factors]))
+        return " + ".join(written)
 
     def unit(self, units: dict[str, Unit]) -> Unit:
         """Unit, given those of the physical parameters."""

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from math import prod
 from random import Random
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
+import numpy as np
 import sympy as sp
 from sympy import GF, QQ
 from sympy.polys.densebasic import dup_degree
@@ -43,7 +45,7 @@ class ParameterMap:
 
     Parameters
     ----------
-    minimal : mapping of str to sympy.Expr
+    functions : mapping of str to ParameterFunction
         Minimal parameters in terms of the physical ones.
     solution : TriangularSolution or None
         Closed form of the inverse map, None if there is none.
@@ -52,7 +54,7 @@ class ParameterMap:
     identifiability : mapping of str to {"unique", "several", "none"}
         What the sensors determine of each physical parameter; of solutions in closed form only those count that have
         the declared signs.
-    combinations : tuple of sympy.Expr
+    combinations : tuple of ParameterFunction
         Determined functions of the parameters that are not determined themselves.
     relations : int
         How many more minimal than physical parameters are determined: relations that a right model satisfies.
@@ -60,17 +62,22 @@ class ParameterMap:
         Whether the solutions were counted; if not, "several" means: determined locally, number of solutions unknown.
     """
 
-    minimal: Mapping[str, sp.Expr]
+    functions: Mapping[str, ParameterFunction]
     solution: TriangularSolution | None
     inverse: tuple[Mapping[str, sp.Expr], ...]
     identifiability: Mapping[str, Identifiability]
-    combinations: tuple[sp.Expr, ...]
+    combinations: tuple[ParameterFunction, ...]
     relations: int
     counted: bool
 
+    @cached_property
+    def minimal(self) -> dict[str, sp.Expr]:
+        """Minimal parameters in terms of the physical ones, as expressions."""
+        return {name: function.expression for name, function in self.functions.items()}
+
     def __str__(self) -> str:
         """Minimal parameters, the first solution of the inverse map, and what is determined."""
-        lines = [f"{name} = {expression}" for name, expression in self.minimal.items()]
+        lines = [f"{name} = {function}" for name, function in self.functions.items()]
         lines += [
             f"{name} = {expression}" for branch in self.inverse[:1] for name, expression in branch.items()
         ]
@@ -95,26 +102,23 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     identifiability: dict[str, Identifiability] = {
         name: "none" if name in undetermined else "several" if name in several else "unique" for name in names
     }
-    minimal = {parameter.name: parameter.function.expression for parameter in model.parameters}
+    functions = {parameter.name: parameter.function for parameter in model.parameters}
     solution = inverse_map(model)
     inverse = _branches(model, solution) if solution else ()
     axis = model.source.source.axis
     units = {name: str(unit) for name, unit in axis.physical_parameters.items()}
     if len(inverse) > 1:
         known = {sp.Symbol(name): value for name, value in model.source.source.numbers.items()}
-        forward = {name: expression.xreplace(known) for name, expression in minimal.items()}
+        forward = {name: function.expression.xreplace(known) for name, function in functions.items()}
         backward = [{name: expression.xreplace(known) for name, expression in b.items()} for b in inverse]
         if other_solutions_are_unphysical(forward, backward, units, axis.signed_parameters):
             identifiability |= dict.fromkeys(several, "unique")
-    symbols = {sp.Symbol(name) for name in undetermined}
     return ParameterMap(
-        minimal=minimal,
+        functions=functions,
         solution=solution,
         inverse=inverse,
         identifiability=identifiability,
-        combinations=tuple(
-            expression for expression in minimal.values() if expression.free_symbols & symbols
-        ),
+        combinations=tuple(function for function in functions.values() if function.names & undetermined),
         relations=len(model.parameters) - point.rank,
         counted=counted,
     )
@@ -208,7 +212,9 @@ class _Point:
         draw = Random(len(self.names))
         self.values = [self.field(draw.randrange(1, _PRIME)) for _ in self.names]
         self.constants = {name: draw.randrange(1, _PRIME) for name in model.source.source.numbers}
-        self.functions = [self._fraction(parameter.function) for parameter in model.parameters]
+        self.functions = [(p.function.numerator, p.function.denominator) for p in model.parameters]
+        self.evaluated = [(self._evaluated(n), self._evaluated(d)) for n, d in self.functions]
+        self.is_small = all(len(n) <= MOST_TERMS for n, _ in self.functions)
         self.jacobian = self._jacobian()
         self.rank = self.jacobian.rank()
 
@@ -222,7 +228,8 @@ class _Point:
         _, pivots = self.jacobian.rref()
         held = {i: self.values[i] for i in range(len(self.names)) if i not in pivots}
         equations = [
-            n - d * (_evaluate(n, self.values) / _evaluate(d, self.values)) for n, d in self.functions
+            self._modular(n) - self._modular(d) * self.field(above.value) / self.field(below.value)
+            for (n, d), (above, below) in zip(self.functions, self.evaluated, strict=True)
         ]
         for i, value in held.items():
             equations = [_fix(equation, i, value) for equation in equations]
@@ -238,6 +245,8 @@ class _Point:
         What monomial steps leave over is a core that only a Groebner basis can count; if it is too large, all its
         unknowns and those that depend on them are suspected.
         """
+        if not self.is_small:
+            return set(self.names) - self.undetermined(), False
         solution = triangular_solution(self.system(), len(self.names), simple=True)
         core = sorted({i for e in solution.left for i in range(len(self.names)) if e.degree(i) > 0})
         counted = len(core) <= _MOST_UNKNOWNS
@@ -247,9 +256,6 @@ class _Point:
             if any(part.degree(i) > 0 for part in step.coefficients for i in several):
                 several.add(step.unknown)
         return {self.names[i] for i in several}, counted
-
-    def _fraction(self, function: ParameterFunction) -> tuple[PolyElement, PolyElement]:
-        return self._modular(function.numerator), self._modular(function.denominator)
 
     def _modular(self, polynomial: PolyElement) -> PolyElement:
         symbols = list(map(str, polynomial.ring.symbols))
@@ -281,28 +287,32 @@ class _Point:
 
     def _jacobian(self) -> DomainMatrix:
         rows = []
-        for n, d in self.functions:
-            value_n, value_d = _evaluate(n, self.values), _evaluate(d, self.values)
-            rows.append(
-                [
-                    (
-                        _evaluate(n.diff(x), self.values) * value_d
-                        - value_n * _evaluate(d.diff(x), self.values)
-                    )
-                    / value_d**2
-                    for x in self.ring.gens
-                ]
-            )
+        for above, below in self.evaluated:
+            scale = pow(below.value, -2, _PRIME)
+            slopes = zip(above.gradient, below.gradient, strict=True)
+            rows.append([self.field((n * below.value - above.value * d) * scale) for n, d in slopes])
         return DomainMatrix(rows, (len(rows), len(self.names)), self.field)
 
+    def _evaluated(self, polynomial: PolyElement) -> _Evaluated:
+        """Value and gradient of a polynomial at the point: sums over products of residues, which 64 bits hold."""
+        symbols = list(map(str, polynomial.ring.symbols))
+        powers = np.array(polynomial.monoms(), dtype=np.int64).reshape(len(polynomial), len(symbols))
+        terms = np.array([int(self._number(c)) for c in polynomial.coeffs()], dtype=np.int64)
+        point = {**self.constants, **dict(zip(self.names, map(int, self.values), strict=True))}
+        for i, name in enumerate(symbols):
+            if powers[:, i].any():
+                table = [pow(point[name], k, _PRIME) for k in range(int(powers[:, i].max()) + 1)]
+                terms = terms * np.array(table)[powers[:, i]] % _PRIME
+        slopes = dict(zip(symbols, (terms @ powers).tolist(), strict=True))
+        gradient = tuple(slopes.get(name, 0) * pow(point[name], -1, _PRIME) % _PRIME for name in self.names)
+        return _Evaluated(int(terms.sum()) % _PRIME, gradient)
 
-def _evaluate(polynomial: PolyElement, values: Sequence[Any]) -> Any:
-    total = polynomial.ring.domain.zero
-    for monomial, value in polynomial.terms():
-        total += prod(
-            (base**power for base, power in zip(values, monomial, strict=True) if power), start=value
-        )
-    return total
+
+class _Evaluated(NamedTuple):
+    """Value and gradient of a polynomial at a point, modulo a prime."""
+
+    value: int
+    gradient: tuple[int, ...]
 
 
 def _fix(equation: PolyElement, index: int, value: Any) -> PolyElement:

@@ -6,11 +6,12 @@ minutes. Both use the same number types, so a conversion costs one copy of the t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, reduce
 from typing import Any
 
 import flint
+from flint.utils.flint_exceptions import DomainError
 from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
 
@@ -43,11 +44,27 @@ def quotient(polynomial: PolyElement, divisor: PolyElement) -> PolyElement:
     >>> quotient((x + y) ** 3, x + y) == (x + y) ** 2
     True
     """
+    whole = quotient_if_whole(polynomial, divisor)
+    assert whole is not None, "a divisor must divide"
+    return whole
+
+
+def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElement | None:
+    """Quotient of a polynomial by another, None where that does not divide it.
+
+    Examples
+    --------
+    >>> x, y = PolyRing(("x", "y"), QQ).gens
+    >>> quotient_if_whole(x * y + x, y + 1), quotient_if_whole(x, y + 1)
+    (x, None)
+    """
     if polynomial.ring.domain != QQ or divisor.is_term or len(polynomial) * len(divisor) < _WORTH_A_COPY:
-        return polynomial.exquo(divisor)
-    whole, rest = divmod(_copy(polynomial), _copy(divisor))
-    assert rest == 0, "a divisor must divide"
-    return _back(whole, polynomial.ring)
+        whole, rest = polynomial.div(divisor)
+        return None if rest else whole
+    try:
+        return _back(_copy(polynomial) / _copy(divisor), polynomial.ring)
+    except DomainError:
+        return None
 
 
 def common_divisor(polynomials: Sequence[PolyElement]) -> PolyElement:
@@ -72,6 +89,16 @@ def common_divisor(polynomials: Sequence[PolyElement]) -> PolyElement:
             break
         common = common.gcd(_copy(part))
     return _back(common, ring)
+
+
+def to_flint(polynomials: Mapping[str, PolyElement]) -> dict[str, Any]:
+    """Copies of polynomials that FLINT calculates with."""
+    return {name: _copy(polynomial) for name, polynomial in polynomials.items()}
+
+
+def from_flint(polynomials: Mapping[str, Any], ring: PolyRing) -> dict[str, PolyElement]:
+    """Elements of a ring again, without those that are zero."""
+    return {name: _back(polynomial, ring) for name, polynomial in polynomials.items() if polynomial != 0}
 
 
 @cache

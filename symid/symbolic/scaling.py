@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
+from operator import mul
 from typing import Any
 
 from sympy import QQ
@@ -93,11 +94,16 @@ class Scaling:
     ) -> PolyElement:
         """A polynomial in the parameters of the axis, times a power of the ratios."""
         own = [self.parameters[str(symbol)] for symbol in self.ring.symbols[1:]]
-        places = range(len(power))
+        # exponents of all ratios in one number, which tells terms of equal exponents quickly
+        packed = [0, *(sum(w << 20 * k for k, w in enumerate(weights)) for weights in own)]
+        exponents: dict[int, Exponents] = {}
         terms = {}
-        for m, c in entry.terms():
-            used = [(n, w) for n, w in zip(m[1:], own, strict=True) if n]
-            terms[m] = powers.times(c, tuple(power[k] - sum(n * w[k] for n, w in used) for k in places))
+        for m, c in entry.items():
+            key = sum(map(mul, m, packed))
+            if key not in exponents:
+                used = list(zip(m[1:], own, strict=True))
+                exponents[key] = tuple(p - sum(n * w[k] for n, w in used) for k, p in enumerate(power))
+            terms[m] = powers.times(c, exponents[key])
         return ring.from_dict(terms)
 
 

@@ -1,7 +1,5 @@
 """Long geared chains, trees and loops: derivation ends, and its equations hold on matrices written by hand."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -94,6 +92,9 @@ def rest_of(axis: Axis, shape: str, n: int, encoders: tuple[int, ...], closing: 
         ("tree", 8, (0,), None),
         ("chain", 4, (0,), 0.7),
         ("chain", 4, (0, 3), 0.7),
+        ("chain", 6, (0,), 0.7),
+        ("chain", 8, (0,), 0.7),
+        ("tree", 8, (0, 7), None),
     ],
 )
 def test_equations_hold(shape: str, n: int, encoders: tuple[int, ...], closing: float | None) -> None:
@@ -119,5 +120,18 @@ def test_ratios_keep_their_names_in_short_equations() -> None:
 
 
 def test_what_leads_to_too_many_terms_is_refused_with_a_cure() -> None:
+    bodies = [Body(f"b{i}", inertia=f"J{i}") for i in range(8)]
+    pairs = [Between(first=bodies[i], second=bodies[j]) for j in range(8) for i in range(j)]
+    springs = [Spring(f"s{k}", at, stiffness=f"K{k}", damping=f"D{k}") for k, at in enumerate(pairs)]
+    axis = Axis("net", (*bodies, *springs), Drive("T", bodies[0]), (Position("q0", bodies[0]),))
     with pytest.raises(EliminationError, match="add a sensor at one of these bodies"):
-        derive(geared("chain", 8, (0,), math.sqrt(0.5)), ("q0",))
+        derive(axis, ("q0",))
+
+
+def test_the_map_of_eight_bodies_is_known_locally() -> None:
+    axis = geared("chain", 8, (0,))
+    model = derive(axis, ("q0",))
+    assert max(len(p.function.numerator) for p in model.minimal.parameters) > 1000
+    assert set(model.parameter_map.identifiability) == set(axis.physical_parameters)
+    assert "several" in model.parameter_map.identifiability.values()
+    assert not model.parameter_map.counted

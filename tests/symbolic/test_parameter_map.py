@@ -184,7 +184,7 @@ def test_springs_side_by_side_are_determined_as_their_sum() -> None:
 def test_a_rigid_gear_hides_what_lies_on_either_side() -> None:
     maps = derived("overdrive_gear", ("qm",)).parameter_map
     assert set(maps.identifiability.values()) == {"none"}
-    assert [str(expression) for expression in maps.combinations] == [
+    assert [str(function) for function in maps.combinations] == [
         "Jm + 4*Mt",
         "Fvm + 4*Fvt",
         "Fsm + 2*Fst",
