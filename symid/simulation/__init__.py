@@ -9,6 +9,7 @@ from symid.simulation.controller import (
     OpenLoop,
     Replay,
     tuned_cascade,
+    tuned_cascades,
 )
 from symid.simulation.engine import Engine
 from symid.simulation.excitation import chirp, from_log, steps
@@ -49,4 +50,5 @@ __all__ = [
     "steps",
     "trapezoids",
     "tuned_cascade",
+    "tuned_cascades",
 ]

@@ -38,7 +38,7 @@ class Simulation:
         Exact displacements and velocities of the bodies.
     accelerations : array of shape (n_samples, n)
         Exact accelerations just before a sample's force acts; zero if the axis has no accelerometer.
-    forces : array of shape (n_samples,)
+    forces : array of shape (n_samples,), or (n_samples, n_drives) with several drives
         Drive force that acts from each sample to the next.
     """
 
@@ -52,8 +52,8 @@ class Simulation:
 def simulate(
     axis: Axis,
     parameters: Mapping[str, float],
-    trajectory: Trajectory,
-    controller: Controller,
+    trajectory: Trajectory | Sequence[Trajectory],
+    controller: Controller | Sequence[Controller],
     *,
     frequency_hz: float | None = None,
     seed: int = 0,
@@ -61,7 +61,7 @@ def simulate(
     start: FloatArray | None = None,
     progress: Callable[[Sequence[int]], Iterable[int]] = iter,
 ) -> Simulation:
-    """Simulate an axis along a trajectory; the controller runs at the trajectory's rate.
+    """Simulate an axis along a trajectory; the controllers run at the trajectory's rate.
 
     Parameters
     ----------
@@ -69,10 +69,10 @@ def simulate(
         The declared axis.
     parameters : mapping of str to float
         Values of its physical parameters, SI.
-    trajectory : Trajectory
-        Reference; its sampling period is the controller's.
-    controller : Controller
-        Its force acts, held, from one sample to the next.
+    trajectory : Trajectory or sequence of Trajectory
+        Reference, one for all drives or one for each; its sampling period is that of the controllers.
+    controller : Controller or sequence of Controller
+        One for each drive; its force acts, held, from one sample to the next.
     frequency_hz : float, optional
         Rate of the recorded log, of which the controller's rate must be a multiple; the controller's rate by default.
     seed : int
@@ -92,7 +92,8 @@ def simulate(
     Raises
     ------
     SettingError
-        If a parameter is missing, the rates do not divide, the start is of another shape, or the axis runs away.
+        If a parameter is missing, there is not one controller and trajectory for each drive, the rates do not divide,
+        the start is of another shape, or the axis runs away.
 
     Examples
     --------
@@ -107,21 +108,25 @@ def simulate(
     ['F', 'q', 'reference']
     """
     moment = Moment() if axis.imperfections else None
+    controllers = (controller,) if isinstance(controller, Controller) else tuple(controller)
+    paths = (trajectory,) * len(axis.drives) if isinstance(trajectory, Trajectory) else tuple(trajectory)
+    _require_one_for_each_drive(axis, controllers, paths)
     (_, plant), *later = stages(axis, parameters, moment or Moment())
-    every = _ratio(trajectory.sampling_period, frequency_hz)
+    every = _ratio(paths[0].sampling_period, frequency_hz)
     random = np.random.default_rng(seed)
-    n_samples, period = trajectory.n_samples, trajectory.sampling_period
+    n_samples, period = paths[0].n_samples, paths[0].sampling_period
     readers = [
         SensorChannel(sensor, plant, n_samples, period, random, misreading(axis, sensor.signal))
         for sensor in axis.sensors
     ]
-    sent = np.zeros(n_samples)
+    sent = np.zeros((n_samples, len(controllers)))
     if moment is not None:
-        drive = [element for element in axis.elements if isinstance(element, DriveImperfection)]
-        controller = ThroughDrive(controller, drive, sent)
+        chain = [element for element in axis.elements if isinstance(element, DriveImperfection)]
+        controllers = tuple(ThroughDrive(one, chain, sent[:, i]) for i, one in enumerate(controllers))
     fine = max(steps, steps_for(axis, plant, parameters, period))
-    loop = Loop(plant, trajectory, controller, readers, fine, moment)
-    record = MotionRecord.empty(n_samples, len(plant.bodies), [reader.signal for reader in loop.between])
+    loop = Loop(plant, paths, controllers, readers, fine, moment)
+    between = [reader.signal for reader in loop.between]
+    record = MotionRecord.empty(n_samples, len(plant.bodies), loop.n_drives, between)
     if start is not None:
         record.states[0] = _checked_state(start, len(plant.bodies))
     if moment is not None:
@@ -135,16 +140,29 @@ def simulate(
             run.advance(max(round(time / period), 1))
             run = SimulationRun(replace(loop, plant=changed), record, run)
         run.advance(end)
-    recorded = (record.forces if moment is None else sent) + axis.only_drive.noise * random.standard_normal(
-        n_samples
-    )
     signals = {reader.signal: reader.read_all(record)[::every] for reader in readers}
-    signals[axis.only_drive.signal] = in_steps(recorded, axis.only_drive.resolution)[::every]
-    signals["reference"] = trajectory.position[::every]
-    log = Log.from_arrays(
-        signals, sampling_period=every * trajectory.sampling_period, source=f"simulated {axis.name}"
-    )
-    return Simulation(log, trajectory.time, record.states[:-1], record.accelerations[:-1], record.forces)
+    for drive, force in zip(axis.drives, (record.forces if moment is None else sent).T, strict=True):
+        recorded = force + drive.noise * random.standard_normal(n_samples)
+        signals[drive.signal] = in_steps(recorded, drive.resolution)[::every]
+    for drive, path in zip(axis.drives, paths, strict=True):
+        if path is not paths[0]:
+            signals[f"reference_{drive.signal}"] = path.position[::every]
+    signals["reference"] = paths[0].position[::every]
+    log = Log.from_arrays(signals, sampling_period=every * period, source=f"simulated {axis.name}")
+    forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
+    return Simulation(log, paths[0].time, record.states[:-1], record.accelerations[:-1], forces)
+
+
+def _require_one_for_each_drive(
+    axis: Axis, controllers: Sequence[Controller], paths: Sequence[Trajectory]
+) -> None:
+    for what, given in (("controllers", controllers), ("trajectories", paths)):
+        if len(given) != len(axis.drives):
+            raise SettingError(
+                f"axis {axis.name!r} has {len(axis.drives)} drives and {len(given)} {what}: give one for each drive"
+            )
+    if len({(path.n_samples, path.sampling_period) for path in paths}) > 1:
+        raise SettingError("the trajectories differ in length or sampling period: give all drives the same")
 
 
 def _checked_state(start: FloatArray, n_bodies: int) -> FloatArray:

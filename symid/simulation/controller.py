@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,6 +15,9 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.plant import Plant
+
+_SHARED = 1e-9
+"""Relative singular value of the response below which drives move the same."""
 
 
 @dataclass(frozen=True)
@@ -276,11 +279,46 @@ def tuned_cascade(
     SettingError
         If the signal is not that of a position sensor.
     """
-    if signal not in plant.sensors or plant.sensors[signal].order != 0:
-        raise SettingError(f"{signal!r} is not a position sensor of this axis: a cascade controls a position")
-    row = plant.sensors[signal].row
+    (cascade,) = tuned_cascades(plant, (signal,), bandwidth_hz, force_limit)
+    return cascade
+
+
+def tuned_cascades(
+    plant: Plant, signals: Sequence[str], bandwidth_hz: float = 20.0, force_limit: float = math.inf
+) -> tuple[Cascade, ...]:
+    """Cascades of all drives, each for its share of the mass where all controlled positions move alike.
+
+    Parameters
+    ----------
+    plant : Plant
+        The axis.
+    signals : sequence of str
+        The position sensor that each drive controls; drives that move one body may share it, and its mass.
+    bandwidth_hz, force_limit : float
+        As in `tuned_cascade`.
+
+    Raises
+    ------
+    SettingError
+        If a signal is not that of a position sensor, or there is not one for each drive.
+    """
+    if len(signals) != plant.drives.shape[1]:
+        raise SettingError(
+            f"there are {plant.drives.shape[1]} drives and {len(signals)} signals: give one position sensor a drive"
+        )
+    for signal in signals:
+        if signal not in plant.sensors or plant.sensors[signal].order != 0:
+            raise SettingError(
+                f"{signal!r} is not a position sensor of this axis: a cascade controls a position"
+            )
+    rows = np.array([plant.sensors[signal].row for signal in signals])
     angular = 2 * math.pi * bandwidth_hz
     s = 1j * angular / 100
-    response = row @ np.linalg.solve(plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drive)
-    mass = float(abs(1 / (response * s**2)))
-    return Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)
+    response = rows @ np.linalg.solve(
+        plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drives.astype(complex)
+    )
+    masses = np.abs(np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1))
+    return tuple(
+        Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)
+        for signal, mass in zip(signals, masses.tolist(), strict=True)
+    )

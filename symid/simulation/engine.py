@@ -12,6 +12,7 @@ that is constant over a step, taken at its midpoint (exponential midpoint rule, 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -59,12 +60,13 @@ class Engine:
         self._modes = StickSlipModes(self.plant)
         self.mode = self._modes.of(self._modes.start(self.state))
 
-    def advance(self, drive_force: float, duration: float) -> None:
-        """Advance by a duration under a constant drive force."""
-        if self._advance_smoothly(drive_force, duration):
+    def advance(self, forces: float | Sequence[float] | FloatArray, duration: float) -> None:
+        """Advance by a duration under a constant drive force, or one for each drive."""
+        drives = np.atleast_1d(forces)
+        if self._advance_smoothly(drives, duration):
             return
         # Joints that stuck at the last event may break loose under the new force before any time passes.
-        drive = self.plant.drive * drive_force
+        drive = self.plant.drives @ drives
         self._release(drive)
         left, events = duration, 0
         while left > 0 and events < _MOST_EVENTS:
@@ -73,23 +75,23 @@ class Engine:
         if left > 0:
             self.state = self.mode.flow.advance(self.state, drive + self.mode.force(self.state), left)
 
-    def acceleration(self, drive_force: float) -> FloatArray:
-        """Accelerations of the bodies under a drive force, of shape (n,)."""
-        drive = self.plant.drive * drive_force
+    def acceleration(self, forces: float | Sequence[float] | FloatArray) -> FloatArray:
+        """Accelerations of the bodies under a drive force, or one for each drive; of shape (n,)."""
+        drive = self.plant.drives @ np.atleast_1d(forces)
         self._release(drive)
         return self.mode.flow.acceleration(self.state, drive + self.mode.force(self.state))
 
-    def _advance_smoothly(self, drive_force: float, duration: float) -> bool:
+    def _advance_smoothly(self, drives: FloatArray, duration: float) -> bool:
         """Advance if no event happens: sliding joints keep their direction, stuck ones hold; whether it did."""
         mode, start = self.mode, self.state
         if mode.varying:
             return False
         step = mode.step(duration)
-        end = step.transition @ start + (step.drive * drive_force + step.offset)
+        end = step.transition @ start + (step.drives @ drives + step.offset)
         if mode.sliding and (mode.speeds @ end).min() < 0:
             return False
         if mode.flow.stuck:
-            force = self.plant.drive * drive_force + mode.constant
+            force = self.plant.drives @ drives + mode.constant
             if any(self._excess(start, force)) or any(self._excess(end, force)):
                 return False
         self.state = end

@@ -1,12 +1,14 @@
-"""An axis with its controller: the constants of a simulation."""
+"""An axis with its controllers: the constants of a simulation."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
@@ -21,17 +23,66 @@ RUNAWAY = 1e100
 
 
 @dataclass(frozen=True, eq=False)
+class LoopLaw:
+    """The linear laws of all drives as one: state' = A state + B w, forces = C state + D w + given.
+
+    w holds the references of all drives, position, velocity and acceleration of each, then the readings.
+
+    Parameters
+    ----------
+    A : array of shape (n_state, n_state)
+    B : array of shape (n_state, 3 n_drives + n_signals)
+    C : array of shape (n_drives, n_state)
+    D : array of shape (n_drives, 3 n_drives + n_signals)
+    limits : tuple of float
+        Largest force of each drive for which the matrices are valid.
+    is_given : tuple of bool
+        Which drives have a given force.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    limits: tuple[float, ...]
+    is_given: tuple[bool, ...]
+
+    @classmethod
+    def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]]) -> LoopLaw:
+        """The laws of all drives, and the places of the readings of each among all."""
+        n_signals = 1 + max((place for own in places for place in own), default=-1)
+        inputs = [
+            [*range(3 * i, 3 * i + 3), *(3 * len(laws) + place for place in own)]
+            for i, own in enumerate(places)
+        ]
+        n_inputs = 3 * len(laws) + n_signals
+        B, D = np.zeros((sum(len(law.A) for law in laws), n_inputs)), np.zeros((len(laws), n_inputs))
+        first = 0
+        for i, (law, columns) in enumerate(zip(laws, inputs, strict=True)):
+            B[first : first + len(law.A), columns], D[i, columns] = law.B, law.D
+            first += len(law.A)
+        return cls(
+            A=block_diag(*(law.A for law in laws)),
+            B=B,
+            C=block_diag(*(law.C.reshape(1, -1) for law in laws)),
+            D=D,
+            limits=tuple(min(law.limit, RUNAWAY) for law in laws),
+            is_given=tuple(law.given.size > 0 for law in laws),
+        )
+
+
+@dataclass(frozen=True, eq=False)
 class Loop:
-    """A plant under a controller along a trajectory.
+    """A plant whose drives are under controllers along trajectories.
 
     Parameters
     ----------
     plant : Plant
         The axis.
-    trajectory : Trajectory
-        Reference; its sampling period is the controller's.
-    controller : Controller
-        The controller.
+    trajectories : tuple of Trajectory
+        Reference of each drive; their sampling period is that of the controllers.
+    controllers : tuple of Controller
+        The controller of each drive.
     readers : sequence of SensorChannel
         All sensors.
     steps : int
@@ -41,8 +92,8 @@ class Loop:
     """
 
     plant: Plant
-    trajectory: Trajectory
-    controller: Controller
+    trajectories: tuple[Trajectory, ...]
+    controllers: tuple[Controller, ...]
     readers: Sequence[SensorChannel]
     steps: int
     moment: Moment | None = None
@@ -50,27 +101,47 @@ class Loop:
     @property
     def period(self) -> float:
         """Time between two samples, s."""
-        return self.trajectory.sampling_period
+        return self.trajectories[0].sampling_period
+
+    @property
+    def n_drives(self) -> int:
+        """Number of drives."""
+        return len(self.controllers)
 
     @cached_property
-    def law(self) -> LinearLaw | None:
-        """The controller as matrices, if it can be written so."""
-        return linear_law(self.controller, self.period)
+    def _laws(self) -> tuple[LinearLaw | None, ...]:
+        return tuple(linear_law(controller, self.period) for controller in self.controllers)
 
     @cached_property
-    def limit(self) -> float:
-        """Largest force for which `law` holds."""
-        return min(self.law.limit, RUNAWAY) if self.law else 0.0
+    def law(self) -> LoopLaw | None:
+        """The controllers as matrices, if all can be written so."""
+        laws = [law for law in self._laws if law is not None]
+        if len(laws) < self.n_drives:
+            return None
+        signals = [reader.signal for reader in self.controlled]
+        return LoopLaw.of(laws, [[signals.index(s) for s in c.signals] for c in self.controllers])
+
+    @cached_property
+    def limits(self) -> tuple[float, ...]:
+        """Largest force of each drive for which `law` holds."""
+        return self.law.limits if self.law else (0.0,) * self.n_drives
+
+    @cached_property
+    def start(self) -> Any:
+        """State of the controllers: one array if `law` holds for it, else an array for each."""
+        states = [controller.start for controller in self.controllers]
+        return np.concatenate(states) if self.law else tuple(states)
 
     @cached_property
     def controlled(self) -> tuple[SensorChannel, ...]:
-        """Sensors that the controller reads; SettingError if the axis has no such sensor."""
+        """Sensors that the controllers read; SettingError if the axis has no such sensor."""
         by_signal = {reader.signal: reader for reader in self.readers}
-        if unknown := [signal for signal in self.controller.signals if signal not in by_signal]:
+        signals = dict.fromkeys(signal for controller in self.controllers for signal in controller.signals)
+        if unknown := [signal for signal in signals if signal not in by_signal]:
             raise SettingError(
                 f"the controller reads {unknown[0]!r}, which is not a sensor of this axis: use {', '.join(by_signal)}"
             )
-        return tuple(by_signal[signal] for signal in self.controller.signals)
+        return tuple(by_signal[signal] for signal in signals)
 
     @cached_property
     def between(self) -> tuple[SensorChannel, ...]:
@@ -84,13 +155,16 @@ class Loop:
 
     @cached_property
     def inputs(self) -> FloatArray:
-        """Reference, noise of the controlled signals and given force, of shape (n_samples, 3 + n_signals + 1)."""
-        path, law = self.trajectory, self.law
-        given = np.zeros(path.n_samples)
-        if law and law.given.size:
-            given = law.given[np.minimum(np.arange(path.n_samples), law.given.size - 1)]
-        noise = [reader.noise for reader in self.controlled]
-        return np.column_stack([path.position, path.velocity, path.acceleration, *noise, given])
+        """References, noise of the controlled signals and given forces by sample, in columns."""
+        samples = np.arange(self.trajectories[0].n_samples)
+        given = [
+            law.given[np.minimum(samples, law.given.size - 1)]
+            if law is not None and law.given.size
+            else np.zeros(samples.size)
+            for law in self._laws
+        ]
+        paths = [x for path in self.trajectories for x in (path.position, path.velocity, path.acceleration)]
+        return np.column_stack([*paths, *(reader.noise for reader in self.controlled), *given])
 
     @cached_property
     def pieces(self) -> tuple[tuple[float, tuple[SensorChannel, ...]], ...]:
@@ -105,20 +179,31 @@ class Loop:
         ends = sorted(moments)
         return tuple((end - begin, moments[end]) for begin, end in zip([0.0, *ends], ends, strict=False))
 
-    def at(self, k: int, force: float) -> None:
-        """Set what laws depend on beside the motion: the middle of sample k, and the force that acts."""
+    def at(self, k: int, forces: Sequence[float]) -> None:
+        """Set what laws depend on beside the motion: the middle of sample k, and the size of the forces that act."""
         if self.moment is not None:
-            self.moment.time, self.moment.load = (k + 0.5) * self.period, abs(force)
+            self.moment.time, self.moment.load = (k + 0.5) * self.period, sum(map(abs, forces))
 
     def force(
-        self, k: int, reference: Sequence[float], readings: Sequence[float], memory: FloatArray
-    ) -> tuple[float, FloatArray]:
-        """Force of the controller at sample k, and its new state."""
+        self, k: int, references: Sequence[float], readings: Sequence[float], memory: Any
+    ) -> tuple[tuple[float, ...], Any]:
+        """Forces of the controllers at sample k, and their new state, as `start`."""
         measured = {reader.signal: value for reader, value in zip(self.controlled, readings, strict=True)}
-        force, memory = self.controller.force(Command(k, *reference), measured, memory, self.period)
-        if not abs(force) < RUNAWAY:
-            raise runaway(self.trajectory.time[k])
-        return float(force), memory
+        states = np.split(memory, self._ends) if self.law else memory
+        forces, kept = [], []
+        for i, (controller, state) in enumerate(zip(self.controllers, states, strict=True)):
+            command = Command(k, *references[3 * i : 3 * i + 3])
+            force, after = controller.force(command, measured, state, self.period)
+            if not abs(force) < RUNAWAY:
+                raise runaway(self.trajectories[0].time[k])
+            forces.append(float(force))
+            kept.append(after)
+        return tuple(forces), np.concatenate(kept) if self.law else tuple(kept)
+
+    @cached_property
+    def _ends(self) -> list[int]:
+        """Where the states of the second and later controllers begin."""
+        return list(np.cumsum([controller.start.size for controller in self.controllers[:-1]], dtype=int))
 
 
 def runaway(time: float) -> SettingError:

@@ -34,7 +34,7 @@ class AffineForce:
 
 @dataclass(frozen=True, eq=False)
 class Transition:
-    """Motion over a duration: state after it = transition @ state + drive * drive force + offset - gain @ others.
+    """Motion over a duration: state after it = transition @ state + drives @ drive forces + offset - gain @ others.
 
     Parameters
     ----------
@@ -42,13 +42,15 @@ class Transition:
         Matrix of the state.
     gain : array of shape (2 n, n)
         Matrix of constant forces on the bodies.
-    drive, offset : array of shape (2 n,)
-        Effects of a unit of drive force and of the mode's constant forces.
+    drives : array of shape (2 n, n_drives)
+        Effect of a unit of each drive's force.
+    offset : array of shape (2 n,)
+        Effect of the mode's constant forces.
     """
 
     transition: FloatArray
     gain: FloatArray
-    drive: FloatArray
+    drives: FloatArray
     offset: FloatArray
 
 
@@ -123,7 +125,7 @@ class StickSlipMode:
 
     def _step(self, duration: float) -> Transition:
         transition, gain = self.flow.transition(duration)
-        return Transition(transition, gain, gain @ self.plant.drive, gain @ self.constant)
+        return Transition(transition, gain, gain @ self.plant.drives, gain @ self.constant)
 
 
 def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:

@@ -38,11 +38,11 @@ def run(columns, pasts, state, memory, limits):
 def compiled(loop: Loop, mode: StickSlipMode) -> Callable[..., Any]:
     """Function that runs samples of a loop in a mode.
 
-    It takes columns of numbers by sample (number of the sample, position, velocity, acceleration, noise of each
-    controlled signal, given force), lists of the values on their way from each controlled sensor, state of the axis,
-    state of the controller and limits of the stuck joints. It returns numbers by sample (state at its end, force,
-    accelerations if a sensor reads one, values taken between samples), force and controller's state of the sample
-    with an event (None if there is none), and the controller's state.
+    It takes columns of numbers by sample (number of the sample, position, velocity and acceleration of each drive's
+    reference, noise of each controlled signal, given force of each drive), lists of the values on their way from each
+    controlled sensor, state of the axis, state of the controllers and limits of the stuck joints. It returns numbers by
+    sample (state at its end, forces, accelerations if a sensor reads one, values taken between samples), forces and
+    controllers' state of the sample with an event (None if there is none), and the controllers' state.
     """
     writer = SampleCode(loop, mode)
     space: dict[str, Any] = {"array": np.array, "force": loop.force, "at": loop.at, **writer.functions}
@@ -68,7 +68,10 @@ class SampleCode:
         self.functions |= {f"settle{i}": memory.settle for i, (_, memory) in enumerate(self._memories)}
         self._n = len(mode.plant.bodies)
         self._state = [f"x{i}" for i in range(2 * self._n)]
-        self._memory = [f"c{i}" for i in range(len(loop.law.C))] if loop.law else []
+        self._memory = [f"c{i}" for i in range(len(loop.law.A))] if loop.law else []
+        self._inputs = [f"r{i}" for i in range(3 * loop.n_drives)]
+        self._forces_sent = [f"u{i}" for i in range(loop.n_drives)]
+        self._given = [f"given{i}" for i in range(loop.n_drives)]
         self._readings = [f"y{i}" for i in range(len(loop.controlled))]
         self._values: dict[str, str] = {}
 
@@ -77,7 +80,7 @@ class SampleCode:
         motion = self._motion()
         end = self._names("z")
         noise = [f"e{i}" for i in range(len(self._readings))]
-        columns = ["k", "r0", "r1", "r2", *noise, "given", *self._readings]
+        columns = ["k", *self._inputs, *noise, *self._given, *self._readings]
         limits = [name for i in range(len(self.mode.flow.stuck)) for name in (f"low{i}", f"high{i}")]
         parts: dict[str, Iterable[str]] = {
             "limits": [f"{', '.join(limits)}, = limits"] if limits else [],
@@ -97,7 +100,7 @@ class SampleCode:
         return text.format(
             state=", ".join(self._state),
             columns=", ".join(columns),
-            results=", ".join([*end, "u", *self._accelerations, *between]),
+            results=", ".join([*end, *self._forces_sent, *self._accelerations, *between]),
             memory=f"({''.join(name + ', ' for name in self._memory)})" if self.loop.law else "memory",
         )
 
@@ -107,23 +110,31 @@ class SampleCode:
         return self._memory, [f"k{i}" for i in range(len(self._memory))]
 
     def _control(self) -> list[str]:
-        """Statements for the readings and the force of the controller."""
+        """Statements for the readings and the forces of the controllers."""
         lines = [
             _reading(f"y{i}", f"e{i}", reader.step, f"misread{i}" if reader.misread else "")
             for i, reader in enumerate(self.loop.controlled)
         ]
         readings = "".join(f"{name}, " for name in self._readings)
         law = self.loop.law
-        called = f"force(k, (r0, r1, r2), ({readings}), {{}})"
+        called = f"force(k, ({', '.join(self._inputs)}), ({readings}), {{}})"
+        forces = f"({', '.join(self._forces_sent)},)"
         if law is None:
-            return [*lines, f"u, next_memory = {called.format('memory')}", *self._moment()]
-        inputs = ["r0", "r1", "r2", *self._readings]
-        constant = ["given"] if law.given.size else []
-        lines.append(f"u = {_form(zip([*self._memory, *inputs], [*law.C, *law.D], strict=True), constant)}")
+            return [*lines, f"{forces}, next_memory = {called.format('memory')}", *self._moment()]
+        inputs = [*self._inputs, *self._readings]
+        for name, C, D, given, is_given in zip(
+            self._forces_sent, law.C, law.D, self._given, law.is_given, strict=True
+        ):
+            terms = zip([*self._memory, *inputs], [*C, *D], strict=True)
+            lines.append(f"{name} = {_form(terms, [given] if is_given else [])}")
         kept = self._next_memory()[1]
-        lines.append(f"if not {-self.loop.limit!r} <= u <= {self.loop.limit!r}:")
+        within = (
+            f"{-limit!r} <= {name} <= {limit!r}"
+            for name, limit in zip(self._forces_sent, self.loop.limits, strict=True)
+        )
+        lines.append(f"if not ({' and '.join(within)}):")
         memory = f"array(({''.join(name + ', ' for name in self._memory)}))"
-        lines.append(f"    u, next_memory = {called.format(memory)}")
+        lines.append(f"    {forces}, next_memory = {called.format(memory)}")
         if kept:
             lines.append(f"    {', '.join(kept)}, = next_memory.tolist()")
             lines.append("else:")
@@ -135,7 +146,7 @@ class SampleCode:
         """Statements that update time, load and memories, and the limits of stuck joints that depend on them."""
         if self.loop.moment is None:
             return []
-        lines = ["at(k, u)"]
+        lines = [f"at(k, ({', '.join(self._forces_sent)},))"]
         for i, j in enumerate(self.mode.flow.stuck):
             if (law := self.mode.plant.laws[j]).timed:
                 q = _form(zip(self._state[: self._n], law.direction, strict=True))
@@ -187,7 +198,8 @@ class SampleCode:
         if checks:
             memory = ", ".join(self._next_memory()[1])
             pending = f"({memory},)" if self.loop.law and memory else memory or "()"
-            lines += [f"if {' or '.join(checks)}:", f"    pending = u, {pending}", "    break"]
+            forces = ", ".join(self._forces_sent)
+            lines += [f"if {' or '.join(checks)}:", f"    pending = ({forces},), {pending}", "    break"]
         return lines
 
     def _outside(self, rows: FloatArray, names: Sequence[str], force: str) -> list[str]:
@@ -198,9 +210,10 @@ class SampleCode:
         return [f"{name} = {self._linear(row, begin, force)}" for name, row in zip(end, rows, strict=True)]
 
     def _linear(self, row: FloatArray, names: Sequence[str], force: str) -> str:
-        """A row on the state and on the forces of drive, constants and varying laws."""
+        """A row on the state and on the forces of drives, constants and varying laws."""
         state, forces, mode = row[: len(names)], row[len(names) :], self.mode
-        terms = [*zip(names, state, strict=True), ("u", forces @ mode.plant.drive)]
+        terms = [*zip(names, state, strict=True)]
+        terms += zip(self._forces_sent, forces @ mode.plant.drives, strict=True)
         terms += [(f"{force}{j}", -forces @ law.direction) for j, (law, _) in enumerate(mode.varying)]
         return _form(terms, [repr(float(forces @ mode.constant))])
 

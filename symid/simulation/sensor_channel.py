@@ -28,8 +28,8 @@ class MotionRecord:
         Displacements and velocities.
     accelerations : array of shape (n_samples + 1, n)
         Under the force before the sample; zero if no sensor reads one.
-    forces : array of shape (n_samples,)
-        Drive force from each sample to the next.
+    forces : array of shape (n_samples, n_drives)
+        Drive forces from each sample to the next.
     between : dict of str to array of shape (n_samples,)
         Values that sensors took between one sample and the next.
     """
@@ -40,12 +40,12 @@ class MotionRecord:
     between: dict[str, FloatArray]
 
     @classmethod
-    def empty(cls, n_samples: int, n_bodies: int, between: Sequence[str]) -> Self:
+    def empty(cls, n_samples: int, n_bodies: int, n_drives: int, between: Sequence[str]) -> Self:
         """An empty record for a number of samples."""
         return cls(
             states=np.zeros((n_samples + 1, 2 * n_bodies)),
             accelerations=np.zeros((n_samples + 1, n_bodies)),
-            forces=np.zeros(n_samples),
+            forces=np.zeros((n_samples, n_drives)),
             between={signal: np.zeros(n_samples) for signal in between},
         )
 
@@ -91,22 +91,22 @@ class SensorChannel:
         self.moment = period if late < _WHOLE else (1.0 - late) * period
         self.is_between = self.moment < period
 
-    def of_state(self, mode: StickSlipMode) -> tuple[FloatArray, float, float]:
-        """Value as a row on the state, a factor of the drive force and a constant, in a mode without varying laws."""
+    def of_state(self, mode: StickSlipMode) -> tuple[FloatArray, FloatArray, float]:
+        """Value as rows on the state and the drive forces and a constant, in a mode without varying laws."""
         n = self.row.size
         if self.order == 2:
             rows = self.row @ mode.flow.acceleration_rows
             forces = rows[2 * n :]
-            return rows[: 2 * n], float(forces @ mode.plant.drive), float(forces @ mode.constant)
+            return rows[: 2 * n], forces @ mode.plant.drives, float(forces @ mode.constant)
         row = np.zeros(2 * n)
         row[self.order * n : (self.order + 1) * n] = self.row
-        return row, 0.0, 0.0
+        return row, np.zeros(mode.plant.drives.shape[1]), 0.0
 
-    def of_begin(self, mode: StickSlipMode) -> tuple[FloatArray, float, float]:
+    def of_begin(self, mode: StickSlipMode) -> tuple[FloatArray, FloatArray, float]:
         """The value in terms of the state at the begin of the interval."""
-        row, drive, constant = self.of_state(mode)
+        row, drives, constant = self.of_state(mode)
         step = mode.step(self.moment)
-        return row @ step.transition, float(row @ step.drive) + drive, float(row @ step.offset) + constant
+        return row @ step.transition, row @ step.drives + drives, float(row @ step.offset) + constant
 
     def exact(self, record: MotionRecord, samples: slice) -> FloatArray:
         """Exact values at samples."""

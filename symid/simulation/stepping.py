@@ -7,7 +7,7 @@ limit, is made by the engine, which locates events exactly. Where blocks break o
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -35,7 +35,7 @@ class SimulationRun:
     Parameters
     ----------
     loop : Loop
-        Axis and controller.
+        Axis and controllers.
     record : MotionRecord
         Where the motion is written; its first state is that at the beginning.
     after : SimulationRun, optional
@@ -45,12 +45,12 @@ class SimulationRun:
     def __init__(self, loop: Loop, record: MotionRecord, after: SimulationRun | None = None) -> None:
         self.loop, self.record = loop, record
         self._made: int = after._made if after else 0
-        self._memory: FloatArray = after._memory if after else loop.controller.start
+        self._memory: Any = after._memory if after else loop.start
         self._engine = Engine(loop.plant, record.states[self._made].copy())
         self._block, self._singly = _SHORTEST, 0
         self._by_mode: OrderedDict[StickSlipMode, _Ways] = OrderedDict()
         if loop.is_accelerated and not after:
-            record.accelerations[0] = self._engine.acceleration(0.0)
+            record.accelerations[0] = self._engine.acceleration(np.zeros(loop.n_drives))
 
     def advance(self, end: int) -> None:
         """Advance until `end` samples are made; SettingError if the axis runs away."""
@@ -60,7 +60,7 @@ class SimulationRun:
             while self._made < end:
                 self._next(end)
         except OverflowError as error:  # of a law's expression
-            raise runaway(self.loop.trajectory.time[self._made]) from error
+            raise runaway(self.loop.trajectories[0].time[self._made]) from error
 
     def _next(self, end: int) -> None:
         """A block or some single samples, at most until `end`."""
@@ -83,7 +83,11 @@ class SimulationRun:
         """A single sample by the controller's own law and the engine: the first one, and one that ends a block."""
         k = self._made
         readings = [reader.read(self.record, k) for reader in self.loop.controlled]
-        self._event(*self.loop.force(k, self.loop.inputs[k, :3].tolist(), readings, self._memory))
+        self._event(
+            *self.loop.force(
+                k, self.loop.inputs[k, : 3 * self.loop.n_drives].tolist(), readings, self._memory
+            )
+        )
 
     def _by_block(self, linear: LinearLoop, end: int) -> None:
         wanted = end - self._made
@@ -109,44 +113,45 @@ class SimulationRun:
         self._engine.state = record.states[self._made].copy()
         self._singly = max(self._singly - made, 0)
         if pending is not None:
-            force, memory = pending
-            self._event(force, self._remembered(memory))
+            forces, memory = pending
+            self._event(forces, self._remembered(memory))
             self._singly = max(self._singly - 1, 0)
 
-    def _remembered(self, memory: Any) -> FloatArray:
+    def _remembered(self, memory: Any) -> Any:
         return np.array(memory, dtype=float) if self.loop.law else memory
 
     def _write(self, out: FloatArray) -> int:
         """Write the results of a mode's code to the record."""
         loop, record, size = self.loop, self.record, self._engine.state.size
-        width = size + 1 + (size // 2 if loop.is_accelerated else 0) + len(loop.between)
+        sent = size + loop.n_drives
+        width = sent + (size // 2 if loop.is_accelerated else 0) + len(loop.between)
         out = out.reshape(-1, width)
         begin, end = self._made, self._made + len(out)
         record.states[begin + 1 : end + 1] = out[:, :size]
-        record.forces[begin:end] = out[:, size]
+        record.forces[begin:end] = out[:, size:sent]
         if loop.is_accelerated:
-            record.accelerations[begin + 1 : end + 1] = out[:, size + 1 : size + 1 + size // 2]
+            record.accelerations[begin + 1 : end + 1] = out[:, sent : sent + size // 2]
         for i, reader in enumerate(reversed(loop.between), start=1):
             record.between[reader.signal][begin:end] = out[:, -i]
         self._made = end
         return len(out)
 
-    def _event(self, force: float, memory: FloatArray) -> None:
+    def _event(self, forces: Sequence[float], memory: Any) -> None:
         """One sample by the engine, which locates events."""
         record, k, engine, n = self.record, self._made, self._engine, len(self.loop.plant.bodies)
-        self.loop.at(k, force)
+        self.loop.at(k, forces)
         for duration, readers in self.loop.pieces:
-            engine.advance(force, duration)
+            engine.advance(forces, duration)
             for reader in readers:
                 value = (
-                    engine.acceleration(force) if reader.order == 2 else engine.state[reader.order * n :][:n]
+                    engine.acceleration(forces) if reader.order == 2 else engine.state[reader.order * n :][:n]
                 )
                 record.between[reader.signal][k] = reader.row @ value
-        record.forces[k], record.states[k + 1] = force, engine.state
+        record.forces[k], record.states[k + 1] = forces, engine.state
         if self.loop.moment is not None:
             self.loop.moment.settle(engine.state[:n])
         if self.loop.is_accelerated:
-            record.accelerations[k + 1] = engine.acceleration(force)
+            record.accelerations[k + 1] = engine.acceleration(forces)
         self._memory, self._made = memory, k + 1
 
 
