@@ -52,7 +52,7 @@ class Axis(Shown):
     drive : Drive or tuple of Drive
         The force or torque that moves the axis, or several: two motors of a gantry, tandem drives.
     sensors : tuple of Sensor
-        What can be measured. All are optional but the first.
+        What can be measured. All are optional but the first; with several drives, but for a position of each.
     known : mapping of str to float
         Values in SI units of parameters that are known though they have a name; others are given as numbers where they
         stand.
@@ -111,12 +111,17 @@ class Axis(Shown):
     @property
     def only_drive(self) -> Drive:
         """The drive of an axis that has one; SettingError if there are several."""
+        self.require_one_drive()
+        return self.drives[0]
+
+    def require_one_drive(self) -> None:
+        """Raise SettingError if there are several drives, where that is not yet possible."""
         if isinstance(self.drive, tuple):
             signals = ", ".join(drive.signal for drive in self.drive)
             raise SettingError(
-                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): this is possible for an axis with one"
+                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): diagnosis, tuning, excitation, export "
+                "and methods oe, pe and iv take an axis with one; identify it with method wls"
             )
-        return self.drive
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -193,24 +198,47 @@ class Axis(Shown):
         return next(positions, self.sensors[0].signal)
 
     @property
-    def sensor_sets(self) -> tuple[tuple[str, ...], ...]:
-        """Sets of sensors for which modules are generated: the first sensor with every subset of the others.
+    def controlled_signals(self) -> tuple[str, ...]:
+        """For each drive the signal of which its controller is made.
 
-        With more than `MOST_OPTIONAL_SENSORS` others: the first alone, with each single other, and with all.
+        With several drives, the first position sensor of the driven body; `controlled` where it has none.
         """
-        first, *others = (sensor.signal for sensor in self.sensors)
+        if len(self.drives) == 1:
+            return (self.controlled,)
+        positions = [sensor for sensor in self.sensors if isinstance(sensor, Position)]
+        driven = [_end_of(drive.at) for drive in self.drives]
+        return tuple(
+            next((sensor.signal for sensor in positions if sensor.body == body), self.controlled)
+            for body in driven
+        )
+
+    @property
+    def required_sensors(self) -> tuple[str, ...]:
+        """Signals without which no module is generated: the first sensor, with several drives a position of each."""
+        needed = {self.sensors[0].signal, *(self.controlled_signals if len(self.drives) > 1 else ())}
+        return tuple(sensor.signal for sensor in self.sensors if sensor.signal in needed)
+
+    @property
+    def sensor_sets(self) -> tuple[tuple[str, ...], ...]:
+        """Sets of sensors for which modules are generated: those required with every subset of the others.
+
+        With more than `MOST_OPTIONAL_SENSORS` others: the required alone, with each single other, and with all.
+        """
+        required, places = self.required_sensors, [sensor.signal for sensor in self.sensors]
+        others = [signal for signal in places if signal not in required]
         sizes = range(len(others) + 1) if len(others) <= MOST_OPTIONAL_SENSORS else (0, 1, len(others))
-        return tuple((first, *subset) for size in sizes for subset in combinations(others, size))
+        subsets = (subset for size in sizes for subset in combinations(others, size))
+        return tuple(tuple(sorted((*required, *subset), key=places.index)) for subset in subsets)
 
     def measured(self, signals: tuple[str, ...] | None = None) -> tuple[Sensor, ...]:
-        """Sensors of the given signals in the order of the declaration; the first sensor if None.
+        """Sensors of the given signals in the order of the declaration; those required if None.
 
         Raises
         ------
         SettingError
             If a signal is not that of a sensor of this axis.
         """
-        wanted = (self.sensors[0].signal,) if signals is None else signals
+        wanted = self.required_sensors if signals is None else signals
         known = {sensor.signal for sensor in self.sensors}
         unknown = [signal for signal in wanted if signal not in known]
         if unknown or not wanted:
@@ -356,10 +384,15 @@ def length_unit(joint: Joint) -> Unit:
 
 
 def _is_angle(joint: Joint) -> bool:
+    end = _end_of(joint)
+    return isinstance(end, Body) and end.turns
+
+
+def _end_of(joint: Joint) -> Body | Ground:
+    """The body that moves in a joint."""
     if isinstance(joint, Body):
-        return joint.turns
-    measured = joint.first if isinstance(joint.second, Ground) else joint.second
-    return isinstance(measured, Body) and measured.turns
+        return joint
+    return joint.first if isinstance(joint.second, Ground) else joint.second
 
 
 def _canonical(value: object) -> object:

@@ -21,11 +21,13 @@ def sketch(
     coulomb: bool = True,
     encoders: Sequence[str] = (),
     accelerometers: Sequence[str] = (),
+    drives: int = 1,
 ) -> Axis:
-    """Axis of bodies in a row: (structure,) motor, load, load2, ...
+    """Axis of bodies in a row: (structure,) motor, (motor2, ...) load, load2, ...
 
-    The structure stands on the ground by a spring and carries the motor; a load is joined to what is before it by a
-    spring and a damper. The drive pushes the motor against what it is on.
+    The structure stands on the ground by a spring and carries the motors; a load is joined to what is before it by a
+    spring and a damper, the first one to every motor. Motors without a load are joined to each other. A drive pushes
+    each motor against what it is on.
 
     Parameters
     ----------
@@ -42,7 +44,9 @@ def sketch(
     coulomb : bool
         Whether the motor's joint has Coulomb friction.
     encoders, accelerometers : sequence of str
-        Bodies with an encoder (besides the motor) or an accelerometer, both against the ground.
+        Bodies with an encoder (besides the motors) or an accelerometer, both against the ground.
+    drives : int
+        Number of drives, each with a motor and its encoder.
 
     Raises
     ------
@@ -54,7 +58,11 @@ def sketch(
     >>> list(sketch("mine", 2, encoders=["load"]).physical_parameters)
     ['Mm', 'Fvm', 'Fsm', 'Kl', 'Cl', 'Ml', 'Fvl']
     """
-    names = _names(bodies, structure)
+    names = _names(bodies, structure, drives)
+    if drives > 1 and springs is not None:
+        raise SettingError(
+            f"springs is {springs}: with {drives} drives, edit the springs in the file instead"
+        )
     springs = bodies - 1 if springs is None else springs
     if springs not in (bodies - 1, bodies):
         raise SettingError(f"springs is {springs}: {bodies} bodies take {bodies - 1} or {bodies} springs")
@@ -64,34 +72,43 @@ def sketch(
     elements: list[Element] = []
     for body in names:
         tag = _tag(body)
-        carrier = made["structure"] if body == "motor" and structure else GROUND
+        carrier = made["structure"] if body.startswith("motor") and structure else GROUND
         made[body] = (
             Body(body, inertia=f"J{tag}", on=carrier) if rotary else Body(body, mass=f"M{tag}", on=carrier)
         )
         elements += _joint(made, body, tag, held=springs == bodies, coulomb=coulomb)
-    motor = made["motor"]
-    sensors: list[Sensor] = [Position("q" if bodies == 1 else "qm", motor)]
+        if body.startswith("motor") and body != "motor" and "load" not in names:
+            end = tag[1:] if tag != "m2" else ""
+            between = Between(first=list(made.values())[-2], second=made[body])
+            elements.append(Spring(f"coupling{end}", between, stiffness=f"Kc{end}", damping=f"Cc{end}"))
+    motors = [made[body] for body in names if body.startswith("motor")]
+    sensors: list[Sensor] = [
+        Position("q" if bodies == 1 else f"q{_tag(motor.name)}", motor) for motor in motors
+    ]
     sensors += [
         Position(f"q{_tag(body)}", made[body], relative_to=_ground(made[body]))
         for body in encoders
-        if body != "motor"
+        if made[body] not in motors
     ]
     sensors += [
         Acceleration(f"ddq{_tag(body)}", made[body], relative_to=_ground(made[body]))
         for body in accelerometers
     ]
-    return Axis(name, tuple(elements), Drive("tau" if rotary else "F", motor), tuple(sensors))
+    force = "tau" if rotary else "F"
+    driven = tuple(Drive(force if drives == 1 else f"{force}{i}", m) for i, m in enumerate(motors, 1))
+    return Axis(name, tuple(elements), driven, tuple(sensors))
 
 
-def _names(bodies: int, structure: bool) -> list[str]:
-    if bodies < 1 + structure:
+def _names(bodies: int, structure: bool, drives: int) -> list[str]:
+    if drives < 1 or bodies < drives + structure:
+        of_drives = f" with {drives} drives" if drives > 1 else ""
         raise SettingError(
-            f"bodies is {bodies}: an axis has at least {1 + structure}{' with a structure' * structure}"
+            f"bodies is {bodies}: an axis has at least {drives + structure}{' with a structure' * structure}{of_drives}"
         )
-    loads = bodies - 1 - structure
+    loads = bodies - drives - structure
     return [
         *["structure"] * structure,
-        "motor",
+        *(f"motor{i}" if i > 1 else "motor" for i in range(1, drives + 1)),
         *(f"load{i}" if i > 1 else "load" for i in range(1, loads + 1)),
     ]
 
@@ -109,15 +126,18 @@ def _ground(body: Body) -> Ground | None:
 def _joint(made: dict[str, Body], body: str, tag: str, *, held: bool, coulomb: bool) -> Iterator[Element]:
     """A body with what holds it."""
     own = made[body]
-    before = list(made.values())[-2] if len(made) > 1 else None
-    if body.startswith("load") and before is not None:
-        name = "transmission" if body == "load" else f"transmission{tag[1:]}"
-        yield Spring(name, Between(first=before, second=own), stiffness=f"K{tag}", damping=f"C{tag}")
+    motors = [other for other in made.values() if other.name.startswith("motor")]
+    joined = motors if body == "load" else list(made.values())[-2:-1] if body.startswith("load") else []
+    for before in joined:
+        end = f"_{_tag(before.name)}" if before in motors[1:] else ""
+        name = f"transmission{tag[1:]}{end}"
+        between = Between(first=before, second=own)
+        yield Spring(name, between, stiffness=f"K{tag}{end}", damping=f"C{tag}{end}")
     yield own
     yield ViscousFriction(own, f"Fv{tag}")
     if body == "structure":
         yield Spring("foundation", own, stiffness=f"K{tag}")
-    if body == "motor":
+    if body.startswith("motor"):
         if coulomb:
             yield CoulombFriction(own, f"Fs{tag}")
         if held:

@@ -42,6 +42,13 @@ from symid.signals import is_signal_name
 @click.option(
     "--accelerometer", "accelerometers", multiple=True, metavar="BODY", help="A body with an accelerometer."
 )
+@click.option(
+    "--drives",
+    type=click.IntRange(1, 20),
+    default=1,
+    show_default=True,
+    help="Drives, each with a motor and its encoder: 2 for a gantry.",
+)
 @json_option
 def command(
     axis: str,
@@ -52,6 +59,7 @@ def command(
     coulomb: bool,
     encoders: tuple[str, ...],
     accelerometers: tuple[str, ...],
+    drives: int,
     json_file: str | None,
 ) -> None:
     """Write the file of a new AXIS: models/AXIS.py for a name, or the given path that ends with .py."""
@@ -72,6 +80,7 @@ def command(
         coulomb=coulomb,
         encoders=encoders,
         accelerometers=accelerometers,
+        drives=drives,
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("x", encoding="utf-8") as file:

@@ -89,16 +89,18 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
 
 
 def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
-    """Whether ``--held`` names the force of an axis; None without it, so that the declaration decides.
+    """Whether ``--held`` names a force of an axis, and so all; None without it, so that the declaration decides.
 
     Raises
     ------
     SettingError
         If it names another signal.
     """
-    force = axis.only_drive.signal
-    if unknown := [name for name in signals if name != force]:
-        raise SettingError(f"--held {unknown[0]} is not the force of axis {axis.name!r}: give {force}")
+    forces = [drive.signal for drive in axis.drives]
+    if unknown := [name for name in signals if name not in forces]:
+        raise SettingError(
+            f"--held {unknown[0]} is not the force of axis {axis.name!r}: give {' or '.join(forces)}"
+        )
     return True if signals else None
 
 

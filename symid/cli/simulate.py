@@ -44,7 +44,7 @@ from symid.simulation import (
     plant_of,
     simulate,
     trapezoids,
-    tuned_cascade,
+    tuned_cascades,
 )
 
 _UNIT = 1e-3
@@ -152,12 +152,13 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     declared = with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared)
     plant = plant_of(declared, parameters)
-    controller, trajectory = run_of(declared, plant, options)
+    controllers, trajectories = runs_of(declared, plant, options)
+    trajectory = trajectories[0]
     run = simulate(
         declared,
         parameters,
-        trajectory,
-        controller,
+        trajectories,
+        controllers,
         frequency_hz=options["log_rate"],
         seed=options["seed"],
         progress=partial(tracked, what="parts of the simulation"),
@@ -200,18 +201,39 @@ def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
     return axis
 
 
-def run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
-    """Controller and trajectory; open loop they both come from the log of the force."""
+def runs_of(
+    axis: Axis, plant: Plant, options: dict[str, Any]
+) -> tuple[tuple[Controller, ...], tuple[Trajectory, ...]]:
+    """Controller and trajectory of each drive; open loop they come from the log of the forces.
+
+    A log that is followed may hold a reference of its own for each drive.
+    """
     if options["open_loop"]:
         log = read_axis_log(axis, options["open_loop"])
-        return OpenLoop(log[axis.only_drive.signal]), from_log(log, next(iter(plant.sensors)))
-    return cascade_of(axis, plant, options), trajectory_of(axis, options)
+        path = from_log(log, next(iter(plant.sensors)))
+        return tuple(OpenLoop(log[drive.signal]) for drive in axis.drives), (path,) * len(axis.drives)
+    file = options["trajectory"]
+    if not Path(file).suffix:
+        trajectories = (trajectory_of(axis, options),) * len(axis.drives)
+    else:
+        unit = axis.signal_units[axis.sensors[0].signal]
+        own = {f"reference_{drive.signal}": unit for drive in axis.drives}
+        log = read_log(file, expected={"reference": unit, **own})
+        trajectories = tuple(from_log(log, name if name in log.signals else "reference") for name in own)
+    return cascades_of(axis, plant, options), trajectories
 
 
 def cascade_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
-    """Cascade of the controller options."""
-    tuned = tuned_cascade(plant, axis.controlled, options["bandwidth"], options["force_limit"])
-    return tuned.with_gains(**cascade_gains(options["gains"]))
+    """Cascade of the controller options, of an axis with one drive."""
+    axis.require_one_drive()
+    (cascade,) = cascades_of(axis, plant, options)
+    return cascade
+
+
+def cascades_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Cascade, ...]:
+    """Cascade of the controller options for each drive."""
+    tuned = tuned_cascades(plant, axis.controlled_signals, options["bandwidth"], options["force_limit"])
+    return tuple(cascade.with_gains(**cascade_gains(options["gains"])) for cascade in tuned)
 
 
 def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:

@@ -24,7 +24,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked
-from symid.cli.simulate import band_of, cascade_of, controller_options, run_of, trajectory_options
+from symid.cli.simulate import band_of, cascade_of, controller_options, runs_of, trajectory_options
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of
@@ -135,6 +135,7 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
     total error.
     """
     declared = load_axis(axis)
+    declared.require_one_drive()
     parameters = parameter_file(file, declared)
     if options["noise_from"] or options["noise"]:
         total = _total(axis, declared, parameters, options)
@@ -206,7 +207,8 @@ def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controll
     low, high = excited_band(plant) if options["band"] == "modes" else band_of(options["band"])
     is_velocity = options["trajectory"] == "chirp" and options["amplitude_of"] == "velocity"
     if not is_velocity or options["open_loop"]:
-        return run_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
+        (controller,), (trajectory,) = runs_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
+        return controller, trajectory
     limits = {name: options[name] for name in ("travel", "speed", "acceleration")}
     reference = tuning_chirp(plant, options["rate"], options["seconds"], (low, high), **limits)
     return cascade_of(axis, plant, options), reference

@@ -112,7 +112,7 @@ class BatchSettings:
             sensors = {sensor.signal for sensor in axis.sensors}
             chosen = tuple(name for name in self.measured if name in sensors) or None
         late = {name: value for name, value in self.preparation.late.items() if name in axis.signal_units}
-        held = True if axis.only_drive.signal in self.held else self.preparation.held
+        held = True if any(d.signal in self.held for d in axis.drives) else self.preparation.held
         free = frozenset(axis.physical_parameters)
         return replace(
             self,
@@ -140,7 +140,7 @@ class BatchSettings:
             raise SettingError(
                 f"{strange[0]!r} is not an unknown parameter: choose from {', '.join(sorted(free))}"
             )
-        forces = [axis.only_drive.signal for axis in axes]
+        forces = [drive.signal for axis in axes for drive in axis.drives]
         if unknown := [signal for signal in self.held if signal not in forces]:
             raise SettingError(
                 f"held signal {unknown[0]!r} is not a force of an axis: give {', '.join(forces)}"

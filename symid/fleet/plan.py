@@ -45,7 +45,7 @@ class FleetAxis:
     def fingerprint(self) -> str:
         """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
         texts = [module.text for _, module in self.modules]
-        declared = (self.axis.name, self.axis.elements, self.axis.only_drive, self.axis.sensors)
+        declared = (self.axis.name, self.axis.elements, self.axis.drive, self.axis.sensors)
         whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
@@ -65,16 +65,18 @@ class FleetAxis:
         raise GeneratedModuleError(f"there is no generated module for {', '.join(wanted)}; run: {command}")
 
     def is_held_in(self, columns: frozenset[str]) -> bool:
-        """Whether a file of these columns has the force and a sensor of the axis."""
+        """Whether a file of these columns has the forces and a sensor of the axis."""
         expected, alternatives = axis_columns(self.axis, self.settings.measured)
         mapped = self.settings.columns
 
         def has(signal: str) -> bool:
             return mapped.get(signal, signal) in columns
 
-        force = self.axis.only_drive.signal
-        made = force in alternatives and has(alternatives[force][0])
-        return (has(force) or made) and any(has(signal) for signal in expected if signal != force)
+        forces = {drive.signal for drive in self.axis.drives}
+        made = {force for force in forces & alternatives.keys() if has(alternatives[force][0])}
+        return all(map(has, forces - made)) and any(
+            has(signal) for signal in expected if signal not in forces
+        )
 
 
 @lru_cache(maxsize=256)

@@ -159,7 +159,7 @@ def measured_signals(
     """
     held = [sensor.signal for sensor in axis.sensors if all(sensor.signal in log.signals for log in logs)]
     wanted = list(measured) if measured else held
-    needed = [*(drive.signal for drive in axis.drives), *(wanted or [axis.sensors[0].signal])]
+    needed = [*(drive.signal for drive in axis.drives), *(wanted or axis.required_sensors)]
     for log in logs:
         missing = [name for name in needed if name not in log.signals]
         if missing:

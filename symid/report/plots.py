@@ -122,8 +122,8 @@ def identification_figure(
 def _responses(
     found: Identification | OutputErrorIdentification, axis: Axis | None, runs: Sequence[Log]
 ) -> list[FrequencyResponse]:
-    """Frequency responses of the first sensors, where the axis is known well enough."""
-    if axis is None or not runs or not has_response(axis, found.physical_parameters):
+    """Frequency responses of the first sensors to the only drive, where the axis is known well enough."""
+    if axis is None or len(axis.drives) > 1 or not runs or not has_response(axis, found.physical_parameters):
         return []
     identified, signals = runs[: len(found.logs)], found.model.measured[:_MOST_RESPONSES]
     late = found.observations[0].preparation.late if isinstance(found, Identification) else None

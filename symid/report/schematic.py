@@ -1,4 +1,4 @@
-"""The schematic of an axis, drawn from its declaration: bodies in a row, what acts between them, drive and sensors.
+"""The schematic of an axis, drawn from its declaration: bodies in a row, what acts between them, drives and sensors.
 
 The ground is at the left. What joins neighbours lies between them; what joins a later body to the ground hangs below
 it; what joins bodies that are not neighbours runs above. A sensor is an arrow to what it measures from its reference.
@@ -127,7 +127,7 @@ def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
 
 
 def _links(axis: Axis) -> Iterator[_Link]:
-    """Everything that acts in a joint, in the order of the declaration; the drive last."""
+    """Everything that acts in a joint, in the order of the declaration; the drives last."""
     for body in axis.bodies:
         if body.geared is not None:
             name = f"gear of {body.name}"
@@ -148,9 +148,10 @@ def _links(axis: Axis) -> Iterator[_Link]:
                 yield _link(element.at, _sign_of(element), _label(element), type(element).__name__)
             case JointImperfection():
                 yield _link(element.at, symbols.law, _marks(axis, element), type(element).__name__)
-    drive = axis.only_drive
     marks = _marks(axis, *(e for e in axis.imperfections if isinstance(e, DriveImperfection)))
-    yield _link(drive.at, symbols.drive, _marked(drive.command or drive.signal, marks), "drive")
+    for drive in axis.drives:
+        name = "drive" if len(axis.drives) == 1 else f"drive {drive.signal}"
+        yield _link(drive.at, symbols.drive, _marked(drive.command or drive.signal, marks), name)
 
 
 def _marks(axis: Axis, *elements: Imperfection) -> str:

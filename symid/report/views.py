@@ -52,9 +52,8 @@ def _(axis: Axis, console: Console) -> None:
     console.print(f"[bold]{axis.name}[/bold]")
     for element in axis.elements:
         console.print(f"    {element!r}", markup=False)
-    console.print(f"    {axis.only_drive!r}", markup=False)
-    for sensor in axis.sensors:
-        console.print(f"    {sensor!r}", markup=False)
+    for signal in (*axis.drives, *axis.sensors):
+        console.print(f"    {signal!r}", markup=False)
     units = (f"{name} [{unit}]" for name, unit in axis.physical_parameters.items())
     console.print(f"parameters: {', '.join(units)}", markup=False)
 

@@ -144,10 +144,10 @@ def simulate(
     for drive, force in zip(axis.drives, (record.forces if moment is None else sent).T, strict=True):
         recorded = force + drive.noise * random.standard_normal(n_samples)
         signals[drive.signal] = in_steps(recorded, drive.resolution)[::every]
+    signals["reference"] = paths[0].position[::every]
     for drive, path in zip(axis.drives, paths, strict=True):
         if path is not paths[0]:
             signals[f"reference_{drive.signal}"] = path.position[::every]
-    signals["reference"] = paths[0].position[::every]
     log = Log.from_arrays(signals, sampling_period=every * period, source=f"simulated {axis.name}")
     forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
     return Simulation(log, paths[0].time, record.states[:-1], record.accelerations[:-1], forces)

@@ -3,9 +3,10 @@
 The whole block is computed first; then it is kept up to the last sample in which no sliding joint turns round, every
 stuck joint holds, and the controller is linear.
 
-The state z of the recursion holds the state of the axis, those of the controllers, and readings on their way to them; its
-inputs w are the references, the noise of the readings and the given forces. A controller that remembers its last reading
-takes the difference to the present one, divided by the period: here z holds that difference, which rounding spares.
+The state z of the recursion holds the state of the axis, those of the controllers, and readings on their way to them;
+its inputs w are the references, the noise of the readings and the given forces. A controller that remembers its last
+reading takes the difference to the present one, divided by the period: here z holds that difference, which rounding
+spares.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ def derive(axis: Axis, measured: Sequence[str] | None = None) -> DerivedModel:
     axis : Axis
         The declared axis.
     measured : sequence of str, optional
-        Signals of the sensors to use; the first sensor by default.
+        Signals of the sensors to use; those required by default, for one drive the first sensor.
 
     Raises
     ------

@@ -53,7 +53,7 @@ def of_any_axis(function: Callable[Concatenate[Axis, P], R]) -> Callable[Concate
 
     Examples
     --------
-    >>> of_any_axis(lambda axis: axis.only_drive.signal)("rigid_1m")
+    >>> of_any_axis(lambda axis: axis.drives[0].signal)("rigid_1m")
     'F'
     """
 

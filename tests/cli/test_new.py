@@ -16,6 +16,8 @@ COMBINATIONS = {
     "paper": ("--structure --accelerometer structure", ["Ms", "Ks"], 1),
     "flexure": ("--bodies 1 --springs 1", ["Km"], 1),
     "large": ("--bodies 4 --springs 3 --structure --accelerometer load2 --encoder load", ["Ml2", "Kl2"], 3),
+    "gantry": ("--drives 2", ["Mm", "Mm2", "Kc", "Cc"], 1),
+    "beam": ("--drives 2 --bodies 4 --encoder load", ["Kl", "Kl_m2", "Kl2", "Fsm2"], 3),
 }
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axes.gantry import AXIS, LEFT, RIGHT, TRUE, log, matrices
 
 from symid import (
     Axis,
@@ -23,7 +24,6 @@ from symid import (
 from symid.codegen.generate import compiled
 from symid.errors import DeclarationError, LogError, SettingError
 from symid.identification import measured_signals, read_axis_log
-from tests.axes.gantry import AXIS, LEFT, RIGHT, TRUE, log, matrices
 
 SETS = (("q1", "q2", "qb"), ("q1", "q2"))
 

@@ -6,6 +6,7 @@ from itertools import combinations
 from pathlib import Path
 
 import pytest
+from axes import gantry
 from axes.catalogue import cases
 from axes.effects import EFFECTS, with_effect
 from command_line import run
@@ -64,6 +65,7 @@ IMPERFECT = {
     ),
 }
 AXES |= IMPERFECT
+AXES["gantry"] = gantry.AXIS
 
 
 @pytest.mark.parametrize("name", IMPERFECT)
@@ -99,7 +101,9 @@ def test_every_body_parameter_and_signal_has_a_label(name: str) -> None:
         for p in dict.fromkeys(t.parameter for t in law.terms())
     ]
     expected = {b.name for b in axis.bodies} | {s.signal for s in axis.sensors}
-    expected |= set(axis.physical_parameters) - set(many) | {axis.drive.command or axis.drive.signal}
+    expected |= set(axis.physical_parameters) - set(many) | {
+        drive.command or drive.signal for drive in axis.drives
+    }
     assert expected <= set(shown), expected - set(shown)
     assert {f"body {b.name}" for b in axis.bodies} | {f"sensor {s.signal}" for s in axis.sensors} <= names(
         figure

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axes.gantry import AXIS, LEFT, NOISE, TRUE, matrices
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -21,7 +22,6 @@ from symid.simulation import (
     tuned_cascade,
     tuned_cascades,
 )
-from tests.axes.gantry import AXIS, LEFT, NOISE, TRUE, matrices
 
 PERIOD = 1 / 2000
 SMOOTH = TRUE | {"Fs1": 0.0, "Fs2": 0.0}
