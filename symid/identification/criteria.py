@@ -37,6 +37,9 @@ class Criteria:
     cutoff_fit : float
         Such a residual from which on lower cutoffs are tried: real machines have modes that the model lacks, above
         what it describes. From there the highest cutoff is taken that leaves little more than the best.
+    precise : float
+        Printed deviation, as part of the value, up to which a result is as precise as wanted; beyond it, other cutoffs
+        are tried.
     noise_explains : float
         Times the noise found in a log that a residual may be and count as explained.
     gain : float
@@ -57,6 +60,7 @@ class Criteria:
     smoothed_output: float = 0.03
     worst_fit: float = 0.3
     cutoff_fit: float = 0.1
+    precise: float = 0.05
     noise_explains: float = 3.0
     gain: float = 0.05
     dead_share: float = 1e-3

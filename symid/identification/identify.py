@@ -9,13 +9,10 @@ noise in W and differences that are no derivatives (`bias_of`).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel, as_generated
@@ -26,16 +23,14 @@ from symid.estimation import (
     Method,
     ObservationBlock,
     corrected_covariance_of_blocks,
-    estimate,
-    refine_blocks,
 )
 from symid.identification.bias import bias_of, bias_of_instruments
-from symid.identification.blocks import Run, blocks_of_runs
+from symid.identification.blocks import blocks_of_runs
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
-from symid.identification.criteria import CRITERIA
+from symid.identification.cutoff import Estimation, Trial, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
-from symid.identification.misfit import misfit_of, noiseless_misfit, unexplained
+from symid.identification.misfit import misfit_of, noiseless_misfit
 from symid.identification.nonlinearity import nonlinearity_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
@@ -51,25 +46,6 @@ from symid.identification.whitened import Segment, segments
 
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
-
-_CUTOFF_STEP, _LOWER_CUTOFFS = 1.6, 5
-"""Cutoffs that are tried: down to a tenth, in steps that change the columns by no more than half."""
-_ROWS_LEFT = 50
-"""Rows for each parameter that a lower cutoff must leave: fewer say little about what is wrong with a log."""
-_RIGID = 2
-"""Derivatives of a rigid axis; those of modes that it lacks hardly pass a cutoff that follows the motion."""
-_LITTLE_MORE = 1.5
-"""Times the smallest residual that counts as little more: noise of the output alone makes 1.26 of a step."""
-_MOST_COULOMB_ROUNDS = 6
-"""Later ones extrapolate by secants: three or four settle where the plain iteration halves its error or grows."""
-_FLATTEST = 0.1
-"""Slope of the line between two rounds below which extrapolation would go far on little."""
-_COULOMB_SETTLED = 0.005
-"""Relative change of the friction that ends the rounds: what it leaves in the derivatives is below one per cent of what
-the paper drops."""
-_CONDITION_THAT_COSTS_DIGITS = 1e4
-_MANY_ROWS = 1_000_000
-"""Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
 
 
 def identify(
@@ -134,18 +110,29 @@ def identify(
         raise SettingError(
             f"axis {model.axis!r} has a parameter of each log ({', '.join(model.per_log)}): identify each log alone"
         )
-    runs, fit = _with_cutoff(model, every, preparation or Preparation(), method, ddof)
-    observations = tuple(run.observation for run in runs)
-    found = found_from(
-        model,
-        every,
-        observations,
-        fit,
-        blocks=lambda: blocks_of_runs(runs),
-        nominal=nominal,
-        constraints=constraints,
-    )
-    return distrusted(found, every) if examine and fit.status == "ok" else judged(found)
+    estimation = Estimation(model, every, preparation or Preparation(), method, ddof)
+
+    def found_at(trial: Trial) -> Identification:
+        return found_from(
+            model,
+            every,
+            tuple(run.observation for run in trial.runs),
+            trial.fit,
+            blocks=lambda: blocks_of_runs(trial.runs),
+            nominal=nominal,
+            constraints=constraints,
+        )
+
+    def biased(trial: Trial) -> Identification:
+        found = found_at(trial)
+        if trial.fit.status != "ok":
+            return found
+        return replace(found, bias=bias_of(model, excerpts(model, every, found.observations), trial.fit))
+
+    trial = estimation.trial()
+    if not examine or trial.fit.status != "ok":
+        return judged(found_at(trial))
+    return distrusted(least_uncertain(estimation, trial, biased), every)
 
 
 def found_from(
@@ -205,8 +192,9 @@ def distrusted(
     """The identification with what was found about timing and bias; parameters as in `found_from`."""
     model, fit = found.model, found.fit
     parts = excerpts(model, logs, found.observations)
+    bias = found.bias
     if instruments is None:
-        bias = bias_of(model, parts, fit)
+        bias = bias or bias_of(model, parts, fit)
     else:
         whole = [log.window(0, log.n_samples) for log in logs]
         bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
@@ -229,81 +217,3 @@ def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segm
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift_of(model, parts, fit),
     )
-
-
-def _with_cutoff(
-    model: GeneratedModel, logs: Sequence[AnyLog], preparation: Preparation, method: Method, ddof: int | None
-) -> tuple[tuple[Run, ...], LeastSquares]:
-    """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
-    first = _with_coulomb(model, [(log, preparation) for log in logs], method, ddof)
-    is_flexible = max(model.highest_derivatives.values()) > _RIGID
-    if (
-        not is_flexible
-        or preparation.cutoff_hz is not None
-        or _left(model, logs, first) < CRITERIA.cutoff_fit
-    ):
-        return first
-    tried, lefts = [first], [_left(model, logs, first)]
-    for k in range(1, _LOWER_CUTOFFS + 1):
-        lower = []
-        for log, run in zip(logs, first[0], strict=True):
-            cutoff = run.observation.preparation.cutoff_hz
-            assert cutoff is not None
-            lower.append((log, replace(preparation, cutoff_hz=float(f"{cutoff / _CUTOFF_STEP**k:.3g}"))))
-        try:
-            found = _with_coulomb(model, lower, method, ddof)
-        except SettingError:
-            break
-        if min(found[1].rows) < _ROWS_LEFT * found[1].solution.size:
-            break
-        tried.append(found)
-        lefts.append(_left(model, logs, found))
-    if min(lefts) > CRITERIA.cutoff_fit:  # no cutoff helps: something else is wrong
-        return first
-    good = _LITTLE_MORE * min(lefts)
-    return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
-
-
-def _left(
-    model: GeneratedModel, logs: Sequence[AnyLog], found: tuple[tuple[Run, ...], LeastSquares]
-) -> float:
-    """Largest residual of an equation as part of its output, beyond noise; inf where parameters are not determined."""
-    runs, fit = found
-    if fit.status != "ok":
-        return math.inf
-    seen = [(log, run.observation) for log, run in zip(logs, runs, strict=True) if isinstance(log, Log)]
-    return float(np.max(unexplained(model, seen, fit))) if seen else 0.0
-
-
-def _with_coulomb(
-    model: GeneratedModel, logs: Sequence[tuple[AnyLog, Preparation]], method: Method, ddof: int | None
-) -> tuple[tuple[Run, ...], LeastSquares]:
-    """Rows and estimate; friction beside a differentiated force is taken off it, and found by secants."""
-    runs = tuple(Run.of(model, log, prepared) for log, prepared in logs)
-    fit = _estimated(runs, method, ddof)
-    if not model.coulomb_at_drive or logs[0][1].coulomb is not None:
-        return runs, fit
-    places = [parameter for _, parameter in model.coulomb_at_drive]
-    taken, slope = np.zeros(len(places)), np.ones(len(places))
-    for _ in range(_MOST_COULOMB_ROUNDS):
-        levels = fit.solution[places]
-        better = np.maximum(taken + (levels - taken) / slope, 0.0)
-        if fit.status != "ok" or np.all(np.abs(better - taken) <= _COULOMB_SETTLED * better):
-            break
-        before, taken = (taken, levels), better
-        coulomb = tuple(map(float, taken))
-        settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
-        runs = tuple(Run.of(model, log, one) for (log, _), one in zip(logs, settled, strict=True))
-        fit = _estimated(runs, method, ddof)
-        moved, risen = taken - before[0], fit.solution[places] - before[1]
-        slope = 1.0 - np.divide(risen, moved, out=np.zeros_like(moved), where=moved != 0.0)
-        slope = np.where(np.abs(slope) < _FLATTEST, np.copysign(_FLATTEST, slope), slope)
-    return runs, fit
-
-
-def _estimated(runs: Sequence[Run], method: Method, ddof: int | None) -> LeastSquares:
-    fit = estimate([factor for run in runs for factor in run.factors()], method, ddof)
-    worth_refining = sum(fit.rows) < _MANY_ROWS or fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS
-    if len(runs) == 1 and fit.status == "ok" and worth_refining:
-        fit = refine_blocks(blocks_of_runs(runs), fit)
-    return fit

@@ -24,7 +24,7 @@ ComplexArray = npt.NDArray[np.complex128]
 
 _FROM = 0.35
 """Of the sampling frequency: from here on, up to half of it, a log is taken to hold noise only."""
-_QUIET_SHARE = 3e-4
+_QUIET_SHARE = 3e-3
 _LEAST_WIDENING = 1.5
 _SEGMENT = 512
 _LINES = 2048

@@ -19,14 +19,14 @@ from symid.identification.scheme import DIFFERENCE_ORDER
 ComplexArray = npt.NDArray[np.complex128]
 
 _COHERENT = 0.8
-_MARGIN = 1.5
+_MARGIN, _HIGHEST_MARGIN = 1.5, 3.0
 _LEAST_SEGMENTS = 8
 _NOISE_SHARE = 0.005
 _FAITHFUL = 0.97
 _BAND_ORDER = 2
-"""Differences of the paper's order bound the automatic cutoff, whatever order is used: sharper ones are faithful five
-times as far, but noise there draws parameters of stiff parts towards zero (errors in variables; a ball screw with a
-scale lost 47 % of its table's mass at 1010 Hz, 0.03 % at 154 Hz)."""
+"""Differences of the paper's order bound the first cutoff, whatever order is used: sharper ones are faithful five times
+as far, but noise there draws parameters of stiff parts towards zero (errors in variables; a ball screw with a scale
+lost 47 % of its table's mass at 1010 Hz, 0.03 % at 154 Hz)."""
 _LONGEST = 1_048_576
 """Samples from which spectra are taken; of a longer log, evenly spread excerpts."""
 _EXCERPTS = 8
@@ -197,14 +197,28 @@ def _power(transforms: ComplexArray) -> FloatArray:
     return np.asarray(np.mean(transforms.real**2 + transforms.imag**2, axis=0))
 
 
-def faithful_band(log: AnyLog, model: GeneratedModel) -> float:
-    """Frequency at which repeated central differences of order 2 lose 3 % of the highest derivative [36], in Hz.
+def faithful_band(log: AnyLog, model: GeneratedModel, difference_order: int) -> float:
+    """Frequency at which repeated central differences of an order lose 3 % of the highest derivative [36], in Hz.
 
     Models with derivatives of different orders in one equation are biased by the difference of these losses.
     """
     order = max(model.highest_derivatives.values())
-    share = differencing_bandwidth(order, _FAITHFUL, order=_BAND_ORDER) if order else 0.5
+    share = differencing_bandwidth(order, _FAITHFUL, order=difference_order) if order else 0.5
     return share * log.sampling_frequency
+
+
+def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> tuple[float, float]:
+    """Cutoff to begin with, and the highest that the log and differences of an order allow, in Hz.
+
+    Both stay in the quiet band. The first also stays below 1.5 times the coherent band and where differences of the
+    paper's order are faithful, the other one below 3 times the coherent band and where those of this order are.
+    """
+    spectra = Spectra.of(log, model)
+    coherent, quiet = coherent_band(log, model, spectra), quiet_band(log, model, spectra)
+    first = min(_MARGIN * coherent, quiet, faithful_band(log, model, _BAND_ORDER))
+    order = max(difference_order, _BAND_ORDER)
+    highest = min(_HIGHEST_MARGIN * coherent, quiet, faithful_band(log, model, order))
+    return float(f"{first:.3g}"), highest
 
 
 def _excerpts(log: AnyLog, name: str) -> FloatArray:
@@ -223,20 +237,14 @@ def _segment(log: AnyLog) -> int:
 def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
-    The cutoff is the lowest of 1.5 times the coherent band, the quiet band, and the faithful band; the decimation keeps
-    the cutoff below 0.8 of the new Nyquist frequency; trimming leaves out three periods of the cutoff frequency, the
-    time in which a Butterworth filter forgets its start to a thousandth. A hold of the force stands in `late`.
+    The cutoff is the first one of `cutoff_range`; the decimation keeps it below 0.8 of the new Nyquist frequency;
+    trimming leaves out three periods of the cutoff frequency, the time in which a Butterworth filter forgets its start
+    to a thousandth. A hold of the force stands in `late`.
     """
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
     if cutoff is None:
-        spectra = Spectra.of(log, model)
-        bands = (
-            _MARGIN * coherent_band(log, model, spectra),
-            quiet_band(log, model, spectra),
-            faithful_band(log, model),
-        )
-        cutoff = float(f"{min(bands):.3g}")
+        cutoff, _ = cutoff_range(log, model, given.difference_order)
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
     reach = max(model.highest_derivatives.values()) * given.difference_order // 2
     edge = min(math.ceil(3 * rate / cutoff) + reach, log.n_samples // 10)

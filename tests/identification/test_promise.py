@@ -5,9 +5,11 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from benchmarks.promise.machines import Case, draw_case
 from symid import Log, Preparation, identify, load_generated
 from symid.data import central_difference, central_difference_gain, derivatives
 from symid.identification import Identification
+from symid.identification.settings import completed
 
 RATE = 500.0
 TRUTH = {"M": 100.0, "Fv": 200.0, "Fs": 20.0}
@@ -177,3 +179,20 @@ def test_differences_of_an_order_are_exact_on_polynomials_and_have_their_gain(or
     wave = derivatives(np.sin(w * period * np.arange(400)), period, 1, accuracy=order)[0][200]
     expected = w * np.cos(w * period * 200) * central_difference_gain(60.0, period, order=order)
     assert wave == pytest.approx(expected, abs=1e-9 * w)
+
+
+@pytest.mark.parametrize(("number", "axis"), [(22, "direct_2m1s"), (26, "rigid_1m"), (47, "ballscrew_2m1s")])
+def test_a_log_of_few_samples_is_estimated_at_a_cutoff_that_determines_it(number: int, axis: str) -> None:
+    case = draw_case(np.random.default_rng([911, number, False]))
+    assert (case.axis, case.rate <= 500) == (axis, True)
+    model = load_generated(case.axis, case.measured)
+    log = Log.from_arrays(case.signals, sampling_period=1 / case.rate)
+    chosen = identify(model, log)
+    first = completed(Preparation(), log, model).cutoff_hz
+    assert chosen.status == "ok", chosen.message
+    assert greatest_error(chosen, case) < 0.1
+    assert greatest_error(identify(model, log, preparation=Preparation(cutoff_hz=first)), case) > 0.15
+
+
+def greatest_error(found: Identification, case: Case) -> float:
+    return max(abs(found.physical_parameters[name] / true - 1) for name, true in case.truth.items())

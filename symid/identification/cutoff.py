@@ -1,0 +1,220 @@
+"""At which cutoff logs are estimated: the one given, the one that the log suggests, or a better one nearby.
+
+A cutoff is first chosen from spectra (`settings`). It is replaced where the estimate itself says more: by a lower one
+where the model does not describe the band, and by that of the smallest printed deviations where these are large. Too
+low a cutoff hides what tells parameters apart, too high a one lets noise into W.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.data import AnyLog, Log
+from symid.errors import SettingError
+from symid.estimation import LeastSquares, Method, estimate, refine_blocks
+from symid.identification.blocks import Run, blocks_of_runs
+from symid.identification.criteria import CRITERIA
+from symid.identification.misfit import unexplained
+from symid.identification.result import Identification
+from symid.identification.settings import Preparation, cutoff_range
+
+_STEP, _LOWER_CUTOFFS = 1.6, 5
+"""Cutoffs that are tried: down to a tenth, in steps that change the columns by no more than half."""
+_ROWS_LEFT = 50
+"""Rows for each parameter that a lower cutoff must leave: fewer say little about what is wrong with a log."""
+_RIGID = 2
+"""Derivatives of a rigid axis; those of modes that it lacks hardly pass a cutoff that follows the motion."""
+_LITTLE_MORE = 1.5
+"""Times the smallest residual that counts as little more: noise of the output alone makes 1.26 of a step."""
+_WORTH = 0.9
+"""Part of the deviations so far that those of another cutoff must be."""
+_KNOWN = 1e-3
+"""Relative deviation below which a parameter need not be known better."""
+_FAILURES = 2
+"""Cutoffs in a row that are no better and end the search in their direction."""
+_MOST_COULOMB_ROUNDS = 6
+"""Later ones extrapolate by secants: three or four settle where the plain iteration halves its error or grows."""
+_FLATTEST = 0.1
+"""Slope of the line between two rounds below which extrapolation would go far on little."""
+_COULOMB_SETTLED = 0.005
+"""Relative change of the friction that ends the rounds: what it leaves in the derivatives is below one per cent of what
+the paper drops."""
+_CONDITION_THAT_COSTS_DIGITS = 1e4
+_MANY_ROWS = 1_000_000
+"""Parameters are refined in extended precision where that costs no time, or where rounding has cost digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Rows of each log, and what was estimated from all of them."""
+
+    runs: tuple[Run, ...]
+    fit: LeastSquares
+
+
+@dataclass(frozen=True, eq=False)
+class Estimation:
+    """What is to be estimated, from what and how; parameters as in `identify`."""
+
+    model: GeneratedModel
+    logs: tuple[AnyLog, ...]
+    preparation: Preparation
+    method: Method
+    ddof: int | None
+
+    def trial(self) -> Trial:
+        """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
+        first = self._at([self.preparation] * len(self.logs))
+        is_flexible = max(self.model.highest_derivatives.values()) > _RIGID
+        is_open = self.preparation.cutoff_hz is None
+        if not is_flexible or not is_open or self.left(first) < CRITERIA.cutoff_fit:
+            return first
+        tried, lefts = [first], [self.left(first)]
+        for k in range(1, _LOWER_CUTOFFS + 1):
+            found = self.scaled(first, _STEP**-k)
+            if found is None:
+                break
+            tried.append(found)
+            lefts.append(self.left(found))
+        if min(lefts) > CRITERIA.cutoff_fit:  # no cutoff helps: something else is wrong
+            return first
+        good = _LITTLE_MORE * min(lefts)
+        return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
+
+    def scaled(self, first: Trial, factor: float) -> Trial | None:
+        """Rows and estimate at so many times the cutoffs of a trial; None where lower ones leave too few rows."""
+        cutoffs = [factor * _cutoff(run) for run in first.runs]
+        try:
+            found = self._at([replace(self.preparation, cutoff_hz=float(f"{x:.3g}")) for x in cutoffs])
+        except SettingError:
+            return None
+        least = _ROWS_LEFT * found.fit.solution.size if factor < 1.0 else 0
+        return found if min(found.fit.rows) >= least else None
+
+    def left(self, found: Trial) -> float:
+        """Largest residual of an equation as part of its output, beyond noise; inf without all parameters."""
+        if found.fit.status != "ok":
+            return math.inf
+        pairs = zip(self.logs, found.runs, strict=True)
+        seen = [(log, run.observation) for log, run in pairs if isinstance(log, Log)]
+        return float(np.max(unexplained(self.model, seen, found.fit))) if seen else 0.0
+
+    def highest(self, first: Trial) -> float:
+        """Times the cutoffs of a trial that the logs allow."""
+        order = self.preparation.difference_order
+        return min(
+            cutoff_range(log, self.model, order)[1] / _cutoff(run)
+            for log, run in zip(self.logs, first.runs, strict=True)
+        )
+
+    def _at(self, preparations: Sequence[Preparation]) -> Trial:
+        """Rows and estimate; friction beside a differentiated force is taken off it, and found by secants."""
+        model = self.model
+        runs = tuple(Run.of(model, log, one) for log, one in zip(self.logs, preparations, strict=True))
+        fit = self._estimated(runs)
+        if not model.coulomb_at_drive or self.preparation.coulomb is not None:
+            return Trial(runs, fit)
+        places = [parameter for _, parameter in model.coulomb_at_drive]
+        taken, slope = np.zeros(len(places)), np.ones(len(places))
+        for _ in range(_MOST_COULOMB_ROUNDS):
+            levels = fit.solution[places]
+            better = np.maximum(taken + (levels - taken) / slope, 0.0)
+            if fit.status != "ok" or np.all(np.abs(better - taken) <= _COULOMB_SETTLED * better):
+                break
+            before, taken = (taken, levels), better
+            coulomb = tuple(map(float, taken))
+            settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
+            runs = tuple(Run.of(model, log, one) for log, one in zip(self.logs, settled, strict=True))
+            fit = self._estimated(runs)
+            moved, risen = taken - before[0], fit.solution[places] - before[1]
+            slope = 1.0 - np.divide(risen, moved, out=np.zeros_like(moved), where=moved != 0.0)
+            slope = np.where(np.abs(slope) < _FLATTEST, np.copysign(_FLATTEST, slope), slope)
+        return Trial(runs, fit)
+
+    def _estimated(self, runs: Sequence[Run]) -> LeastSquares:
+        fit = estimate([factor for run in runs for factor in run.factors()], self.method, self.ddof)
+        worth_refining = (
+            sum(fit.rows) < _MANY_ROWS or fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS
+        )
+        if len(runs) == 1 and fit.status == "ok" and worth_refining:
+            fit = refine_blocks(blocks_of_runs(runs), fit)
+        return fit
+
+
+def least_uncertain(
+    estimation: Estimation, first: Trial, biased: Callable[[Trial], Identification]
+) -> Identification:
+    """The identification of a trial, or of one at another cutoff where that determines the parameters better.
+
+    Parameters
+    ----------
+    estimation : Estimation
+        Its cutoff is left open for others to be tried.
+    first : Trial
+        At the cutoff to begin with.
+    biased : callable
+        Identification of a trial with its expected bias.
+    """
+    best = biased(first)
+    sizes = _relative_deviations(best)
+    in_memory = all(isinstance(log, Log) for log in estimation.logs)
+    few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
+    is_open = estimation.preparation.cutoff_hz is None and in_memory and few
+    if not is_open or best.status != "ok" or np.max(sizes, initial=0.0) <= CRITERIA.precise:
+        return best
+    lowest, most_left = _gauge(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
+    for factors in (_upward(estimation.highest(first)), [_STEP**-k for k in range(1, _LOWER_CUTOFFS + 1)]):
+        failed, before = 0, lowest
+        for factor in factors:
+            other = estimation.scaled(first, factor) if failed < _FAILURES else None
+            if other is None:
+                break
+            failed += 1
+            if estimation.left(other) > most_left:
+                continue
+            found = biased(other)
+            size = _gauge(_relative_deviations(found))
+            if found.status == "ok" and size < _WORTH * lowest:
+                best, lowest, failed = found, size, 0
+        if lowest < before:
+            break
+    return best
+
+
+def _upward(highest: float) -> list[float]:
+    """Factors in steps up to the highest.
+
+    Examples
+    --------
+    >>> _upward(3.0), _upward(0.9)
+    ([1.6, 3.0], [])
+    """
+    steps = max(0, math.ceil(math.log(highest, _STEP) - 0.5))
+    return [min(_STEP**k, highest) if k < steps else highest for k in range(1, steps + 1)]
+
+
+def _gauge(sizes: FloatArray) -> float:
+    """Geometric mean of relative deviations: none is bought with larger ones of what was known well."""
+    return float(np.exp(np.mean(np.log(np.maximum(sizes, _KNOWN)))))
+
+
+def _relative_deviations(found: Identification) -> FloatArray:
+    """Printed deviations of physical parameters as parts of their values, 1 at most; those that may be 0 apart."""
+    units, values = found.model.physical_units, np.array(list(found.physical_parameters.values()))
+    counts = np.array([name not in found.model.signed for name in units], dtype=bool)[: values.size]
+    counts &= np.isfinite(values)
+    deviations, positive = found.physical_deviations[counts], np.maximum(values[counts], 0.0)
+    sizes = np.divide(deviations, positive, out=np.ones_like(positive), where=deviations < positive)
+    return np.asarray(sizes)
+
+
+def _cutoff(run: Run) -> float:
+    cutoff = run.observation.preparation.cutoff_hz
+    assert cutoff is not None
+    return cutoff
