@@ -94,7 +94,10 @@ def as_html(found: object) -> str:
 
 
 def _console() -> Console:
-    return ReportConsole(file=io.StringIO(), record=True, width=_WIDTH, highlight=False, soft_wrap=True)
+    # In a notebook rich would display each line itself, beside what it is asked for.
+    return ReportConsole(
+        file=io.StringIO(), record=True, width=_WIDTH, highlight=False, soft_wrap=True, force_jupyter=False
+    )
 
 
 @singledispatch

@@ -1,0 +1,36 @@
+"""The notebook of docs/ runs in a kernel, and shows what stands in it."""
+
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+NOTEBOOK = Path(__file__).parents[1] / "docs" / "how_to" / "notebook.ipynb"
+NUMBER = re.compile(r"\d+(\.\d+)?(e[-+]\d+)?")
+
+
+def shown(cell: nbformat.NotebookNode) -> list[tuple[str, tuple[str, ...], str]]:
+    """Kind, formats and text of each output of a cell, without numbers."""
+    return [
+        (
+            one.output_type,
+            tuple(sorted(one.get("data", {}))),
+            NUMBER.sub("#", one.get("data", {}).get("text/plain", "")),
+        )
+        for one in cell.get("outputs", [])
+    ]
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_the_notebook_shows_what_stands_in_it(tmp_path: Path) -> None:
+    written, run = (nbformat.read(NOTEBOOK, as_version=4) for _ in range(2))
+    NotebookClient(run, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    nbformat.write(run, tmp_path / NOTEBOOK.name)
+    for before, after in zip(written.cells, run.cells, strict=True):
+        assert shown(after) == shown(before), f"compare {tmp_path / NOTEBOOK.name}:\n{after.source}"
+    assert (tmp_path / "fit.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    kinds = [kind for cell in written.cells for _, kinds, _ in shown(cell) for kind in kinds]
+    assert kinds.count("image/png") == 2
+    assert kinds.count("text/html") >= 4
