@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from symid.diagnosis.evidence import (
     INDISTINGUISHABLE,
     NOISE_ALONE,
     Errors,
+    Key,
     Outcome,
     is_there,
     outcome,
@@ -31,7 +33,7 @@ from symid.diagnosis.result import (
     ParameterChange,
     Verdict,
 )
-from symid.diagnosis.search import Turn
+from symid.diagnosis.search import LATE_FORCES, Turn
 from symid.diagnosis.wording import next_experiment, sentence
 
 _ABSORBED_DEVIATIONS = 3.0
@@ -145,10 +147,10 @@ def _effects(
     named = {item.key for item in last.state.placed[known:]}
     found = []
     for i, turn in enumerate(accepted):
-        chance = probabilities(turn, driven(comparison.record))
         item = last.state.placed[known + i]
         best = item.key
-        rivals = [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k not in named]
+        chance = _beside(named - {best}, best, probabilities(turn, driven(comparison.record)))
+        rivals = [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != best]
         there = chances.effect if i == 0 else is_there(turn)
         found.append(
             FoundEffect(
@@ -162,6 +164,14 @@ def _effects(
             )
         )
     return tuple(found)
+
+
+def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> dict[Key, float]:
+    """Probabilities beside other effects: what is there anyway, or is nearly that, stands in for nothing."""
+    late = LATE_FORCES if any(name in LATE_FORCES for name, _ in others) else ()
+    left = {k: p for k, p in chance.items() if k == best or (k not in others and k[0] not in late)}
+    total = math.fsum(left.values())
+    return {key: p / total for key, p in left.items()}
 
 
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:

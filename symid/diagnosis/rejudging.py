@@ -35,6 +35,8 @@ from symid.diagnosis.state import with_effects
 _ITERATIONS = 3
 _RIVALS = 3
 """Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
+_REFINED = 0.05
+"""Share of the gain of an effect by which its refinement must gain more, to take its place by errors alone."""
 _MOST = 0.5
 """Share of what an effect takes away that another one in its place takes too."""
 _AS_GOOD = 1.1
@@ -177,13 +179,14 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     """Whether a rival predicts blocks better than the effect that was found, by more than they scatter.
 
     A refinement of it, as presliding is one of Coulomb friction, takes its place only where more than errors speaks
-    for it.
+    for it, or where it gains much more.
     """
+    least = max(LEAST_PENALISED_GAIN, deviation(own.squares, best.squares, own.fit.n_rows))
     if best.placed.contains(own.key):
-        likelier = prior(best.fit.state, first.nominal) - prior(own.fit.state, first.nominal)
-        return likelier > 0
-    doubt = deviation(own.squares, best.squares, own.fit.n_rows)
-    return best.penalised_gain - own.penalised_gain > max(LEAST_PENALISED_GAIN, doubt)
+        if prior(best.fit.state, first.nominal) > prior(own.fit.state, first.nominal):
+            return True
+        least = max(least, _REFINED * own.penalised_gain)
+    return best.penalised_gain - own.penalised_gain > least
 
 
 def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[Turn, ...] | None:
