@@ -26,12 +26,12 @@ import symid
 from symid import Axis, Log
 from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
-from symid.diagnosis.comparison import Comparison, compared
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.fit import Fit
-from symid.diagnosis.joined import joined
-from symid.diagnosis.start import fitted_axis
-from symid.diagnosis.state import first_state
+from symid.diagnosis.findings.comparison import Comparison, compared
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.start import fitted_axis
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.joined import joined
 from symid.report.colours import MEASURED, MODEL, NOISE
 from symid.report.plots import PLOT_STYLE
 

@@ -15,12 +15,12 @@ import numpy as np
 
 from symid import load_axis
 from symid.diagnosis import Diagnosis, diagnose
-from symid.diagnosis.applied import applied
-from symid.diagnosis.experiment import rivals_of
-from symid.diagnosis.fit import fitted
-from symid.diagnosis.performed import performed
-from symid.diagnosis.record import Record
-from symid.diagnosis.rehearsal import Rivals
+from symid.diagnosis.experiment.design import rivals_of
+from symid.diagnosis.experiment.discrimination import Rivals
+from symid.diagnosis.experiment.simulated import simulated_experiment
+from symid.diagnosis.fitting.applied import applied
+from symid.diagnosis.fitting.fit import fitted
+from symid.diagnosis.prediction.record import Record
 from symid.simulation import Trajectory, multisine, plant_of, simulate, trapezoids, tuned_cascade
 
 SIZES = (0.005, 0.01, 0.015, 0.02)
@@ -86,7 +86,7 @@ def rows(pair: Rivals, sizes: tuple[float, ...], runs: int) -> Iterator[Row]:
     for size in sizes:
         path, right, expected = experiment(size), 0, []
         for seed in range(runs):
-            run = performed(pair, path, seed)
+            run = simulated_experiment(pair, path, seed)
             expected.append(np.mean([found.probability for found in run.separations]))
             right += sum(chosen(pair, record, i) == i for i, record in enumerate(run.records))
         yield Row(path.name, float(np.mean(expected)), right, 2 * runs)

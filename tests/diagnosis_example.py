@@ -21,7 +21,7 @@ from symid.diagnosis import (
     Signals,
     Spectrum,
 )
-from symid.diagnosis.gap import Removed, Reversal
+from symid.diagnosis.findings.gap import Removed, Reversal
 
 KINDS = ("effect", "two effects", "partly", "no gap", "parameters", "unexplained", "recording")
 """Diagnoses that can be made."""

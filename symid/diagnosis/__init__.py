@@ -1,12 +1,11 @@
 """Why a simulation and a machine differ: the gap, where it lies, which effect causes it, how far it shrinks."""
 
 from symid.diagnosis.against import diagnose_against
-from symid.diagnosis.declared import ExplainedAxis, explained_axis
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
-from symid.diagnosis.experiment import Experiment, limits_seen, next_experiment_of
-from symid.diagnosis.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
-from symid.diagnosis.result import (
+from symid.diagnosis.experiment.design import Experiment, limits_seen, next_experiment_of
+from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
+from symid.diagnosis.findings.result import (
     Alternative,
     Diagnosis,
     EffectParameter,
@@ -18,6 +17,7 @@ from symid.diagnosis.result import (
     Simulator,
     Spectrum,
 )
+from symid.diagnosis.in_motion.declared import ExplainedAxis, explained_axis
 
 __all__ = [
     "LIBRARY",

@@ -17,18 +17,11 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.data import Log
-from symid.diagnosis.applied import applied
-from symid.diagnosis.comparison import compared
-from symid.diagnosis.conclusion import concluded, effect_values
-from symid.diagnosis.deviations import standard_deviations
 from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed
-from symid.diagnosis.fit import ITERATIONS, Fit, converged, fitted
-from symid.diagnosis.joined import joined
-from symid.diagnosis.motion import with_motion
-from symid.diagnosis.record import Record, record_of
-from symid.diagnosis.rejudging import judged_together
-from symid.diagnosis.result import (
+from symid.diagnosis.findings.comparison import compared
+from symid.diagnosis.findings.conclusion import concluded, effect_values
+from symid.diagnosis.findings.result import (
     Diagnosis,
     EffectParameter,
     ParameterChange,
@@ -36,12 +29,19 @@ from symid.diagnosis.result import (
     SimulatedParameter,
     Simulator,
 )
-from symid.diagnosis.screening import PENALTY
-from symid.diagnosis.search import LEAST_PENALISED_GAIN, search
-from symid.diagnosis.start import fitted_axis, starting_parameters
-from symid.diagnosis.state import State, first_state, with_effects
-from symid.diagnosis.weighting import Weighting
-from symid.diagnosis.wording import sentence_against
+from symid.diagnosis.findings.wording import sentence_against
+from symid.diagnosis.fitting.applied import applied
+from symid.diagnosis.fitting.deviations import standard_deviations
+from symid.diagnosis.fitting.fit import ITERATIONS, Fit, converged, fitted
+from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
+from symid.diagnosis.fitting.state import State, first_state, with_effects
+from symid.diagnosis.in_motion.motion import with_motion
+from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.record import Record, record_of
+from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.selection.backward import backward_elimination
+from symid.diagnosis.selection.forward import LEAST_PENALISED_GAIN, forward_selection
+from symid.diagnosis.selection.screening import PENALTY
 from symid.simulation import Cascade
 
 _DIFFERS_DEVIATIONS = 4.0
@@ -110,11 +110,11 @@ def diagnose_against(
     state, weighting = applied(model.state, data.record, data.training)
     base = _machine(state, weighting)
     start = Fit(with_effects(state, weighting, _same(state, base)), weighting)
-    turns = search(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
-    turns = judged_together(turns, library)
-    fits = fits_of(base, turns)
+    steps = forward_selection(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
+    steps = backward_elimination(steps, library)
+    fits = fits_of(base, steps)
     comparison = compared(data.validation, model.state, fits, data.held_out)
-    found = concluded(comparison, turns, fits, model.parameters, (log, validation))
+    found = concluded(comparison, steps, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)
     found = replace(found, sentence=sentence_against(found, simulator))
     found = with_motion(found, comparison, runs, data.held_out, controller=controller, simulated=simulated)
@@ -153,9 +153,9 @@ def _signals(record: Record) -> tuple[str, ...]:
 def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
     """The axis with the effects that the simulator has."""
     model = fitted_axis(*first_state(record, starting_parameters(record.dynamics.axis, record)))
-    for turn in search(model, library):
-        if turn.accepts:
-            model = turn.confirmed[0].fit
+    for step in forward_selection(model, library):
+        if step.accepts:
+            model = step.confirmed[0].fit
     return model
 
 

@@ -11,20 +11,20 @@ from threadpoolctl import threadpool_limits
 from symid.arrays import BoolArray
 from symid.axis import Axis, derivative_order
 from symid.data import Log
-from symid.diagnosis.comparison import Comparison, compared
-from symid.diagnosis.conclusion import concluded
 from symid.diagnosis.effects import LIBRARY, Effect
-from symid.diagnosis.faults import damage
-from symid.diagnosis.fit import Fit
-from symid.diagnosis.held import HELD, is_held, shows_hold
-from symid.diagnosis.joined import Joined, joined, with_common_zeros
-from symid.diagnosis.motion import with_motion
-from symid.diagnosis.record import Record, record_of, signals_of
-from symid.diagnosis.rejudging import judged_together, without
-from symid.diagnosis.result import Diagnosis
-from symid.diagnosis.search import Turn, search
-from symid.diagnosis.start import NOISE_ALONE, fitted_axis, starting_parameters
-from symid.diagnosis.state import State, first_state
+from symid.diagnosis.findings.comparison import Comparison, compared
+from symid.diagnosis.findings.conclusion import concluded
+from symid.diagnosis.findings.faults import damage
+from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.start import NOISE_ALONE, fitted_axis, starting_parameters
+from symid.diagnosis.fitting.state import State, first_state
+from symid.diagnosis.in_motion.motion import with_motion
+from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
+from symid.diagnosis.prediction.record import Record, record_of, signals_of
+from symid.diagnosis.selection.backward import backward_elimination, without
+from symid.diagnosis.selection.forward import SelectionStep, forward_selection
+from symid.diagnosis.selection.held import HELD, is_held, shows_hold
 from symid.identification.settings import with_hold
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
@@ -179,27 +179,27 @@ def _diagnosed(
     if unknown and shows_hold(base):
         return _with_hold(axis, runs, nominal, recorded, library)
     before = Fit(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
-    turns: Sequence[Turn] = judged_together(search(base, library, before), library)
-    if unknown and any(is_held(turn.confirmed[0].fit) for turn in turns if turn.accepts):
+    steps: Sequence[SelectionStep] = backward_elimination(forward_selection(base, library, before), library)
+    if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
-    turns, comparison = _on_held_out(base, turns, state if nominal else None, data)
-    fits = fits_of(base, turns)
+    steps, comparison = _on_held_out(base, steps, state if nominal else None, data)
+    fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    found = concluded(comparison, turns, fits, nominal, logs, damage(parts, state, weighting))
+    found = concluded(comparison, steps, fits, nominal, logs, damage(parts, state, weighting))
     return with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
 
 
 def _on_held_out(
-    base: Fit, turns: Sequence[Turn], nominal: State | None, data: Data
-) -> tuple[Sequence[Turn], Comparison]:
+    base: Fit, steps: Sequence[SelectionStep], nominal: State | None, data: Data
+) -> tuple[Sequence[SelectionStep], Comparison]:
     """Models on the validation data, without an effect beside others that makes their error grow there."""
-    comparison = compared(data.validation, nominal, fits_of(base, turns), data.held_out)
+    comparison = compared(data.validation, nominal, fits_of(base, steps), data.held_out)
     if comparison.worsened is None:
-        return turns, comparison
-    accepted = [turn for turn in turns if turn.accepts]
+        return steps, comparison
+    accepted = [step for step in steps if step.accepts]
     rest = without(accepted, comparison.worsened)
-    return (turns, comparison) if len(rest) == len(accepted) else _on_held_out(base, rest, nominal, data)
+    return (steps, comparison) if len(rest) == len(accepted) else _on_held_out(base, rest, nominal, data)
 
 
 def _with_hold(
@@ -210,9 +210,9 @@ def _with_hold(
     return replace(found, faults=(HELD.format(axis.only_drive.signal), *found.faults))
 
 
-def fits_of(base: Fit, turns: Sequence[Turn]) -> list[Fit]:
+def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:
     """The re-identified model, and those with effects accepted one by one."""
-    return [base, *(turn.confirmed[0].fit for turn in turns if turn.accepts)]
+    return [base, *(step.confirmed[0].fit for step in steps if step.accepts)]
 
 
 @dataclass(frozen=True, eq=False)

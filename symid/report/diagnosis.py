@@ -9,8 +9,8 @@ from typing import Any
 
 from rich.console import Console
 
-from symid.diagnosis.experiment import Experiment
-from symid.diagnosis.result import Diagnosis, EffectParameter, Simulator
+from symid.diagnosis.experiment.design import Experiment
+from symid.diagnosis.findings.result import Diagnosis, EffectParameter, Simulator
 from symid.report.console import TextTable, plain, report_console
 from symid.report.motion_gap import motion_line, motion_rows
 from symid.report.number_text import (

@@ -7,7 +7,7 @@ from pathlib import Path
 import jinja2
 
 from symid import __version__
-from symid.diagnosis.result import Diagnosis
+from symid.diagnosis.findings.result import Diagnosis
 from symid.errors import SettingError
 from symid.files import write_whole
 from symid.report import colours

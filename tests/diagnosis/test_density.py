@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from symid.diagnosis.density import power_density
+from symid.diagnosis.prediction.density import power_density
 
 
 @pytest.mark.parametrize(("n", "segment"), [(4000, 512), (4001, 501), (1024, 1024), (700, 333)])

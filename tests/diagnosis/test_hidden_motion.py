@@ -11,12 +11,18 @@ from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, load_axis
 from symid.diagnosis.effects import effects_of
 from symid.diagnosis.effects.friction import dahl_state
-from symid.diagnosis.fit import Fit, fitted
-from symid.diagnosis.hidden_motion import Pointwise, _discretised, _Driven, _stepped, acts_on_hidden
-from symid.diagnosis.hidden_starts import of_grid
-from symid.diagnosis.record import record_of
-from symid.diagnosis.start import fitted_axis
-from symid.diagnosis.state import first_state
+from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.hidden_starts import of_grid
+from symid.diagnosis.fitting.start import fitted_axis
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.hidden_motion import (
+    Pointwise,
+    _discretised,
+    _Driven,
+    _stepped,
+    acts_on_hidden,
+)
+from symid.diagnosis.prediction.record import record_of
 from symid.simulation import Cascade, forward_dynamics, plant_of, simulate, trapezoids
 
 MASS, DAMPING, STIFFNESS = 2.0, 3.0, 4000.0

@@ -11,9 +11,9 @@ from symid import Axis, Body, Drive, Log, Position, load_axis
 from symid.axis import Between, Spring
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.effects import LawEffect
-from symid.diagnosis.hidden_motion import Pointwise
-from symid.diagnosis.record import record_of
-from symid.diagnosis.scene import Scene, scene_of
+from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.prediction import Prediction, prediction_of
+from symid.diagnosis.prediction.record import record_of
 from symid.simulation import forward_dynamics, plant_of
 from symid.simulation.evaluation import evaluate
 
@@ -24,7 +24,7 @@ SCREW = {"Mm": 120.0, "Fvm": 90.0, "Fsm": 50.0, "Kt": 8e6, "Ft": 700.0, "Ml": 20
 
 
 @cache
-def scene_for(effect: LawEffect) -> Scene:
+def scene_for(effect: LawEffect) -> Prediction:
     """A log of an axis that has what the effect needs and lacks what it adds; motion with several reversals."""
     t = np.arange(4000) / 1000
     q, force = 0.2 + 0.05 * np.sin(7 * t) + 0.002 * np.sin(40 * t), 30 * np.cos(11 * t)
@@ -38,14 +38,16 @@ def scene_for(effect: LawEffect) -> Scene:
         axis = Axis("lean", (body, *beside), Drive("F", body), (Position("q", body),))
         signals = {"q": q, "F": force}
     record = record_of(forward_dynamics(axis), Log("by hand", 0.0, 1e-3, signals), 40.0)
-    return scene_of(record, values)
+    return prediction_of(record, values)
 
 
 def trial(effect: LawEffect) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
     """A place, a shape and amplitudes; what varies along the stroke leaves a level above 0."""
-    scene = scene_for(effect)
-    place = next(iter(effect.places(scene)))
-    shape = next(iter(effect.shapes(scene, place, lambda response: np.ones(scene.record.fine_time.size))))
+    prediction = scene_for(effect)
+    place = next(iter(effect.places(prediction)))
+    shape = next(
+        iter(effect.shapes(prediction, place, lambda response: np.ones(prediction.record.fine_time.size)))
+    )
     many = len(effect.amplitudes)
     return place, shape, (3.0, *np.linspace(0.4, 0.7, many - 1)) if many > 1 else (3.0,)
 
@@ -68,12 +70,12 @@ def elements_alone(effect: LawEffect) -> Axis:
 def test_the_force_is_that_of_the_elements(effect: LawEffect) -> None:
     """In the simulation, but for what lies above the band of the log."""
     place, shape, amplitudes = trial(effect)
-    scene, axis = scene_for(effect), elements_alone(effect)
-    joint = effect.joint(scene, place)
+    prediction, axis = scene_for(effect), elements_alone(effect)
+    joint = effect.joint(prediction, place)
     _, values = effect.elements(axis.bodies[0], place, shape, amplitudes)
     plant = plant_of(axis, {"M": 1.0, **values})
     course = np.tensordot(amplitudes, LawEffect.courses(effect, joint, shape), 1)
-    inside = np.flatnonzero(scene.record.in_log)[::37]
+    inside = np.flatnonzero(prediction.record.in_log)[::37]
     linear = plant.stiffness.item() * joint.q + plant.damping.item() * joint.v - plant.constant.item()
     expected = [
         linear[k] + sum(law.force(float(joint.q[k]), float(joint.v[k])) for law in plant.laws) for k in inside
@@ -85,15 +87,15 @@ def test_the_force_is_that_of_the_elements(effect: LawEffect) -> None:
 def test_numbers_have_the_force_of_arrays(effect: LawEffect) -> None:
     """But for what lies above the band; of dry friction the numbers are the level, which is not below 0."""
     place, shape, amplitudes = trial(effect)
-    scene = scene_for(effect)
-    joint = effect.joint(scene, place)
+    prediction = scene_for(effect)
+    joint = effect.joint(prediction, place)
     law = effect.point_by_point(shape, amplitudes)
     course = np.tensordot(amplitudes, LawEffect.courses(effect, joint, shape), 1)
     if law.dry:
         course = course * np.sign(joint.v)
     if effect.varies_along_stroke:
         course = np.maximum(course, 0.0)
-    for k in np.flatnonzero(scene.record.in_log)[::37]:
+    for k in np.flatnonzero(prediction.record.in_log)[::37]:
         force = force_at(law, joint.q[k], joint.v[k])
         assert force == pytest.approx(course[k], rel=1e-11, abs=1e-12 * np.abs(course).max())
 
@@ -101,10 +103,10 @@ def test_numbers_have_the_force_of_arrays(effect: LawEffect) -> None:
 @EVERY_LAW
 def test_units_are_those_of_the_elements(effect: LawEffect) -> None:
     place, shape, amplitudes = trial(effect)
-    scene = scene_for(effect)
+    prediction = scene_for(effect)
     _, values = effect.elements(Body("b", mass="M"), place, shape, amplitudes)
     units = elements_alone(effect).physical_parameters
-    given = effect.units(scene, place)
+    given = effect.units(prediction, place)
     assert len(given) == len(effect.amplitudes) + len(effect.shape_names)
     for name, unit in zip(effect.amplitudes, given, strict=False):
         assert str(units[f"{place}_{name}"]) == unit
@@ -114,14 +116,14 @@ def test_units_are_those_of_the_elements(effect: LawEffect) -> None:
 @EVERY_LAW
 def test_it_is_not_proposed_where_it_would_say_nothing_new(effect: LawEffect) -> None:
     """Not where a law that is declared once only is declared; not without the laws that it goes with."""
-    scene = scene_for(effect)
-    assert effect.places(scene)
+    prediction = scene_for(effect)
+    assert effect.places(prediction)
     for law in effect.hypothesis.beside:
-        assert any(isinstance(own, law) for own in scene.axis.laws)
+        assert any(isinstance(own, law) for own in prediction.axis.laws)
     if any(law.once for law in effect.laws):
         declared = elements_alone(effect)
         values = dict.fromkeys(declared.physical_parameters, 1.0)
-        again = scene_of(record_of(forward_dynamics(declared), scene.record.log, 40.0), values)
+        again = prediction_of(record_of(forward_dynamics(declared), prediction.record.log, 40.0), values)
         assert "b" not in effect.places(again)
 
 
@@ -133,15 +135,15 @@ def test_a_stiffness_is_not_sought_where_a_spring_is() -> None:
     t = np.arange(4000) / 1000
     log = Log("by hand", 0.0, 1e-3, {"q": 0.05 * np.sin(7 * t), "F": 30 * np.cos(11 * t)})
     values = {"Mm": 100.0, "Ml": 50.0, "K": 1e6, "G": 1e4}
-    assert stiffness.places(scene_of(record_of(forward_dynamics(axis), log, 40.0), values)) == ["motor"]
+    assert stiffness.places(prediction_of(record_of(forward_dynamics(axis), log, 40.0), values)) == ["motor"]
 
 
 @pytest.mark.parametrize("name", ["backlash", "stiffness_nonlinearity"])
 def test_a_strong_law_in_a_spring_pushes_as_the_spring_does(name: str) -> None:
     (effect,) = (e for e in LAWS if e.name == name)
-    scene = scene_for(effect)
-    largest = max(map(abs, scene.springs["transmission"].range))
-    strong = list(effect.strong(scene.springs["transmission"], 8e6))
+    prediction = scene_for(effect)
+    largest = max(map(abs, prediction.springs["transmission"].range))
+    strong = list(effect.strong(prediction.springs["transmission"], 8e6))
     assert len(strong) == 4
     for (shape, amplitudes), share in zip(strong, (0.3, 1.0, 2.5, 5.0), strict=True):
         force = abs(force_at(effect.point_by_point(shape, amplitudes), largest, 0.0))

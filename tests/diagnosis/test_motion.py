@@ -11,9 +11,9 @@ from benchmarks.diagnosis.motion import cases, emps_log, row_of
 from symid import CoulombFriction, Log, load_axis
 from symid.codegen import model_of
 from symid.diagnosis import diagnose, diagnose_against
-from symid.diagnosis.declared import ExplainedAxis
 from symid.diagnosis.effects import effects_of
-from symid.diagnosis.replayed import fastest, simulated_position
+from symid.diagnosis.in_motion.declared import ExplainedAxis
+from symid.diagnosis.in_motion.replayed import fastest, simulated_position
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record
 from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from benchmarks.next_experiment import experiment, rivals, rows
-from symid.diagnosis.experiment import next_experiment_of
-from symid.diagnosis.performed import performed
-from symid.diagnosis.rehearsal import Rivals, Separation
+from symid.diagnosis.experiment.design import next_experiment_of
+from symid.diagnosis.experiment.discrimination import Rivals, Separation
+from symid.diagnosis.experiment.simulated import simulated_experiment
 from symid.report.diagnosis import diagnosis_record
 from symid.simulation import Limits
 
@@ -36,7 +36,7 @@ def test_the_probability_is_how_often_the_right_cause_is_chosen(pair: Rivals) ->
 
 
 def test_a_larger_motion_tells_more_and_none_nothing(pair: Rivals) -> None:
-    small, large = (performed(pair, experiment(size)) for size in (0.005, 0.03))
+    small, large = (simulated_experiment(pair, experiment(size)) for size in (0.005, 0.03))
     assert large.probability > 0.999 > small.probability
     assert min(s.distance for s in large.separations) > max(s.distance for s in small.separations)
 

@@ -21,11 +21,11 @@ from symid import (
 from symid.diagnosis.effects import Placed, effects_of
 from symid.diagnosis.effects.forces import FlexibleMode
 from symid.diagnosis.effects.friction import LoadDependentFriction, dahl_state
-from symid.diagnosis.record import Record, record_of
-from symid.diagnosis.response import response_of
-from symid.diagnosis.scene import scene_of
-from symid.diagnosis.sensitivity import derivatives, parameter_columns
-from symid.diagnosis.state import first_state
+from symid.diagnosis.fitting.sensitivity import derivatives, parameter_columns
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.prediction import prediction_of
+from symid.diagnosis.prediction.record import Record, record_of
+from symid.diagnosis.prediction.response import response_of
 from symid.errors import LogError
 from symid.simulation import Cascade, forward_dynamics, simulate, trapezoids
 
@@ -140,11 +140,11 @@ def test_response_of_a_ball_screw_with_both_encoders() -> None:
 def test_columns_are_finite_differences_of_the_prediction(axis: str, values: dict[str, float]) -> None:
     _, q, F = waves()
     names = {"direct_2m1s": ("Fm", "q2"), "ballscrew_2m1s": ("Fm", "qm")}[axis]
-    scene = scene_of(record(axis, **dict(zip(names, (F, q), strict=True))), values)
-    for name, column in zip(values, parameter_columns(scene), strict=True):
+    prediction = prediction_of(record(axis, **dict(zip(names, (F, q), strict=True))), values)
+    for name, column in zip(values, parameter_columns(prediction), strict=True):
         step = 1e-4 * values[name]
         up, down = (
-            scene_of(scene.record, values | {name: values[name] + x}).predicted for x in (step, -step)
+            prediction_of(prediction.record, values | {name: values[name] + x}).outputs for x in (step, -step)
         )
         difference = (up - down) / (2 * step)
         assert np.abs(column - difference).max() < 5e-3 * np.abs(difference).max(), name
@@ -165,12 +165,12 @@ def test_forces_of_effects(effect, shape, force) -> None:
     """Motion in one direction, so that no jump spreads over the band: q = 0.2 t + 0.005 sin(9 t)."""
     t = np.arange(4000) / 1000
     one = record("rigid_1m", q=0.2 * t + 0.005 * np.sin(9 * t), F=60 + 20 * np.cos(9 * t))
-    scene = scene_of(one, RIGID)
-    joint = scene.joints["motor"]
+    prediction = prediction_of(one, RIGID)
+    joint = prediction.joints["motor"]
     at = one.fine_time
     q, v, F = 0.2 * at + 0.005 * np.sin(9 * at), 0.2 + 0.045 * np.cos(9 * at), 60 + 20 * np.cos(9 * at)
     rows, logged = inner(one, at), at < one.duration
-    found = one.fine(effect.forces(scene, joint, shape)[0])[rows]
+    found = one.fine(effect.forces(prediction, joint, shape)[0])[rows]
     expected = np.full(at.size, np.nan)
     expected[logged] = force(q[logged], v[logged], F[logged])
     assert np.abs(found - expected[rows]).max() < 0.01 * np.abs(expected[rows]).max()
@@ -182,8 +182,8 @@ def test_the_load_of_friction_is_that_of_the_model_and_not_the_record() -> None:
     q = 0.2 * t + 0.005 * np.sin(9 * t)
     found = []
     for logged in (60 + 20 * np.cos(9 * t), np.zeros(t.size)):
-        scene = scene_of(record("rigid_1m", q=q, F=logged), RIGID)
-        found.append(LoadDependentFriction().forces(scene, scene.joints["motor"], ()))
+        prediction = prediction_of(record("rigid_1m", q=q, F=logged), RIGID)
+        found.append(LoadDependentFriction().forces(prediction, prediction.joints["motor"], ()))
     assert np.abs(found[0]).max() > 0
     assert np.allclose(found[0], found[1])
 
@@ -199,10 +199,10 @@ def test_a_mode_is_a_mass_hung_on_a_spring() -> None:
 
 def test_backlash_takes_the_force_away_inside_the_gap() -> None:
     _, q, F = waves()
-    scene = scene_of(record("ballscrew_2m1s", qm=q, Fm=F), SCREW)
-    joint = scene.springs["transmission"]
-    force = scene.record.fine(effects_of(Backlash)[0].forces(scene, joint, (joint.stroke / 4,))[0])
-    rows, half = inner(scene.record, scene.record.fine_time), joint.stroke / 8
+    prediction = prediction_of(record("ballscrew_2m1s", qm=q, Fm=F), SCREW)
+    joint = prediction.springs["transmission"]
+    force = prediction.record.fine(effects_of(Backlash)[0].forces(prediction, joint, (joint.stroke / 4,))[0])
+    rows, half = inner(prediction.record, prediction.record.fine_time), joint.stroke / 8
     left = joint.q + force
     assert np.abs(left[rows & (np.abs(joint.q) < 0.7 * half)]).max() < 0.05 * half
     far = rows & (joint.q > 1.5 * half)
@@ -226,5 +226,5 @@ def test_derivatives_by_amplitude_and_shape_are_finite_differences() -> None:
         (columns[0], replace(placed, amplitudes=(19.0,)), replace(placed, amplitudes=(21.0,)), 2.0),
         (columns[1], replace(placed, shape=(0.0499,)), replace(placed, shape=(0.0501,)), 0.0002),
     ):
-        difference = (high.change(state.scene) - low.change(state.scene)) / step
+        difference = (high.change(state.prediction) - low.change(state.prediction)) / step
         assert np.abs(column - difference).max() < 2e-3 * np.abs(difference).max()

@@ -5,10 +5,10 @@ import pytest
 import scipy
 
 from symid import Log, load_axis
-from symid.diagnosis import start
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.joined import joined
-from symid.diagnosis.state import first_state
+from symid.diagnosis.fitting import start
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.joined import joined
 
 TRUE = {"Ms": 3030.0, "Fvs": 32800.0, "Ks": 2.18e8, "Mm": 242.0, "Fvm": 74.0, "Fsm": 112.0}
 FAR = {"Ms": 2490.0, "Fvs": 37900.0, "Ks": 2.55e8, "Mm": 167.0, "Fvm": 96.0, "Fsm": 90.0}

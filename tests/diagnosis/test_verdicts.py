@@ -12,8 +12,8 @@ from hand_made import RIGID, hung, plain_force, rigid_log
 from symid import Log, load_axis
 from symid.axis import ActuatorDelay, Between, Body, Spring
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
-from symid.diagnosis.declared import axis_of
 from symid.diagnosis.effects import Placed
+from symid.diagnosis.in_motion.declared import axis_of
 from symid.simulation import chirp, plant_of, simulate, tuned_cascade
 from symid.units import Unit
 

@@ -9,11 +9,11 @@ import pytest
 from hand_made import RIGID, motion
 
 from symid import Log, load_axis
-from symid.diagnosis.evidence import Errors, outcome
-from symid.diagnosis.record import record_of
-from symid.diagnosis.shares import closed_fraction
-from symid.diagnosis.state import first_state
-from symid.diagnosis.weighting import autoregression
+from symid.diagnosis.findings.shares import closed_fraction
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.record import record_of
+from symid.diagnosis.prediction.weighting import autoregression
+from symid.diagnosis.selection.evidence import Errors, outcome
 from symid.simulation import forward_dynamics
 
 LINEAR = {**RIGID, "Fs": 0.0}

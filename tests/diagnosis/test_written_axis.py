@@ -42,7 +42,7 @@ from symid import (
 )
 from symid.axis import Between
 from symid.diagnosis import LIBRARY, diagnose, explained_axis
-from symid.diagnosis.replayed import without_noise
+from symid.diagnosis.in_motion.replayed import without_noise
 from symid.export import c_source, mjcf
 from symid.report.derivation import derivation_record
 from symid.simulation import Cascade, Trajectory, simulate, trapezoids

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from symid.cli.options import write_json
 from symid.diagnosis import Level
-from symid.diagnosis.gap import Removed
+from symid.diagnosis.findings.gap import Removed
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.waterfall import waterfall
 

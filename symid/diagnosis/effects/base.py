@@ -11,9 +11,10 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis.axis import length_unit
-from symid.diagnosis.hidden_motion import Pointwise
-from symid.diagnosis.record import Record
-from symid.diagnosis.scene import Joint, Scene
+from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 
 Shape = tuple[float, ...]
@@ -49,19 +50,19 @@ class Effect(ABC):
     imitates: tuple[str, ...] = ()
     """Names of simpler effects whose lack it may explain as well."""
 
-    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
         """Whether a machine can have these amplitudes."""
         return not (self.positive and amplitudes[0] < 0)
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Whether values are of a size that machines have; what lies at a bound of the search has none."""
         return True
 
     @abstractmethod
-    def places(self, scene: Scene) -> Iterable[str]:
+    def places(self, prediction: Prediction) -> Iterable[str]:
         """Where it may sit."""
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         """Shapes worth a trial."""
         return ((),)
 
@@ -69,24 +70,24 @@ class Effect(ABC):
         """Shapes worth a trial under another log, where part of the shape belongs to a log."""
         return ()
 
-    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         """The nearest shape that makes sense."""
         return shape
 
     @abstractmethod
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Change of the predicted outputs for unit amplitudes, of shape (n_amplitudes, n_outputs, n_bins)."""
 
-    def passed_on(self, scene: Scene, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
+    def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
         """Its change of small changes of the predicted outputs, (..., n_outputs, n_bins); None if it leaves them."""
         return None
 
-    def misreading(self, scene: Scene, placed: Placed) -> ComplexArray | None:
+    def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
         """Error of the reading from which all is predicted, of shape (n_bins,); None if it makes none."""
         return None
 
     @abstractmethod
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         """Units of amplitudes and shape parameters."""
 
 
@@ -94,16 +95,18 @@ class JointEffect(Effect):
     """An effect whose force opposes the motion of a joint."""
 
     @abstractmethod
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         """Spectra of the forces for unit amplitudes, of shape (n_amplitudes, n_bins)."""
 
-    def forces_at(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces_at(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         """The same as `forces`, which follow from the motion of the joint unless they are implicit."""
         if self.implicit:
-            return self.forces(scene, joint, shape)
-        return joint.remembered(self, shape, lambda: self.forces(scene, joint, shape))
+            return self.forces(prediction, joint, shape)
+        return joint.remembered(self, shape, lambda: self.forces(prediction, joint, shape))
 
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise | None:
+    def pointwise(
+        self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]
+    ) -> Pointwise | None:
         """Its force point by point, for hidden joints; None if it does not depend on the motion there."""
         return None
 
@@ -111,16 +114,16 @@ class JointEffect(Effect):
         """Shapes and amplitudes that change the motion of a hidden joint as much as its spring, of that stiffness."""
         return ()
 
-    def joint(self, scene: Scene, place: str) -> Joint:
+    def joint(self, prediction: Prediction, place: str) -> Joint:
         """The joint that stands for a place."""
-        return scene.joints[place]
+        return prediction.joints[place]
 
-    def places(self, scene: Scene) -> Iterable[str]:
-        return tuple(scene.joints)
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return tuple(prediction.joints)
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        joint = self.joint(scene, place)
-        return scene.column(joint, self.forces_at(scene, joint, shape))
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        joint = self.joint(prediction, place)
+        return prediction.column(joint, self.forces_at(prediction, joint, shape))
 
 
 class LinearEffect(JointEffect):
@@ -130,19 +133,19 @@ class LinearEffect(JointEffect):
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
         """Force for a unit displacement and amplitude, of shape (n_bins,)."""
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        return (self.stiffness(scene.record.omega, shape) * joint.modelled)[None]
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        return (self.stiffness(prediction.record.omega, shape) * joint.modelled)[None]
 
 
-def sampled(scene: Scene, *forces: FloatArray, joint: Joint | None = None) -> ComplexArray:
+def sampled(prediction: Prediction, *forces: FloatArray, joint: Joint | None = None) -> ComplexArray:
     """Spectra of signals on the fine grid, one a row; those that jump with the velocity of a joint if it is given."""
     values = np.stack(forces)
-    return scene.record.from_grid(values if joint is None else joint.averaged(values))
+    return prediction.record.from_grid(values if joint is None else joint.averaged(values))
 
 
-def joint_units(scene: Scene, place: str) -> tuple[Unit, Unit]:
+def joint_units(prediction: Prediction, place: str) -> tuple[Unit, Unit]:
     """Units of force and displacement at a place."""
-    axis = scene.axis
+    axis = prediction.axis
     element = next((body for body in axis.free_bodies if body.name == place), None)
     if element is None:
         at = next(e.at for e in axis.elements if getattr(e, "name", None) == place and hasattr(e, "at"))
@@ -187,14 +190,14 @@ class Placed:
         """Free values."""
         return len(self.shape) + (0 if self.effect.fixed else len(self.amplitudes))
 
-    def change(self, scene: Scene) -> ComplexArray:
+    def change(self, prediction: Prediction) -> ComplexArray:
         """What it adds to the predicted outputs, of shape (n_outputs, n_bins)."""
-        return np.tensordot(self.amplitudes, self.effect.columns(scene, self.at, self.shape), 1)
+        return np.tensordot(self.amplitudes, self.effect.columns(prediction, self.at, self.shape), 1)
 
-    def values(self, scene: Scene) -> list[tuple[str, float, str]]:
+    def values(self, prediction: Prediction) -> list[tuple[str, float, str]]:
         """Name, value and unit of each free amplitude and shape parameter."""
         names = (*self.effect.amplitudes, *self.effect.shape_names)
-        units = self.effect.units(scene, self.at)
+        units = self.effect.units(prediction, self.at)
         found = zip(names, (*self.amplitudes, *self.shape), units, strict=True)
         return list(found)[len(self.amplitudes) if self.effect.fixed else 0 :]
 

@@ -22,9 +22,10 @@ from symid.diagnosis.effects.base import (
     sampled,
 )
 from symid.diagnosis.effects.from_law import LawEffect
-from symid.diagnosis.record import Record
-from symid.diagnosis.response import response_of
-from symid.diagnosis.scene import Joint, Scene
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.response import response_of
 from symid.units import Unit
 
 LEAST_PITCH = 1e-3
@@ -48,13 +49,13 @@ _DAMPINGS = (0.01, 0.05, 0.2)
 class CoggingEffect(LawEffect):
     """Force ripple along the stroke: its pitch is sought in what the model leaves."""
 
-    def places(self, scene: Scene) -> Iterable[str]:
-        return [name for name, joint in scene.joints.items() if joint.stroke > _LEAST_STROKE]
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return [name for name, joint in prediction.joints.items() if joint.stroke > _LEAST_STROKE]
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        joint = scene.joints[place]
-        response = -scene.response.of_force(joint.direction)
-        return repeating_pitches(scene, joint, matched_filter(response), response)
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        joint = prediction.joints[place]
+        response = -prediction.response.of_force(joint.direction)
+        return repeating_pitches(prediction, joint, matched_filter(response), response)
 
     def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
         """Sine and cosine along the stroke, without what lies above the band."""
@@ -62,23 +63,23 @@ class CoggingEffect(LawEffect):
         return tuple(wave * below for wave in super().courses(joint, shape))
 
 
-def ripple(scene: Scene, joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
+def ripple(prediction: Prediction, joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
     """Sine and cosine along the stroke, without what lies above the band."""
-    below = np.abs(joint.v) < 0.95 * pitch * scene.record.band_hz
+    below = np.abs(joint.v) < 0.95 * pitch * prediction.record.band_hz
     phase = 2 * math.pi / pitch * joint.q
     return np.sin(phase) * below, np.cos(phase) * below
 
 
 def repeating_pitches(
-    scene: Scene, joint: Joint, matched_filter: FloatArray, response: ComplexArray
+    prediction: Prediction, joint: Joint, matched_filter: FloatArray, response: ComplexArray
 ) -> Iterable[Shape]:
     """Pitches at which a signal that repeats along the stroke would explain most of the residual.
 
     All correlations come from one Fourier transform of the residual's pull, summed over the stroke.
     """
     low, high = joint.range
-    inside = scene.record.in_log
-    least = 2 * math.pi / MOST_WAVES if turns(scene) else LEAST_PITCH
+    inside = prediction.record.in_log
+    least = 2 * math.pi / MOST_WAVES if turns(prediction) else LEAST_PITCH
     n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
     along = np.bincount(place, weights=matched_filter[inside], minlength=n)
@@ -88,24 +89,24 @@ def repeating_pitches(
     used = (waves > 1.0 / (high - low)) & (waves < 1 / least)
     if not used.any():
         return ()
-    score = strength[used] / _felt(scene, joint, waves[used], response)
+    score = strength[used] / _felt(prediction, joint, waves[used], response)
     return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
 
 
-def _felt(scene: Scene, joint: Joint, waves: FloatArray, response: ComplexArray) -> FloatArray:
+def _felt(prediction: Prediction, joint: Joint, waves: FloatArray, response: ComplexArray) -> FloatArray:
     """Mean square that a unit wave along the stroke leaves in the weighted outputs: at v waves a second, of each v."""
-    speeds, edges = np.histogram(np.abs(joint.v[scene.record.in_log]), bins=_SPEEDS_OF_ENERGY)
+    speeds, edges = np.histogram(np.abs(joint.v[prediction.record.in_log]), bins=_SPEEDS_OF_ENERGY)
     middle = (edges[1:] + edges[:-1]) / 2
-    power = np.sum(np.abs(response * scene.density) ** 2, axis=0)
-    frequency = scene.record.omega / (2 * math.pi)
+    power = np.sum(np.abs(response * prediction.density) ** 2, axis=0)
+    frequency = prediction.record.omega / (2 * math.pi)
     coarse = np.linspace(waves[0], waves[-1], _WAVES_OF_ENERGY)
     energy = np.interp(np.outer(coarse, middle), frequency, power, right=0.0) @ speeds
     return np.asarray(np.interp(waves, coarse, energy) + 1e-3 * energy.max())
 
 
-def turns(scene: Scene) -> bool:
+def turns(prediction: Prediction) -> bool:
     """Whether the driven joint turns instead of sliding."""
-    return str(length_unit(scene.axis.only_drive.at)) == "rad"
+    return str(length_unit(prediction.axis.only_drive.at)) == "rad"
 
 
 class PeriodicDisturbance(JointEffect):
@@ -116,31 +117,31 @@ class PeriodicDisturbance(JointEffect):
     shape_names = ("f",)
     per_log = True
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """A line of the motion itself is no disturbance: what repeats with the motion belongs to the motion."""
-        if placed.shape[0] * scene.record.duration < _FEWEST_CYCLES:
+        if placed.shape[0] * prediction.record.duration < _FEWEST_CYCLES:
             return False
-        return not is_line_of_motion(scene, placed.shape[0], math.hypot(*placed.amplitudes))
+        return not is_line_of_motion(prediction, placed.shape[0], math.hypot(*placed.amplitudes))
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        response = -scene.response.of_force(scene.joints[place].direction)
-        record = scene.record
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        response = -prediction.response.of_force(prediction.joints[place].direction)
+        record = prediction.record
         wanted = matched_filter(response) * record.in_log
         padded = 4 * wanted.size
         frequency = np.fft.rfftfreq(padded, d=record.fine_time[1])
         strength = np.abs(np.fft.rfft(wanted, padded)) ** 2
         used = (frequency > _FEWEST_CYCLES / record.duration) & (frequency < _SHARE_OF_BAND * record.band_hz)
-        power = np.sum(np.abs(response * scene.density) ** 2, axis=0)
+        power = np.sum(np.abs(response * prediction.density) ** 2, axis=0)
         energy = np.interp(frequency[used], record.omega / (2 * math.pi), power)
         return [(f,) for f in best_peaks(strength[used] / energy, frequency[used], _TRIALS)]
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        phase = 2 * math.pi * shape[0] * scene.record.fine_time
-        inside = scene.record.in_log
-        return sampled(scene, np.sin(phase) * inside, np.cos(phase) * inside)
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        phase = 2 * math.pi * shape[0] * prediction.record.fine_time
+        inside = prediction.record.in_log
+        return sampled(prediction, np.sin(phase) * inside, np.cos(phase) * inside)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force = str(joint_units(scene, place)[0])
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force = str(joint_units(prediction, place)[0])
         return force, force, "Hz"
 
 
@@ -154,15 +155,15 @@ _HARMONICS = 5
 """Cycles of a disturbance for each of the motion, up to which it may be the motion's own."""
 
 
-def is_line_of_motion(scene: Scene, frequency: float, amplitude: float) -> bool:
+def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float) -> bool:
     """Whether the force that the motion asks for has a line at a frequency, stronger than a disturbance there.
 
     What lies within one bin of a log of that length is held against the median of its neighbours. A controller
     answers a slow disturbance by a force, so that the motion shows less of it; a fast one is no harmonic of the motion.
     """
-    record = scene.record
+    record = prediction.record
     inside = record.row_time < record.duration
-    force = record.rows(scene.predicted[0] * record.taper)[inside]
+    force = record.rows(prediction.outputs[0] * record.taper)[inside]
     lines = np.abs(np.fft.rfft((force - force.mean()) * np.hanning(force.size))) / (force.size / 4)
     velocity = record.rows(1j * record.omega * record.motion)[inside]
     fast = velocity[np.abs(velocity) > _FAST * np.abs(velocity).max()]
@@ -194,14 +195,14 @@ class PayloadChange(Effect):
     fixed = True
     per_log = True
 
-    def places(self, scene: Scene) -> Iterable[str]:
-        return tuple(scene.bodies)
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return tuple(prediction.bodies)
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        body, record = scene.bodies[place], scene.record
-        response = -scene.response.of_force(body.direction)
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        body, record = prediction.bodies[place], prediction.record
+        response = -prediction.response.of_force(body.direction)
         felt = record.from_grid(body.a)
-        energy = np.sum(record.fine(response * scene.density * felt) ** 2, axis=0) * record.in_log
+        energy = np.sum(record.fine(response * prediction.density * felt) ** 2, axis=0) * record.in_log
         if not 0 < energy.sum() < np.inf:
             return []
         later = np.cumsum((matched_filter(response) * body.a * record.in_log)[::-1])[::-1]
@@ -209,25 +210,27 @@ class PayloadChange(Effect):
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
         times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
-        mass = float(body.direction @ scene.response.plant.mass @ body.direction)
+        mass = float(body.direction @ prediction.response.plant.mass @ body.direction)
         first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
         return [(x * abs(mass), t) for t in times if first < t < last for x in _MASS_CHANGES]
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
         return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        record, (change, moment) = scene.record, shape
-        direction = scene.bodies[place].direction
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        record, (change, moment) = prediction.record, shape
+        direction = prediction.bodies[place].direction
         inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
-        other = response_of(record, scene.parameters, [*scene.impedances, (direction, inertia)])
-        outputs = other.of_position * record.motion + other.of_forces(scene.law_forces + scene.forces)
+        other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
+        outputs = other.of_position * record.motion + other.of_forces(
+            prediction.law_forces + prediction.forces
+        )
         time = record.fine_time
         later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
-        return record.from_grid(record.fine(outputs - scene.predicted) * later)[None]
+        return record.from_grid(record.fine(outputs - prediction.outputs) * later)[None]
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force, length = joint_units(prediction, place)
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
 
 
@@ -244,28 +247,28 @@ class FlexibleMode(LinearEffect):
     shape_names = ("f", "D")
     positive = True
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The mode is part of the body's mass, and within the frequencies at which the axis moves."""
-        body = scene.bodies[placed.at].direction
-        whole = float(body @ scene.response.plant.mass @ body)
-        highest = _SHARE_OF_MOTION * scene.record.motion_hz
+        body = prediction.bodies[placed.at].direction
+        whole = float(body @ prediction.response.plant.mass @ body)
+        highest = _SHARE_OF_MOTION * prediction.record.motion_hz
         return placed.amplitudes[0] < _MOST_OF_MASS * whole and placed.shape[0] < _INSIDE * highest
 
-    def joint(self, scene: Scene, place: str) -> Joint:
-        return scene.bodies[place]
+    def joint(self, prediction: Prediction, place: str) -> Joint:
+        return prediction.bodies[place]
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        highest = _SHARE_OF_MOTION * scene.record.motion_hz
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        highest = _SHARE_OF_MOTION * prediction.record.motion_hz
         return [(float(f), d) for f in np.geomspace(_LOWEST_MODE, highest, _MODES) for d in _DAMPINGS]
 
-    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
-        highest = _SHARE_OF_MOTION * scene.record.motion_hz
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
+        highest = _SHARE_OF_MOTION * prediction.record.motion_hz
         return float(np.clip(shape[0], 0.5 * _LOWEST_MODE, highest)), float(np.clip(shape[1], 1e-3, 1.0))
 
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
         own, s = 2 * math.pi * shape[0], 1j * omega
         return np.asarray(-(s**4) / (s**2 + 2 * shape[1] * own * s + own**2), dtype=np.complex128)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force, length = joint_units(prediction, place)
         return str(force * Unit.of("s") ** 2 / length), "Hz", "1"

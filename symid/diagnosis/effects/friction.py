@@ -13,8 +13,9 @@ from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.base import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import joints_with as _declared
-from symid.diagnosis.hidden_motion import Pointwise
-from symid.diagnosis.scene import Joint, Scene
+from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
 _SPEED, _COURSE, _STATE, _LOAD, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z _load amplitude viscous")
@@ -47,14 +48,14 @@ class PreslidingFriction(JointEffect):
     shape_names = ("reach",)
     positive = True
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        slides = str(joint_units(scene, place)[1]) == "m"
-        reaches = _REACHES if slides else scene.joints[place].stroke * _TURNED
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        slides = str(joint_units(prediction, place)[1]) == "m"
+        reaches = _REACHES if slides else prediction.joints[place].stroke * _TURNED
         return [(float(x),) for x in reaches]
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Samples show how the friction builds up."""
-        joint, record = scene.joints[placed.at], scene.record
+        joint, record = prediction.joints[placed.at], prediction.record
         moving = np.flatnonzero(record.in_log & (np.abs(joint.v) > _SLOW * joint.top_speed))
         begins = moving[1:][np.diff(np.sign(joint.v[moving])) != 0]
         ahead = max(1, round(record.log.sampling_period / record.fine_time[1]))
@@ -64,16 +65,16 @@ class PreslidingFriction(JointEffect):
         passed = np.abs(joint.q[begins + ahead] - joint.q[begins])
         return placed.shape[0] > _SAMPLES * float(np.median(passed))
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
-        declared = joint.name in _declared(scene, DeclaredCoulomb)
-        return sampled(scene, state - np.sign(joint.v) if declared else state, joint=joint)
+        declared = joint.name in _declared(prediction, DeclaredCoulomb)
+        return sampled(prediction, state - np.sign(joint.v) if declared else state, joint=joint)
 
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+    def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         return Pointwise(_AMPLITUDE * _STATE, {"amplitude": amplitudes[0]}, reach=shape[0])
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force, length = joint_units(prediction, place)
         return str(force), str(length)
 
 
@@ -118,26 +119,28 @@ class LoadDependentFriction(JointEffect):
     positive = True
     implicit = True
 
-    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
         return 0 <= amplitudes[0] < _LARGEST_COEFFICIENT
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        drive = scene.record.fine(scene.predicted[0])
-        return sampled(scene, np.abs(drive) * np.sign(joint.v), joint=joint)
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        drive = prediction.record.fine(prediction.outputs[0])
+        return sampled(prediction, np.abs(drive) * np.sign(joint.v), joint=joint)
 
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+    def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         return Pointwise(_AMPLITUDE * sp.Abs(_LOAD), {"amplitude": amplitudes[0]}, dry=True)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("1",)
 
 
-def _level(scene: Scene, place: str, kind: type[Law]) -> float:
+def _level(prediction: Prediction, place: str, kind: type[Law]) -> float:
     """Value of the declared friction of a kind in a joint."""
     laws = (
-        law for law in scene.axis.laws if isinstance(law, kind) and getattr(law.at, "name", None) == place
+        law
+        for law in prediction.axis.laws
+        if isinstance(law, kind) and getattr(law.at, "name", None) == place
     )
-    values = scene.axis.with_known_values(scene.parameters)
+    values = prediction.axis.with_known_values(prediction.parameters)
     return sum(abs(values[term.parameter]) for law in laws for term in law.terms())
 
 
@@ -154,54 +157,58 @@ class FrictionDrift(JointEffect):
     shape_names: tuple[str, ...] = ("T",)
     per_log = True
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """It shows a course within the log, and changes declared friction by no more than a few times that."""
-        if placed.shape[0] > 0.99 * _SLOWEST_WARM_UP * scene.record.duration:
+        if placed.shape[0] > 0.99 * _SLOWEST_WARM_UP * prediction.record.duration:
             return False
-        return self.is_moderate(scene, placed, 1.0)
+        return self.is_moderate(prediction, placed, 1.0)
 
-    def is_moderate(self, scene: Scene, placed: Placed, time: float) -> bool:
+    def is_moderate(self, prediction: Prediction, placed: Placed, time: float) -> bool:
         """Whether amplitudes times `time` change declared friction at the highest speed by no more than a few times."""
-        top = scene.joints[placed.at].top_speed
+        top = prediction.joints[placed.at].top_speed
         kinds = ((DeclaredCoulomb, 1.0),) * self.coulomb + ((DeclaredViscous, top),) * self.viscous
         changed = sum(abs(c) * v for c, (_, v) in zip(placed.amplitudes, kinds, strict=True)) * time
-        return changed < _MOST_CHANGED * sum(_level(scene, placed.at, kind) * v for kind, v in kinds)
+        return changed < _MOST_CHANGED * sum(_level(prediction, placed.at, kind) * v for kind, v in kinds)
 
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous
         self.amplitudes = ("dFs",) * coulomb + ("dFv",) * viscous
 
-    def places(self, scene: Scene) -> Iterable[str]:
-        both = _declared(scene, DeclaredCoulomb), _declared(scene, DeclaredViscous)
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        both = _declared(prediction, DeclaredCoulomb), _declared(prediction, DeclaredViscous)
         wanted = [names for names, changes in zip(both, (self.coulomb, self.viscous), strict=True) if changes]
-        return [name for name in scene.joints if all(name in names for names in wanted)]
+        return [name for name in prediction.joints if all(name in names for names in wanted)]
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        return [(x * scene.record.duration,) for x in _WARM_UPS]
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        return [(x * prediction.record.duration,) for x in _WARM_UPS]
 
-    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         return (
-            float(np.clip(shape[0], 0.02 * scene.record.duration, _SLOWEST_WARM_UP * scene.record.duration)),
+            float(
+                np.clip(
+                    shape[0], 0.02 * prediction.record.duration, _SLOWEST_WARM_UP * prediction.record.duration
+                )
+            ),
         )
 
-    def course(self, scene: Scene, shape: Shape) -> FloatArray:
+    def course(self, prediction: Prediction, shape: Shape) -> FloatArray:
         """Factor of the change over time: exp(-t/T) within the log."""
-        return np.where(scene.record.in_log, np.exp(-scene.record.fine_time / shape[0]), 0.0)
+        return np.where(prediction.record.in_log, np.exp(-prediction.record.fine_time / shape[0]), 0.0)
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
-        fading = self.course(scene, shape)
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
+        fading = self.course(prediction, shape)
         parts = [np.sign(joint.v)] * self.coulomb + [joint.v] * self.viscous
-        return sampled(scene, *(part * fading for part in parts), joint=joint)
+        return sampled(prediction, *(part * fading for part in parts), joint=joint)
 
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
+    def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         values = {
             "amplitude": amplitudes[0] if self.coulomb else 0.0,
             "viscous": amplitudes[-1] if self.viscous else 0.0,
         }
-        return Pointwise(_DRIFTING, values, self.course(scene, shape))
+        return Pointwise(_DRIFTING, values, self.course(prediction, shape))
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force, length = joint_units(prediction, place)
         of_viscous = str(force * Unit.of("s") / length)
         return (*[str(force)] * self.coulomb, *[of_viscous] * self.viscous, "s")
 
@@ -219,20 +226,20 @@ class SteadyFrictionDrift(FrictionDrift):
         super().__init__(coulomb=coulomb, viscous=viscous)
         self.amplitudes = tuple(f"{name}/dt" for name in self.amplitudes)
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """It changes declared friction by no more than a few times that within the log."""
-        return self.is_moderate(scene, placed, scene.record.duration)
+        return self.is_moderate(prediction, placed, prediction.record.duration)
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [()]
 
-    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
         return shape
 
-    def course(self, scene: Scene, shape: Shape) -> FloatArray:
+    def course(self, prediction: Prediction, shape: Shape) -> FloatArray:
         """Factor of the change over time: the time since the log began, s."""
-        return np.where(scene.record.in_log, scene.record.fine_time, 0.0)
+        return np.where(prediction.record.in_log, prediction.record.fine_time, 0.0)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        *changes, time = super().units(scene, place)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        *changes, time = super().units(prediction, place)
         return tuple(str(Unit.of(change) / Unit.of(time)) for change in changes)

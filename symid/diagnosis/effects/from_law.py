@@ -22,8 +22,9 @@ from symid.diagnosis.effects.base import (
     joint_units,
     sampled,
 )
-from symid.diagnosis.hidden_motion import Pointwise
-from symid.diagnosis.scene import Joint, Scene
+from symid.diagnosis.prediction.hidden_motion import Pointwise
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.simulation.law_functions import array_function
 from symid.symbolic.expressions import is_smooth, law_expression
 from symid.units import Unit
@@ -62,31 +63,33 @@ class LawEffect(JointEffect):
         """The formula as functions."""
         return _functions(self.formula, tuple(number.field for number in self.shape_parameters))
 
-    def joint(self, scene: Scene, place: str) -> Joint:
-        return scene.springs[place] if self.law.in_spring else scene.joints[place]
+    def joint(self, prediction: Prediction, place: str) -> Joint:
+        return prediction.springs[place] if self.law.in_spring else prediction.joints[place]
 
-    def places(self, scene: Scene) -> Iterable[str]:
+    def places(self, prediction: Prediction) -> Iterable[str]:
         """Springs for a law in a spring; else bodies in whose joint neither the law nor its like is declared."""
         if self.law.in_spring:
-            return tuple(scene.springs)
-        taken: set[str] = set(scene.springs) if any(t.expression == "q" for t in self.formula) else set()
-        taken = taken.union(*(joints_with(scene, each) for each in self.laws if each.once))
-        taken = taken.union(*(joints_with(scene, each) for each in self.hypothesis.without))
-        beside = [joints_with(scene, each) for each in self.hypothesis.beside]
-        return [name for name in scene.joints if name not in taken and all(name in names for names in beside)]
+            return tuple(prediction.springs)
+        taken: set[str] = set(prediction.springs) if any(t.expression == "q" for t in self.formula) else set()
+        taken = taken.union(*(joints_with(prediction, each) for each in self.laws if each.once))
+        taken = taken.union(*(joints_with(prediction, each) for each in self.hypothesis.without))
+        beside = [joints_with(prediction, each) for each in self.hypothesis.beside]
+        return [
+            name for name in prediction.joints if name not in taken and all(name in names for names in beside)
+        ]
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """A spring leaves its dead zone at times."""
-        joint = self.joint(scene, placed.at)
+        joint = self.joint(prediction, placed.at)
         widths = zip(self.shape_parameters, placed.shape, strict=True)
         return all(x / 2 < _scale(number, joint) for number, x in widths if number.scale == "deflection")
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        joint = self.joint(scene, place)
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        joint = self.joint(prediction, place)
         return product(*(_trials(number, joint) for number in self.shape_parameters))
 
-    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
-        joint = self.joint(scene, place)
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
+        joint = self.joint(prediction, place)
         return tuple(_bounded(n, joint, x) for n, x in zip(self.shape_parameters, shape, strict=True))
 
     def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
@@ -97,12 +100,14 @@ class LawEffect(JointEffect):
             for term, function in zip(self.formula, self.functions.arrays, strict=True)
         )
 
-    def forces(self, scene: Scene, joint: Joint, shape: Shape) -> ComplexArray:
+    def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         jumps = self.functions.jumps
         courses = zip(self.courses(joint, shape), jumps, strict=True)
-        return sampled(scene, *(joint.averaged(force) if jump else force for force, jump in courses))
+        return sampled(prediction, *(joint.averaged(force) if jump else force for force, jump in courses))
 
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise | None:
+    def pointwise(
+        self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]
+    ) -> Pointwise | None:
         return self.point_by_point(shape, amplitudes) if self.law.moves_hidden else None
 
     def point_by_point(self, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
@@ -139,8 +144,8 @@ class LawEffect(JointEffect):
         """Whether it is one level that opposes the motion."""
         return self.functions.level is not None and len(self.formula) == 1 and not self.shape_names
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        force, length = joint_units(scene, place)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        force, length = joint_units(prediction, place)
         speed = length / Unit.of("s")
         of_shape = (speed if number.scale == "speed" else length for number in self.shape_parameters)
         return (*(str(term.unit(force, length)) for term in self.formula), *map(str, of_shape))
@@ -169,7 +174,7 @@ class LinearLawEffect(LinearEffect, LawEffect):
         (term,) = self.formula
         return np.asarray(1j * omega if term.expression == "v" else np.ones(omega.size, dtype=complex))
 
-    def pointwise(self, scene: Scene, shape: Shape, amplitudes: tuple[float, ...]) -> None:
+    def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> None:
         return None
 
 
@@ -235,9 +240,9 @@ def library_of_laws(own: Mapping[type[Law], type[LawEffect]]) -> tuple[LawEffect
     return tuple(effect for law in known for effect in effects_of(law, own.get(law, LawEffect)))
 
 
-def joints_with(scene: Scene, kind: type[Law]) -> set[str]:
+def joints_with(prediction: Prediction, kind: type[Law]) -> set[str]:
     """Bodies in whose joint a law is declared."""
-    return {law.at.name for law in scene.axis.laws if isinstance(law, kind) and hasattr(law.at, "name")}
+    return {law.at.name for law in prediction.axis.laws if isinstance(law, kind) and hasattr(law.at, "name")}
 
 
 def _scale(number: ShapeParameter, joint: Joint) -> float:

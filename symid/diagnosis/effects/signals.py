@@ -11,7 +11,8 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects.base import ACTUATOR, Effect, MatchedFilter, Placed, Shape
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
-from symid.diagnosis.scene import Joint, Scene
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
 
 _LONGEST_DELAY = 0.05
 _STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0])
@@ -27,12 +28,12 @@ _MOSTLY_BELOW = 0.9
 class DriveEffect(Effect):
     """An effect between the force that is logged and the one that acts."""
 
-    def places(self, scene: Scene) -> Iterable[str]:
+    def places(self, prediction: Prediction) -> Iterable[str]:
         return (ACTUATOR,)
 
-    def _force(self, scene: Scene, *changes: ComplexArray) -> ComplexArray:
+    def _force(self, prediction: Prediction, *changes: ComplexArray) -> ComplexArray:
         """Changes of the predicted force, none of the further readings."""
-        columns = np.zeros((len(changes), *scene.record.measured.shape), dtype=complex)
+        columns = np.zeros((len(changes), *prediction.record.measured.shape), dtype=complex)
         columns[:, 0] = changes
         return columns
 
@@ -41,22 +42,22 @@ class TransferEffect(Effect):
     """An effect that adds to one predicted output that output under a transfer function."""
 
     @abstractmethod
-    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
+    def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
         """The transfer function for unit amplitude, of shape (n_bins,)."""
 
-    def output(self, scene: Scene, place: str) -> int:
+    def output(self, prediction: Prediction, place: str) -> int:
         """Which output; the drive force unless said otherwise."""
         return 0
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        return self._under(scene, place, shape, scene.predicted)[None]
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        return self._under(prediction, place, shape, prediction.outputs)[None]
 
-    def passed_on(self, scene: Scene, placed: Placed, outputs: ComplexArray) -> ComplexArray:
-        return np.asarray(placed.amplitudes[0] * self._under(scene, placed.at, placed.shape, outputs))
+    def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray:
+        return np.asarray(placed.amplitudes[0] * self._under(prediction, placed.at, placed.shape, outputs))
 
-    def _under(self, scene: Scene, place: str, shape: Shape, outputs: ComplexArray) -> ComplexArray:
-        changed, at = np.zeros_like(outputs), self.output(scene, place)
-        changed[..., at, :] = self.transfer(scene, shape) * outputs[..., at, :]
+    def _under(self, prediction: Prediction, place: str, shape: Shape, outputs: ComplexArray) -> ComplexArray:
+        changed, at = np.zeros_like(outputs), self.output(prediction, place)
+        changed[..., at, :] = self.transfer(prediction, shape) * outputs[..., at, :]
         return changed
 
 
@@ -68,16 +69,16 @@ class Delay(TransferEffect, DriveEffect):
     shape_names = ("T",)
     fixed = True
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         return abs(placed.shape[0]) < _LONGEST_DELAY
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        return [(float(x * scene.record.log.sampling_period),) for x in _DELAYS]
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        return [(float(x * prediction.record.log.sampling_period),) for x in _DELAYS]
 
-    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
-        return np.asarray(np.expm1(1j * scene.record.omega * shape[0]), dtype=np.complex128)
+    def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
+        return np.asarray(np.expm1(1j * prediction.record.omega * shape[0]), dtype=np.complex128)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return "1", "s"
 
 
@@ -88,10 +89,10 @@ class ActuatorLag(TransferEffect, DriveEffect):
     amplitudes = ("T",)
     positive = True
 
-    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
-        return np.asarray(1j * scene.record.omega, dtype=np.complex128)
+    def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
+        return np.asarray(1j * prediction.record.omega, dtype=np.complex128)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("s",)
 
 
@@ -103,22 +104,24 @@ class Saturation(DriveEffect):
     shape_names = ("limit",)
     fixed = True
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
-        return placed.shape[0] > 1.01 * _least_limit(scene)
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        return placed.shape[0] > 1.01 * _least_limit(prediction)
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        top, least = _top_force(scene), _least_limit(scene)
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        top, least = _top_force(prediction), _least_limit(prediction)
         return [(share * top,) for share in _LIMITS if share * top > least]
 
-    def bounded(self, scene: Scene, place: str, shape: Shape) -> Shape:
-        return (float(np.clip(shape[0], _least_limit(scene), _top_force(scene))),)
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
+        return (float(np.clip(shape[0], _least_limit(prediction), _top_force(prediction))),)
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        force = scene.record.whole_force
-        return self._force(scene, scene.record.from_samples(force - np.clip(force, -shape[0], shape[0])))
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        force = prediction.record.whole_force
+        return self._force(
+            prediction, prediction.record.from_samples(force - np.clip(force, -shape[0], shape[0]))
+        )
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return "1", _drive_unit(scene)
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return "1", _drive_unit(prediction)
 
 
 _MOST_BEND = 0.6
@@ -134,17 +137,19 @@ class GainNonlinearity(DriveEffect):
     def __init__(self, power: int) -> None:
         self.power = power
 
-    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
         """More command gives more force."""
-        largest = float(np.abs(scene.record.whole_force).max())
+        largest = float(np.abs(prediction.record.whole_force).max())
         return abs(amplitudes[0]) * self.power * largest ** (self.power - 1) < _MOST_BEND
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        force = scene.record.whole_force
-        return self._force(scene, scene.record.from_samples(force * np.abs(force) ** (self.power - 1)))
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        force = prediction.record.whole_force
+        return self._force(
+            prediction, prediction.record.from_samples(force * np.abs(force) ** (self.power - 1))
+        )
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        unit = scene.axis.signal_units[scene.axis.only_drive.signal]
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        unit = prediction.axis.signal_units[prediction.axis.only_drive.signal]
         return (str(unit ** (1 - self.power)),)
 
 
@@ -154,13 +159,13 @@ class GainAsymmetry(DriveEffect):
     name = "gain_nonlinearity"
     amplitudes = ("difference",)
 
-    def is_possible(self, scene: Scene, amplitudes: tuple[float, ...]) -> bool:
+    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
         return abs(amplitudes[0]) < _MOST_BEND
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        return self._force(scene, scene.record.from_samples(np.abs(scene.record.whole_force)))
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        return self._force(prediction, prediction.record.from_samples(np.abs(prediction.record.whole_force)))
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("1",)
 
 
@@ -171,41 +176,45 @@ class EncoderRipple(Effect):
     amplitudes = ("As", "Ac")
     shape_names = ("pitch",)
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The reading still rises with the position, by far."""
         slope = math.tau * math.hypot(*placed.amplitudes) / placed.shape[0]
         return slope < _STEEPEST_RIPPLE
 
-    def places(self, scene: Scene) -> Iterable[str]:
-        sensors = scene.record.dynamics.sensors
-        return [name for name in scene.record.signals if sensors[name][1] == 0]
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        sensors = prediction.record.dynamics.sensors
+        return [name for name in prediction.record.signals if sensors[name][1] == 0]
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        response = self._response(scene, place)
-        return repeating_pitches(scene, _reading(scene, place), matched_filter(response), response)
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        response = self._response(prediction, place)
+        return repeating_pitches(prediction, _reading(prediction, place), matched_filter(response), response)
 
-    def columns(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
-        return self._response(scene, place) * self._waves(scene, place, shape)[:, None, :]
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        return self._response(prediction, place) * self._waves(prediction, place, shape)[:, None, :]
 
-    def misreading(self, scene: Scene, placed: Placed) -> ComplexArray | None:
-        if placed.at != scene.record.signals[0]:
+    def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
+        if placed.at != prediction.record.signals[0]:
             return None
-        return np.asarray(np.tensordot(placed.amplitudes, self._waves(scene, placed.at, placed.shape), 1))
+        return np.asarray(
+            np.tensordot(placed.amplitudes, self._waves(prediction, placed.at, placed.shape), 1)
+        )
 
-    def _waves(self, scene: Scene, place: str, shape: Shape) -> ComplexArray:
+    def _waves(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
-        return scene.record.from_grid(np.stack(ripple(scene, _reading(scene, place), shape[0])))
+        return prediction.record.from_grid(
+            np.stack(ripple(prediction, _reading(prediction, place), shape[0]))
+        )
 
-    def _response(self, scene: Scene, place: str) -> ComplexArray:
+    def _response(self, prediction: Prediction, place: str) -> ComplexArray:
         """Outputs as predicted, for an error of the reading."""
-        if place == scene.record.signals[0]:
-            return -scene.response.of_position
-        response = np.zeros_like(scene.response.of_position)
-        response[scene.record.signals.index(place)] = 1.0
+        if place == prediction.record.signals[0]:
+            return -prediction.response.of_position
+        response = np.zeros_like(prediction.response.of_position)
+        response[prediction.record.signals.index(place)] = 1.0
         return response
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
-        return (str(scene.axis.signal_units[place]),) * 3
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return (str(prediction.axis.signal_units[place]),) * 3
 
 
 class SensorDelay(TransferEffect):
@@ -216,30 +225,32 @@ class SensorDelay(TransferEffect):
     shape_names = ("T",)
     fixed = True
 
-    def is_plausible(self, scene: Scene, placed: Placed) -> bool:
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         return abs(placed.shape[0]) < _LONGEST_DELAY
 
-    def places(self, scene: Scene) -> Iterable[str]:
-        return scene.record.signals[1:]
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return prediction.record.signals[1:]
 
-    def shapes(self, scene: Scene, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        period = scene.record.log.sampling_period
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        period = prediction.record.log.sampling_period
         times = [float(x * period) for x in _DELAYS]
-        return [(time,) for time in (*times, *_apparent_delay(scene, place)) if abs(time) < _LONGEST_DELAY]
+        return [
+            (time,) for time in (*times, *_apparent_delay(prediction, place)) if abs(time) < _LONGEST_DELAY
+        ]
 
-    def output(self, scene: Scene, place: str) -> int:
-        return scene.record.signals.index(place)
+    def output(self, prediction: Prediction, place: str) -> int:
+        return prediction.record.signals.index(place)
 
-    def transfer(self, scene: Scene, shape: Shape) -> ComplexArray:
-        return np.asarray(np.expm1(-1j * scene.record.omega * shape[0]), dtype=np.complex128)
+    def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
+        return np.asarray(np.expm1(-1j * prediction.record.omega * shape[0]), dtype=np.complex128)
 
-    def units(self, scene: Scene, place: str) -> tuple[str, ...]:
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return "1", "s"
 
 
-def _apparent_delay(scene: Scene, place: str) -> list[float]:
+def _apparent_delay(prediction: Prediction, place: str) -> list[float]:
     """Delay of a position against the driven one if nothing else came between them: y = r q + z - T r dq/dt."""
-    record = scene.record
+    record = prediction.record
     if record.dynamics.sensors[place][1]:
         return []
     q, y = (record.log[name] for name in (record.signals[0], place))
@@ -248,27 +259,29 @@ def _apparent_delay(scene: Scene, place: str) -> list[float]:
     return [float(-late / ratio)] if ratio and late else []
 
 
-def _reading(scene: Scene, signal: str) -> Joint:
-    record = scene.record
+def _reading(prediction: Prediction, signal: str) -> Joint:
+    record = prediction.record
     place = record.signals.index(signal)
     spectrum = record.measured[place] if place else record.motion
     return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
 
 
-def _drive_unit(scene: Scene) -> str:
-    return str(scene.axis.signal_units[scene.axis.only_drive.signal])
+def _drive_unit(prediction: Prediction) -> str:
+    return str(prediction.axis.signal_units[prediction.axis.only_drive.signal])
 
 
-def _least_limit(scene: Scene) -> float:
+def _least_limit(prediction: Prediction) -> float:
     """Lowest limit of the force that is worth a trial."""
-    return min(_USUAL_LIMIT * _top_force(scene), float(np.quantile(_force_size(scene), _MOSTLY_BELOW)))
+    return min(
+        _USUAL_LIMIT * _top_force(prediction), float(np.quantile(_force_size(prediction), _MOSTLY_BELOW))
+    )
 
 
-def _top_force(scene: Scene) -> float:
+def _top_force(prediction: Prediction) -> float:
     """Largest force of the log; its last samples, where a log may end in the middle of a blow, do not count."""
-    force = _force_size(scene)
+    force = _force_size(prediction)
     return float(force[: -max(1, force.size // 100)].max())
 
 
-def _force_size(scene: Scene) -> FloatArray:
-    return np.asarray(np.abs(scene.record.whole_force[: scene.record.log.n_samples]))
+def _force_size(prediction: Prediction) -> FloatArray:
+    return np.asarray(np.abs(prediction.record.whole_force[: prediction.record.log.n_samples]))

@@ -1,0 +1,246 @@
+"""The next experiment: where two causes remain, the motion that tells them apart best."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.diagnosis.experiment.candidates import Envelope
+from symid.diagnosis.experiment.discrimination import LEAST_LOG_ODDS, Rivals, Trial, simulated_trials, trials
+from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
+from symid.diagnosis.findings.conclusion import driven
+from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.findings.wording import spoken
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.selection.evidence import Key, probabilities
+from symid.errors import SettingError, SymidError
+from symid.simulation import Limits, Trajectory
+
+_SMOOTH = 20.0
+_HIGHEST_HZ = 100.0
+_MOST_LOG_ODDS = math.log(1e6)
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """What to do next.
+
+    Parameters
+    ----------
+    text : str
+        In words.
+    causes : tuple of (str, str)
+        Effects and places that remain; empty if none do.
+    trajectory : Trajectory or None
+        Reference that tells them apart best; None if no motion does.
+    odds : float
+        Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
+    considered : mapping of str to float
+        Expected odds after each motion that was tried, best first.
+    simulated : SimulatedExperiment or None
+        The motion on the axis with either cause; None if they cannot be simulated.
+    message : str
+        Why they cannot, or which motions were put aside because the simulated axis exceeds a limit.
+    """
+
+    text: str
+    causes: tuple[Key, ...] = ()
+    trajectory: Trajectory | None = None
+    odds: float = math.nan
+    considered: Mapping[str, float] | None = None
+    simulated: SimulatedExperiment | None = None
+    message: str = ""
+
+    @property
+    def probability(self) -> float:
+        """That it tells the causes apart with the noise of the log; nan if it was not simulated."""
+        return math.nan if self.simulated is None else self.simulated.probability
+
+
+def next_experiment_of(
+    found: Diagnosis,
+    *,
+    lowest: float | None = None,
+    highest: float | None = None,
+    speed: float | None = None,
+    acceleration: float | None = None,
+    jerk: float | None = None,
+    force: float | None = None,
+    seconds: float | None = None,
+) -> Experiment:
+    """The motion that tells the first effect found from its strongest rival.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        With its search, as `diagnose` returns it.
+    lowest, highest : float, optional
+        Travel of the driven joint, m or rad; that of the log by default, as all limits are.
+    speed, acceleration : float, optional
+        Of the driven joint, SI.
+    jerk : float, optional
+        Of the reference, SI; by default that of moves is 20 times the acceleration, and that of a multisine is free.
+    force : float, optional
+        Largest drive force, SI.
+    seconds : float, optional
+        Duration, s.
+
+    Returns
+    -------
+    Experiment
+        Without a trajectory where nothing is left to tell apart, or where no motion does it.
+
+    Raises
+    ------
+    SettingError
+        If a limit is not positive.
+
+    Examples
+    --------
+    A delay and a first-order lag act alike where the force changes slowly.
+
+    >>> from symid.axis import load_axis
+    >>> from symid.diagnosis import diagnose
+    >>> from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+    >>> axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+    >>> late = axis.with_signal("q", noise=2e-9, delay=1e-3).with_signal("F", noise=2.0)
+    >>> reference = trapezoids([0.1, 0.06], [0.15, 0.2], acceleration=2.0, jerk=20.0, sampling_period=1e-3)
+    >>> log = simulate(late, values, reference, tuned_cascade(plant_of(axis, values), "q")).log
+    >>> planned = next_experiment_of(diagnose(axis, log), acceleration=3.0, seconds=4.0)
+    >>> planned.causes, planned.trajectory.name
+    ((('delay', 'actuator'), ('actuator_lag', 'actuator')), 'multisine of 3 to 100 Hz about one place')
+    """
+    for value, what in ((force, "largest force"), (seconds, "duration"), (jerk, "jerk")):
+        if value is not None and not value > 0:
+            raise SettingError(f"{what} of the next experiment is {value:g}: give a positive number")
+    rivals = rivals_of(found)
+    if rivals is None:
+        return Experiment(found.next_experiment)
+    record = rivals.record
+    seen = limits_seen(record)
+    ends = (seen.travel[0] if lowest is None else lowest, seen.travel[1] if highest is None else highest)
+    limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
+    drive = record.log[record.dynamics.axis.only_drive.signal]
+    envelope = _envelope(record, limits, seconds or record.duration, jerk)
+    largest = force or float(np.abs(drive).max())
+    best = simulated_trials(rivals, trials(rivals, envelope, largest))
+    considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
+    penalised_gain = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
+    if not penalised_gain:
+        return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
+    chosen, run, message = _kept(rivals, penalised_gain, limits, largest)
+    if chosen is None:
+        return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
+    text = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of(run, message)
+    odds = _odds(chosen.log_odds)
+    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message)
+
+
+def _kept(
+    rivals: Rivals, penalised_gain: Sequence[Trial], limits: Limits, force: float
+) -> tuple[Trial | None, SimulatedExperiment | None, str]:
+    """The best motion in which the simulated axis keeps its limits, or the best if it cannot be simulated."""
+    said: list[str] = []
+    for trial in penalised_gain:
+        try:
+            run = simulated_experiment(rivals, trial.trajectory)
+        except (SymidError, np.linalg.LinAlgError, OverflowError) as error:
+            return trial, None, str(error)
+        if not (excess := run.exceeds(limits, force)):
+            return trial, run, "; ".join(said)
+        said.append(f"{trial.trajectory.name}: {excess}")
+    return None, None, "; ".join(said)
+
+
+def limits_seen(record: Record) -> Limits:
+    """Travel, speed and acceleration of the driven joint in a log."""
+    s, inside = 1j * record.omega, record.in_log
+    position = record.fine(record.motion)[inside]
+    velocity = record.fine(s * record.motion * record.taper)[inside]
+    acceleration = record.fine(s**2 * record.motion * record.taper)[inside]
+    return Limits(
+        travel=(float(position.min()), float(position.max())),
+        speed=float(np.abs(velocity).max()),
+        acceleration=float(np.quantile(np.abs(acceleration), 0.995)),
+    )
+
+
+def _envelope(record: Record, limits: Limits, seconds: float, jerk: float | None) -> Envelope:
+    unit = record.dynamics.axis.signal_units[record.signals[0]]
+    return Envelope(
+        limits=replace(limits, jerk=jerk or _SMOOTH * limits.acceleration),
+        seconds=seconds,
+        highest_hz=min(_HIGHEST_HZ, 0.1 * record.log.sampling_frequency),
+        sampling_period=record.log.sampling_period,
+        unit=str(unit),
+        hardest=jerk or math.inf,
+    )
+
+
+def rivals_of(found: Diagnosis) -> Rivals | None:
+    """The two most probable candidates of the first step that leaves doubt, else of the first step."""
+    if found.verdict not in ("effect", "partly", "unexplained"):
+        return None
+    ranked = []
+    for step in found.search:
+        confirmed = {c.key: c for c in step.confirmed}
+        chance = probabilities(step, driven(step.before.state.prediction.record)) if confirmed else {}
+        keys = [key for key in chance if key in confirmed][:2]
+        if len(keys) == 2:
+            ranked.append(Rivals(step, (confirmed[keys[0]], confirmed[keys[1]]), chance[keys[1]]))
+    doubtful = [rivals for rivals in ranked if rivals.remains]
+    return next(iter((*doubtful, *ranked)), None)
+
+
+def _odds(log_odds: float) -> float:
+    return math.exp(min(log_odds, _MOST_LOG_ODDS))
+
+
+def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
+    one, other = (spoken(effect, place) for effect, place in rivals.keys)
+    aim = f"To tell {one} from {other}" if rivals.remains else f"To confirm {one} against {other}"
+    least = "more than 1e6" if log_odds >= _MOST_LOG_ODDS else f"{_odds(log_odds):.3g}"
+    return (
+        f"{aim}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it are {least} to 1 "
+        "for the right one, if the axis follows this reference."
+    )
+
+
+def _words_of(run: SimulatedExperiment | None, message: str) -> str:
+    """What simulation says of a motion."""
+    if run is None:
+        return f" It could not be simulated: {message}."
+    demand, chance = run.demand, 100 * min(run.probability, 0.999)
+    return (
+        f" Simulated with either cause under a controller, it tells them apart with a probability of "
+        f"{'more than ' * (run.probability > 0.999)}{chance:.3g} % at the noise of the log, "
+        f"and takes positions from {demand.lowest:.3g} to {demand.highest:.3g}, speeds to {demand.speed:.3g}, "
+        f"accelerations to {demand.acceleration:.3g} and forces to {run.force:.3g} (SI)."
+    )
+
+
+def _none_is_kept(rivals: Rivals, message: str) -> str:
+    (one, at), (other, place) = rivals.keys
+    return (
+        f"No motion that tells {one} at {at} from {other} at {place} stays within the limits once it is simulated "
+        f"({message}): wider limits are needed."
+    )
+
+
+def _none_separates(rivals: Rivals) -> str:
+    (one, at), (other, place) = rivals.keys
+    record = rivals.record
+    unused = [name for name in record.dynamics.sensors if name not in record.signals]
+    further = f"record {' or '.join(unused)} too" if unused else "another sensor is needed"
+    none = f"No motion within these limits tells {one} at {at} from {other} at {place}"
+    if one == other:
+        return f"{none}: the sensors used see both places alike; {further}."
+    if {one, other} == {"offset_force", "asymmetric_friction"}:
+        return (
+            f"{none}: while it moves, both are a constant force; step the axis round or unload it, "
+            "which changes an offset only."
+        )
+    return f"{none}: wider limits of speed, acceleration or force are needed, or {further}."

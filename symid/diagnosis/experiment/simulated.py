@@ -1,0 +1,193 @@
+"""An experiment in simulation: on the axis with either cause, under a controller, with the machine's noise.
+
+Each cause is simulated with the noise of the signals, which gives their weights, and without: both causes are fitted to
+what the sensors then read, so that what the models lack of the simulated axis counts too. With noise, the logarithm of
+their likelihood ratio is Gaussian; its mean is what the right one gains, its deviation the distance of both predictions
+in deviations of the noise. Where the right one is exact, the mean is half the square of that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.in_motion.declared import axis_of
+from symid.diagnosis.in_motion.replayed import Part, driver_of, without_noise
+from symid.diagnosis.prediction.record import Record, record_of
+from symid.errors import SettingError
+from symid.identification.settings import with_hold
+from symid.simulation import (
+    Cascade,
+    Extremes,
+    Limits,
+    Simulation,
+    Trajectory,
+    plant_of,
+    simulate,
+    tuned_cascade,
+)
+
+_LEAST_RATE = 1000.0
+"""Rate of the simulated controller at least, Hz."""
+_MARGIN = 0.02
+"""Share of a limit, and of the travel, by which a simulated axis may exceed it: what a controller and noise add."""
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedExperiment:
+    """What simulation says of an experiment, the less favourable of both causes.
+
+    Parameters
+    ----------
+    separations : tuple of Separation
+        How well the readings with each cause tell it from the other.
+    demand : Extremes
+        Of the driven joint; the jerk is that of the reference.
+    force : float
+        Largest drive force, in its unit.
+    records : tuple of Record
+        What the sensors read with either cause.
+    """
+
+    separations: tuple[Separation, ...]
+    demand: Extremes
+    force: float
+    records: tuple[Record, ...] = field(repr=False)
+
+    @property
+    def probability(self) -> float:
+        """Of telling the causes apart."""
+        return min(found.probability for found in self.separations)
+
+    def exceeds(self, limits: Limits, force: float) -> str:
+        """Which limit is exceeded, in words; empty if none is."""
+        low, high = limits.travel
+        beyond = max(low - self.demand.lowest, self.demand.highest - high)
+        if beyond > _MARGIN * (high - low):
+            return f"travel is exceeded by {beyond:.3g}"
+        pairs = {
+            "speed": (self.demand.speed, limits.speed),
+            "acceleration": (self.demand.acceleration, limits.acceleration),
+            "force": (self.force, force),
+        }
+        for what, (value, limit) in pairs.items():
+            if value > (1 + _MARGIN) * limit:
+                return f"{what} reaches {value:.3g} instead of {limit:.3g}"
+        return ""
+
+
+def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) -> SimulatedExperiment:
+    """Simulate an experiment with either cause.
+
+    Parameters
+    ----------
+    rivals : Rivals
+        Both causes.
+    trajectory : Trajectory
+        Reference of the driven joint's sensor.
+    seed : int
+        Of the noise.
+
+    Raises
+    ------
+    SettingError
+        If a cause is no element of an axis, or the axis cannot follow.
+    """
+    runs = [_run(rivals, model, trajectory, seed) for model in rivals.models]
+    quiet = [_run(rivals, model, trajectory, None)[0] for model in rivals.models]
+    records = tuple(record for record, _ in runs)
+    demands = [_demand(record, run, trajectory) for record, run in runs]
+    return SimulatedExperiment(
+        separations=tuple(
+            separation(rivals, i, *pair) for i, pair in enumerate(zip(records, quiet, strict=True))
+        ),
+        demand=Extremes(
+            lowest=min(d.lowest for d in demands),
+            highest=max(d.highest for d in demands),
+            speed=max(d.speed for d in demands),
+            acceleration=max(d.acceleration for d in demands),
+            jerk=trajectory.extremes.jerk,
+        ),
+        force=max(float(np.abs(run.forces).max()) for _, run in runs),
+        records=records,
+    )
+
+
+def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None) -> tuple[Record, Simulation]:
+    """What the sensors read of the axis of a model, without a seed exactly, and how it moves."""
+    like, explained = rivals.record, axis_of(model)
+    if explained.left_out:
+        raise SettingError("; ".join(explained.left_out))
+    signal, drive = like.signals[0], like.dynamics.axis.only_drive.signal
+    axis = without_noise(explained.axis) if seed is None else _with_noise(explained.axis, like)
+    plant = plant_of(axis, explained.values)
+    path = _fast(trajectory)
+    run = simulate(
+        axis,
+        explained.values,
+        path,
+        _controller(rivals, tuned_cascade(plant, signal, min(20.0, like.log.sampling_frequency / 20))),
+        frequency_hz=like.log.sampling_frequency,
+        seed=seed or 0,
+        start=plant.follows(signal, float(path.position[0])),
+    )
+    late = with_hold({}, drive, held=True, sampling_period=path.sampling_period)
+    log = replace(run.log, source=trajectory.name)
+    return record_of(like.dynamics, log, like.motion_hz, late), run
+
+
+def _controller(rivals: Rivals, tuned: Cascade) -> Cascade:
+    """The controller of the log if it tells it, else one that is tuned for the axis."""
+    record = rivals.record
+    parts = [Part(record.log, np.ones(record.log.n_samples, dtype=bool), record)]
+    driver = driver_of(record, parts, None, (None, rivals.step.before.state))
+    return tuned if driver.kind == "observer" else driver.cascade
+
+
+def _with_noise(axis: Axis, like: Record) -> Axis:
+    """The axis whose signals have the noise of a log."""
+    names = (like.signals[0], axis.only_drive.signal, *like.signals[1:])
+    delays = {sensor.signal: sensor.delay for sensor in axis.sensors}
+    for name, level in zip(names, like.noise, strict=True):
+        axis = axis.with_signal(name, float(level), delay=delays.get(name, 0.0))
+    return axis
+
+
+def _fast(trajectory: Trajectory) -> Trajectory:
+    """A trajectory at a rate at which a controller can run."""
+    factor = max(1, math.ceil(_LEAST_RATE * trajectory.sampling_period - 1e-9))
+    if factor == 1:
+        return trajectory
+    n = trajectory.n_samples
+    spline = scipy.interpolate.CubicSpline(np.arange(n) * trajectory.sampling_period, trajectory.position)
+    period = trajectory.sampling_period / factor
+    time = np.arange((n - 1) * factor + 1) * period
+    position, velocity, acceleration = (spline(time, order) for order in range(3))
+    return Trajectory(position, velocity, acceleration, period, trajectory.name)
+
+
+def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes:
+    """What the driven joint does, its acceleration in the band of the motion."""
+    plant = plant_of(record.dynamics.axis, dict.fromkeys(record.dynamics.parameters, 1.0))
+    row, _ = plant.sensors[record.signals[0]]
+    n, period = row.size, float(run.time[1] - run.time[0])
+    position, speed = (np.asarray(run.states[:, part] @ row) for part in (slice(n), slice(n, None)))
+    return Extremes(
+        lowest=float(position.min()),
+        highest=float(position.max()),
+        speed=float(np.abs(speed).max()),
+        acceleration=_size(np.diff(speed) / period),
+        jerk=trajectory.extremes.jerk,
+    )
+
+
+def _size(acceleration: FloatArray) -> float:
+    """Largest acceleration but for the few samples in which friction jumps, as `limits_seen` takes it of a log."""
+    return float(np.quantile(np.abs(acceleration), 0.995))

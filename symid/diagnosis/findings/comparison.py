@@ -1,0 +1,288 @@
+"""Models compared on data that took no part in any choice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.diagnosis.findings.gap import Gap, Level, Removed, Reversal
+from symid.diagnosis.findings.result import Signals, Spectrum
+from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
+from symid.diagnosis.fitting.applied import applied, errors_of
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.density import power_density
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.reversal import SLOW, near
+from symid.diagnosis.prediction.weighting import Weighting
+
+_SEGMENT = 1024
+_USED = 0.65
+_UNEVEN = 2.0
+_FEW = 8
+_NO_EXCESS = 0.05
+"""Excess relative to the square of the floor below which there is nothing to explain."""
+_FALLS = 0.995
+"""An error that falls by less on data that took no part in the fit speaks against the effect."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Errors of several models on one record, with the same weights.
+
+    Parameters
+    ----------
+    weighting : Weighting
+        Of the record.
+    states : tuple of State or None
+        Models, simplest first: nominal, re-identified, with the first effect, the first two, ...
+    errors : tuple of array of shape (n_outputs, n_rows) or None
+        Their weighted errors, in multiples of the noise; nan where no row is kept.
+    """
+
+    weighting: Weighting
+    states: tuple[State | None, ...]
+    errors: tuple[FloatArray | None, ...]
+
+    @property
+    def record(self) -> Record:
+        """The log."""
+        return self.weighting.record
+
+    def with_effects(self, n: int) -> Comparison:
+        """The nominal and the re-identified model, and those with one to `n` effects."""
+        return Comparison(self.weighting, self.states[: 2 + n], self.errors[: 2 + n])
+
+    @property
+    def upheld(self) -> int:
+        """How many of the effects hold on these data: what follows makes the error grow, or may do so."""
+        errors = [self._misfit(model) for model in range(1, len(self.states))]
+        held = [n for n in range(1, len(errors)) if errors[n] <= _FALLS * min(errors[:n])]
+        last = max(held, default=0)
+        while last > 1 and not self.removed(last, last + 1).low > 0:
+            last -= 1
+        return last
+
+    @property
+    def worsened(self) -> int | None:
+        """The first of several effects that clearly makes the error grow on these data; None if none does."""
+        n_effects = len(self.states) - 2
+        grows = (n for n in range(n_effects) if self.removed(n + 1, n + 2).high < 0)
+        return next(grows, None) if n_effects > 1 else None
+
+    def _misfit(self, model: int) -> float:
+        """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""
+        outputs = range(len(self.weighting.density))
+        shares = [np.mean(self.squares(model, o)) / np.mean(self.squares(1, o)) for o in outputs]
+        return float(np.sqrt(np.mean(shares)))
+
+    @cached_property
+    def floors(self) -> FloatArray:
+        """Weighted errors of the outputs that noise alone would leave of the model with all effects."""
+        last = self.states[-1]
+        if last is None:
+            return np.ones(len(self.weighting.density))
+        return np.asarray(np.sqrt(last.prediction.noise_through(self.weighting.density)))
+
+    @property
+    def floor(self) -> float:
+        """That of the force."""
+        return float(self.floors[0])
+
+    def excess(self, model: int, output: int = 0) -> float:
+        """Mean square of an error of a model above the floor, in the unit of the weights."""
+        return max(float(np.mean(self.squares(model, output))) - float(self.floors[output]) ** 2, 0.0)
+
+    def removed(self, before: int, after: int) -> Removed:
+        """Share of the re-identified model's excess that goes from one model to another, with a 95 % interval.
+
+        It is that of the force, and that of a further reading for an error of this reading.
+        """
+        output = self._output_of(after)
+        rows = np.stack([self.squares(i, output) for i in (1, before, after)])
+        return removed_share(rows, float(self.floors[output]) ** 2)
+
+    def _output_of(self, model: int) -> int:
+        """Output in which the last effect of a model is felt: the force, but for errors of further readings."""
+        state = self.states[model]
+        place = state.placed[-1].at if state is not None and state.placed else ""
+        return self.record.signals.index(place) if place in self.record.signals else 0
+
+    def squares(self, model: int, output: int = 0) -> FloatArray:
+        """Squares of a weighted error in the kept rows: that of the force, or of a further reading."""
+        errors = self.errors[model]
+        return (
+            np.full(int(self.weighting.kept.sum()), np.nan)
+            if errors is None
+            else errors[output, self.weighting.kept] ** 2
+        )
+
+    @cached_property
+    def unit(self) -> float:
+        """Force that a weighted error of 1 stands for: the force noise in the band."""
+        return float(1 / self.weighting.density[0].max())
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square of the measured force over the kept rows, with the same weights."""
+        force = self.record.rows(self.record.measured[0] * self.weighting.force_density * self.record.taper)
+        return float(np.sqrt(np.mean(force[self.weighting.kept] ** 2)))
+
+    def level(self, model: int) -> Level:
+        """Force error of a model."""
+        return self._level(float(np.sqrt(np.mean(self.squares(model)))))
+
+    def _level(self, multiple: float) -> Level:
+        return Level(multiple * self.unit, multiple * self.unit / self.size)
+
+    def gap(self) -> Gap:
+        """The gap before and after."""
+        axis = self.record.dynamics.axis
+        re, explained = self.squares(1), self.squares(len(self.errors) - 1)
+        return Gap(
+            signal=axis.only_drive.signal,
+            unit=str(axis.signal_units[axis.only_drive.signal]),
+            band_hz=self.half_power_hz,
+            nominal=None if self.errors[0] is None else self.level(0),
+            reidentified=self.level(1),
+            explained=self.level(len(self.errors) - 1),
+            noise_floor=self._level(self.floor),
+            steps=tuple(self.level(i) for i in range(2, len(self.errors))),
+            closed_fraction=closed_fraction(re, explained, self.floor),
+            closed_interval=closed_interval(re, explained, self.floor),
+            unexplained_share=self.unexplained_share,
+            reversal=self.reversal(),
+        )
+
+    @property
+    def unexplained_share(self) -> float:
+        """Share of the re-identified model's excess that stays, see `removed`; nan if it has none."""
+        output = self._output_of(2) if len(self.states) > 2 else 0
+        before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
+        least = _NO_EXCESS * float(self.floors[output]) ** 2
+        return min(left / before, 1.0) if before > least else float("nan")
+
+    @cached_property
+    def near_reversal(self) -> BoolArray:
+        """Kept rows within some time of a reversal or of a standstill of the driven joint."""
+        record = self.record
+        velocity = record.rows(1j * record.omega * record.motion)
+        inside = record.row_time < record.duration
+        slow = np.abs(velocity) < SLOW * np.abs(velocity[inside]).max(initial=0.0)
+        turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
+        return near(turns & inside, self.row_rate)[self.weighting.kept]
+
+    @cached_property
+    def is_stationary(self) -> bool:
+        """Whether the re-identified model errs as much where the axis moves little as where it moves much.
+
+        Rows are halved by the speed and by the acceleration of the driven joint. Noise of any colour does not know of
+        the motion; an error of the model does.
+        """
+        record, kept = self.record, self.weighting.kept
+        s, squares = 1j * record.omega, self.squares(1)
+        for motion in (s * record.motion, s**2 * record.motion * record.taper):
+            course = np.abs(record.rows(motion)[kept])
+            lively = course > np.median(course)
+            halves = np.mean(squares[lively]), np.mean(squares[~lively])
+            if max(halves) > _UNEVEN * min(halves):
+                return False
+        return True
+
+    def reversal(self) -> Reversal | None:
+        """Force error near reversals; None where the log has none."""
+        near = self.near_reversal
+        if near.sum() < _FEW:
+            return None
+        re, explained = (
+            self._level(float(np.sqrt(np.mean(self.squares(i)[near])))) for i in (1, len(self.errors) - 1)
+        )
+        return Reversal(re, explained)
+
+    @cached_property
+    def half_power_hz(self) -> float:
+        """Frequency at which the weight of the force error has fallen to 0.7."""
+        fallen = np.flatnonzero(self.weighting.force_density < np.sqrt(0.5))
+        bins = fallen[fallen > 8]
+        return float(self.record.omega[bins[0]] / (2 * np.pi)) if bins.size else self.record.band_hz
+
+    def signals(self) -> Signals:
+        """Forces in the band of the gap."""
+        record, inside = self.record, self.record.row_time < self.record.duration
+        measured = record.rows(record.measured[0] * record.taper)[inside]
+
+        def predicted(model: int) -> FloatArray:
+            state = self.states[model]
+            if state is None:
+                return np.full(measured.size, np.nan)
+            return measured - record.rows(state.errors[0] * record.taper)[inside]
+
+        return Signals(
+            time=record.row_time[inside] + record.log.time[0],
+            position=record.rows(record.motion)[inside],
+            velocity=record.rows(1j * record.omega * record.motion)[inside],
+            measured=measured,
+            nominal=predicted(0),
+            reidentified=predicted(1),
+            explained=predicted(len(self.states) - 1),
+            compared=self.weighting.kept[inside],
+        )
+
+    def spectrum(self) -> Spectrum:
+        """Error density against noise density."""
+        record = self.record
+        grid, before = self.power(1, _SEGMENT)
+        after = self.power(len(self.errors) - 1, _SEGMENT)[1]
+        used = (grid > 0) & (grid < _USED * record.band_hz)
+        weight = np.interp(grid, record.omega / (2 * np.pi), self.weighting.density[0])
+        noise = np.sqrt(2 / self.row_rate) / weight
+        reidentified, explained = (np.sqrt(power / self.kept_share) / weight for power in (before, after))
+        return Spectrum(grid[used], reidentified[used], explained[used], noise[used])
+
+    @property
+    def row_rate(self) -> float:
+        """Rows a second, Hz."""
+        return self.record.n_rows / self.record.period
+
+    @property
+    def kept_share(self) -> float:
+        """Share of the rows that are kept."""
+        return max(float(self.weighting.kept.mean()), 1e-9)
+
+    def power(self, model: int, segment: int) -> tuple[FloatArray, FloatArray]:
+        """Frequencies, Hz, and power density of the weighted force error of a model, 0 where no row is kept."""
+        errors = self.errors[model]
+        rows = np.zeros(self.record.n_rows) if errors is None else np.nan_to_num(errors[0])
+        return power_density(rows, self.row_rate, min(segment, rows.size // 4))
+
+
+def compared(
+    record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None
+) -> Comparison:
+    """Apply models to a record; nothing of them is fitted to it but what belongs to a log.
+
+    All errors are weighted alike: by the noise that the first of the fits, the re-identified model, lets through.
+
+    Parameters
+    ----------
+    record : Record
+        Validation data.
+    nominal : State or None
+        The model with nominal values, and effects if it has any, under any record.
+    fits : sequence of Fit
+        Re-identified model, and those with effects added one by one.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the record that may be used.
+    """
+    base, weighting = applied(fits[0].state, record, allowed)
+    models = [nominal, *(fit.state for fit in fits[1:])]
+    states: list[State | None] = [
+        None if model is None else applied(model, record, allowed)[0].weighted(weighting) for model in models
+    ]
+    states.insert(1, base)
+    errors = (None if state is None else errors_of(state, weighting) for state in states)
+    return Comparison(weighting, tuple(states), tuple(errors))

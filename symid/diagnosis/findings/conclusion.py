@@ -1,0 +1,262 @@
+"""What follows from a search: verdict, effects with their values, what else was considered, parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+
+from symid.data import Log
+from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
+from symid.diagnosis.findings.gap import Gap, Level
+from symid.diagnosis.findings.location import located, maps
+from symid.diagnosis.findings.result import (
+    Alternative,
+    Diagnosis,
+    EffectParameter,
+    FoundEffect,
+    ParameterChange,
+)
+from symid.diagnosis.findings.wording import next_experiment, sentence
+from symid.diagnosis.fitting.deviations import standard_deviations
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.selection.evidence import (
+    INDISTINGUISHABLE,
+    NOISE_ALONE,
+    Errors,
+    Key,
+    Outcome,
+    Verdict,
+    is_there,
+    outcome,
+    probabilities,
+)
+from symid.diagnosis.selection.forward import LATE_FORCES, SelectionStep
+
+_ABSORBED_DEVIATIONS = 3.0
+_ABSORBED_SHARE = 0.01
+_LISTED = 20
+_ALL_OF_IT = 0.1
+"""Share of the gap that may stay where the effects found explain it."""
+
+
+def concluded(
+    comparison: Comparison,
+    steps: Sequence[SelectionStep],
+    fits: Sequence[Fit],
+    nominal: Mapping[str, float] | None,
+    logs: tuple[Log, Log | None],
+    damaged: Damage = NO_DAMAGE,
+) -> Diagnosis:
+    """The diagnosis that follows from a search.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The nominal model and `fits` on the validation data.
+    steps : sequence of SelectionStep
+        Of the search.
+    fits : sequence of Fit
+        The re-identified model, and those with effects accepted one by one.
+    nominal : mapping of str to float or None
+        Nominal values.
+    logs : tuple of Log
+        What was identified from, and the validation log if there is one.
+    damaged : Damage
+        Faults of the recording.
+    """
+    upheld = comparison.upheld
+    comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
+    gap, found = comparison.gap(), maps(comparison)
+    chances = outcome(steps, upheld, _errors(gap, comparison.is_stationary, fits[0]))
+    verdict = _verdict(chances, gap, damaged.fatal)
+    accepted = [step for step in steps if step.accepts][:upheld] if verdict in ("effect", "partly") else []
+    if not accepted:
+        comparison, fits = comparison.with_effects(0), fits[:1]
+        gap, found = comparison.gap(), maps(comparison)
+    effects = _effects(comparison, accepted, fits, chances)
+    alternatives = _alternatives(comparison, steps[0], chances)
+    axis = comparison.record.dynamics.axis
+    faults = (*damaged.texts, *shifted_channels(logs[0], axis.only_drive.signal, accepted))
+    return Diagnosis(
+        axis=axis,
+        measured=comparison.record.signals,
+        logs=tuple(log.source for log in logs if log is not None),
+        verdict=verdict,
+        sentence=sentence(verdict, gap, effects, alternatives, damaged.fatal),
+        gap=gap,
+        location=located(found, _shares(comparison, accepted, steps)),
+        maps=found,
+        effects=effects,
+        alternatives=alternatives,
+        probabilities={k: v for k, v in chances.as_mapping.items() if k != "effect"},
+        parameters=_parameters(fits, nominal),
+        faults=faults,
+        assumptions=_assumptions(comparison, logs[1]),
+        next_experiment=next_experiment(verdict, effects, alternatives),
+        signals=comparison.signals(),
+        spectrum=comparison.spectrum(),
+        search=tuple(steps),
+    )
+
+
+def _errors(gap: Gap, stationary: bool, plain: Fit) -> Errors:
+    floor = gap.noise_floor.rms
+    nominal = gap.nominal.rms / floor if gap.nominal else None
+    reidentified, explained = gap.reidentified.rms / floor, gap.explained.rms / floor
+    return Errors(
+        nominal,
+        reidentified,
+        explained,
+        gap.unexplained_share,
+        stationary,
+        gap.reidentified.relative,
+        others=float(np.sqrt(plain.squares[1:].max(initial=0.0))),
+    )
+
+
+def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
+    """The most probable; effects that leave more than noise and a stated share of the gap explain it partly.
+
+    Of a damaged recording no physics is read: what looks like an effect is what the damage looks like.
+    """
+    verdict = chances.verdict
+    if damaged and verdict not in ("no_gap", "parameters"):
+        return "recording"
+    floor = gap.noise_floor.rms
+    if verdict == "effect" and gap.explained.rms > NOISE_ALONE * floor and gap.unexplained_share > _ALL_OF_IT:
+        return "partly"
+    return verdict
+
+
+def driven(record: Record) -> str:
+    """Body that the drive moves."""
+    return next(
+        body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.only_drive.at
+    )
+
+
+def _effects(
+    comparison: Comparison, accepted: Sequence[SelectionStep], fits: Sequence[Fit], chances: Outcome
+) -> tuple[FoundEffect, ...]:
+    last, known = fits[-1], len(fits[0].state.placed)
+    values = effect_values(last)[known:]
+    named = {item.key for item in last.state.placed[known:]}
+    found = []
+    for i, step in enumerate(accepted):
+        item = last.state.placed[known + i]
+        best = item.key
+        chance = _beside(named - {best}, best, probabilities(step, driven(comparison.record)))
+        rivals = [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != best]
+        there = chances.effect if i == 0 else is_there(step)
+        found.append(
+            FoundEffect(
+                effect=best[0],
+                at=best[1],
+                probability=there * chance[best],
+                parameters=values[i],
+                gap_after=comparison.level(i + 2),
+                removes=comparison.removed(i + 1, i + 2),
+                indistinguishable_from=tuple(rivals),
+            )
+        )
+    return tuple(found)
+
+
+def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> dict[Key, float]:
+    """Probabilities beside other effects: what is there anyway, or is nearly that, stands in for nothing."""
+    late = LATE_FORCES if any(name in LATE_FORCES for name, _ in others) else ()
+    left = {k: p for k, p in chance.items() if k == best or (k not in others and k[0] not in late)}
+    total = math.fsum(left.values())
+    return {key: p / total for key, p in left.items()}
+
+
+def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
+    """Free values of each effect with standard deviations."""
+    deviations = standard_deviations(fit)[len(fit.parameters) :]
+    found, place = [], 0
+    for item in fit.state.placed:
+        own = deviations[place : place + item.n_free]
+        place += own.size
+        values = zip(item.values(fit.state.prediction), own, strict=True)
+        found.append({name: EffectParameter(value, float(std), unit) for (name, value, unit), std in values})
+    return found
+
+
+def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome) -> tuple[Alternative, ...]:
+    chance = probabilities(step, driven(comparison.record))
+    confirmed = {c.key: c for c in step.confirmed}
+    gains = {c.placed.key: c.gain for c in step.screened}
+    found = []
+    for key, probability in list(chance.items())[:_LISTED]:
+        own = confirmed.get(key)
+        level: Level | None = None
+        if own is not None:
+            fit = own.fit
+            level = Comparison(fit.weighting, (fit.state,), (fit.left,)).level(0)
+        gain = gains[key] if own is None else own.gain
+        found.append(Alternative(key[0], key[1], chances.effect * probability, gain, level))
+    return tuple(found)
+
+
+def _shares(
+    comparison: Comparison, accepted: Sequence[SelectionStep], steps: Sequence[SelectionStep]
+) -> dict[str, float]:
+    """Share of the excess error by place: what its effects take away; without effects, what they could."""
+    shares: dict[str, float] = {}
+    if not accepted:
+        chance = probabilities(steps[0], driven(comparison.record)) if steps else {}
+        for (_, place), probability in chance.items():
+            shares[place] = shares.get(place, 0.0) + probability
+        return shares
+    powers = [comparison.excess(i) for i in range(1, len(comparison.errors))]
+    for step, before, after in zip(accepted, powers[:-1], powers[1:], strict=True):
+        place = step.confirmed[0].key[1]
+        shares[place] = shares.get(place, 0.0) + max(before - after, 0.0) / max(powers[0], 1e-12)
+    left = 1 - sum(shares.values())
+    if left > 0.005:
+        shares["unexplained"] = left
+    return shares
+
+
+def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tuple[ParameterChange, ...]:
+    base, last = fits[0], fits[-1]
+    before, after = standard_deviations(base), standard_deviations(last)
+    units = base.state.prediction.axis.physical_parameters
+    found = []
+    for i, name in enumerate(base.parameters):
+        old, new = base.parameters[name], last.parameters[name]
+        limit = max(_ABSORBED_DEVIATIONS * before[i], _ABSORBED_SHARE * abs(new))
+        found.append(
+            ParameterChange(
+                name=name,
+                unit=str(units[name]),
+                nominal=float(nominal[name]) if nominal and name in nominal else float("nan"),
+                reidentified=old,
+                reidentified_std=float(before[i]),
+                explained=new,
+                explained_std=float(after[i]),
+                absorbed=len(fits) > 1 and bool(abs(new - old) > limit),
+            )
+        )
+    return tuple(found)
+
+
+def _assumptions(comparison: Comparison, validation: Log | None) -> tuple[str, ...]:
+    record = comparison.record
+    return (
+        "Each sample is the value at its time; the force is compared as it is recorded.",
+        f"Noise is white, at the level of the readings beyond their motion, which ends at {record.motion_hz:.0f} Hz; "
+        "it is the floor of what the sensors alone leave, not of what a repetition of the log would.",
+        "Rests and some milliseconds around them are left out, as no model tells friction at rest; reversals count.",
+        "The gap is measured on "
+        + (
+            "parts of the log that took no part in the identification."
+            if validation is None
+            else f"{validation.source}, which took no part in the identification."
+        )
+        + " What belongs to a log (phases of disturbances in time, moments of changes) is fitted to it.",
+    )

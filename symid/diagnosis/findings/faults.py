@@ -1,0 +1,121 @@
+"""Faults of the recording, which are looked for before physics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data import Log
+from symid.data.stuck import inspect_spans
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.selection.forward import SelectionStep
+from symid.identification.criteria import CRITERIA
+from symid.identification.recording import channel_fault
+
+_LOST = replace(CRITERIA, dead_share=0.05)
+_REPEATED = replace(CRITERIA, dead_share=0.4)
+"""Share of lost and of repeated samples from which on a log shows its recorder rather than its machine. Coarse encoders
+and slow controllers repeat values by nature; a channel that is updated every second time does so in half of them."""
+_WHOLE_SAMPLE = 0.15
+_OPPOSITE = -0.5
+"""Correlation of the measured with the predicted force from which on one of their signs is wrong."""
+_BOTH_SIGNS = 0.2
+"""Share of the samples in which a force must be negative, and positive, for a record of one sign to be odd."""
+
+
+@dataclass(frozen=True)
+class Damage:
+    """What is wrong with a recording.
+
+    Parameters
+    ----------
+    fatal : tuple of str
+        What leaves no physics to be read, one sentence each.
+    noted : tuple of str
+        What harms less.
+    """
+
+    fatal: tuple[str, ...] = ()
+    noted: tuple[str, ...] = ()
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """All of it, the worst first."""
+        return (*self.fatal, *self.noted)
+
+
+NO_DAMAGE = Damage()
+
+
+def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
+    """What the recorder, or a wrong sign, has done to logs.
+
+    Parameters
+    ----------
+    logs : sequence of Log
+        Those of the identification and of the validation.
+    state : State
+        The axis with the values to begin with, under the first of them.
+    weighting : Weighting
+        Of its errors.
+    """
+    record = state.prediction.record
+    force = record.dynamics.axis.only_drive.signal
+    names = (force, *record.signals)
+    positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
+    faults = [_destroyed(log[name], name, is_force=name == force) for log in logs for name in names]
+    notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
+    fatal = tuple(dict.fromkeys(text for text in (_wrong_sign(state, weighting), *faults) if text))
+    return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
+
+
+def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
+    """What leaves no physics to be read of a channel, in words; empty if nothing does."""
+    found = channel_fault(x, name, _LOST, is_force=is_force)
+    return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found
+
+
+def _wrong_sign(state: State, weighting: Weighting) -> str:
+    """Whether the measured force is opposite to what the motion asks for, or never changes its sign."""
+    record = state.prediction.record
+    force = record.dynamics.axis.only_drive.signal
+    both = weighting.rows(np.stack([record.measured[0], state.prediction.outputs[0]])[:, None])
+    measured, predicted = both[:, 0, weighting.kept]
+    if float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE:
+        return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
+    logged = record.log[force]
+    asked = record.rows(state.prediction.outputs[0] * record.taper)[weighting.kept]
+    sides = min(float(np.mean(asked > 0)), float(np.mean(asked < 0)))
+    if sides > _BOTH_SIGNS and (logged.min() >= 0 or logged.max() <= 0):
+        return (
+            f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
+        )
+    return ""
+
+
+def shifted_channels(log: Log, force: str, accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
+    """Delays found that may be shifts of channels.
+
+    Parameters
+    ----------
+    log : Log
+        What was identified from.
+    force : str
+        Signal of the drive.
+    accepted : sequence of SelectionStep
+        Effects that were accepted.
+    """
+    found = []
+    for step in accepted:
+        item = step.confirmed[0].placed
+        if item.effect.name == "delay":
+            samples = item.shape[0] / log.sampling_period
+            whole = abs(samples - round(samples)) < _WHOLE_SAMPLE and round(samples) != 0
+            side = "after" if samples > 0 else "before"
+            text = f"{force} acts {abs(samples):.2f} samples {side} its record"
+            found.append(text + (": a whole number, so channels may be shifted." if whole else "."))
+    return tuple(found)

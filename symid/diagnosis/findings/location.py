@@ -1,0 +1,165 @@
+"""Where the gap lies: over frequency, motion, stroke, drive force and time, and at which place of the axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray
+from symid.axis.axis import length_unit
+from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.gap import Location, MapCell
+from symid.units import Unit
+
+_BANDS = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+_PARTS = 8
+_SEGMENT = 2048
+_AROUND_REVERSAL = 0.05
+_SLOW, _FAST, _ACCELERATING = 0.1, 0.5, 0.3
+_MOST_OF_IT = 0.8
+
+
+def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
+    """The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``."""
+    axis, motion = comparison.record.dynamics.axis, _Motion(comparison)
+    drive = axis.only_drive
+    before, after = comparison.squares(1), comparison.squares(len(comparison.errors) - 1)
+    return {
+        "band": _by_band(comparison),
+        "regime": _cells(before, after, motion.regimes()),
+        "direction": _cells(before, after, motion.directions()),
+        "position": _cells(before, after, _ranges(motion.position, length_unit(drive.at))),
+        "drive force": _cells(before, after, _ranges(motion.force, axis.signal_units[drive.signal])),
+        "time": _cells(before, after, _ranges(motion.time, Unit.of("s"))),
+    }
+
+
+class _Motion:
+    """What the axis does at the kept rows."""
+
+    def __init__(self, comparison: Comparison) -> None:
+        record, kept = comparison.record, comparison.weighting.kept
+        s = 1j * record.omega
+        self.position = record.rows(record.motion)[kept]
+        self.velocity = record.rows(s * record.motion)[kept]
+        self.acceleration = record.rows(s**2 * record.motion * record.taper)[kept]
+        self.force = np.abs(record.rows(record.measured[0] * record.taper)[kept])
+        self.time = record.row_time[kept]
+        self.speed = np.abs(self.velocity)
+        whole = record.rows(s * record.motion)
+        turns = record.row_time[1:][
+            np.diff(np.signbit(whole)) & (np.abs(whole[1:]) < 0.2 * self.speed.max(initial=0))
+        ]
+        nearest = np.searchsorted(turns, self.time)
+        padded = np.concatenate([[-np.inf], turns, [np.inf]])
+        self.from_reversal = np.minimum(self.time - padded[nearest], padded[nearest + 1] - self.time)
+
+    def regimes(self) -> list[tuple[str, float, float, BoolArray]]:
+        """Regimes of motion; each row is in the first that fits."""
+        top, hard = (
+            self.speed.max(initial=0.0),
+            np.quantile(np.abs(self.acceleration), 0.99) if self.speed.size else 0,
+        )
+        reversal = self.from_reversal < _AROUND_REVERSAL
+        accelerating = ~reversal & (np.abs(self.acceleration) > _ACCELERATING * hard)
+        rest = ~(reversal | accelerating)
+        slow, fast = self.speed < _SLOW * top, self.speed > _FAST * top
+        none = math.nan
+        return [
+            ("reversal", none, none, reversal),
+            ("accelerating", none, none, accelerating),
+            ("low speed", 0.0, _SLOW * top, rest & slow),
+            ("medium speed", _SLOW * top, _FAST * top, rest & ~slow & ~fast),
+            ("high speed", _FAST * top, top, rest & fast),
+        ]
+
+    def directions(self) -> list[tuple[str, float, float, BoolArray]]:
+        """Directions of motion."""
+        forward = self.velocity > 0
+        return [("forward", math.nan, math.nan, forward), ("backward", math.nan, math.nan, ~forward)]
+
+
+def _ranges(values: FloatArray, unit: Unit) -> list[tuple[str, float, float, BoolArray]]:
+    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    edges = np.linspace(low, high, _PARTS + 1)
+    place = np.clip(np.digitize(values, edges[1:-1]), 0, _PARTS - 1)
+    return [
+        (f"{_rounded(a, edges)} to {_rounded(b, edges)} {unit}", float(a), float(b), place == i)
+        for i, (a, b) in enumerate(pairwise(edges))
+    ]
+
+
+def _rounded(value: float, edges: FloatArray) -> str:
+    """A limit to a twentieth of what lies between two."""
+    step = float(edges[1] - edges[0])
+    return f"{round(value, 2 - math.ceil(math.log10(step))) + 0.0:.6g}" if step > 0 else f"{value:.3g}"
+
+
+def _cells(
+    before: FloatArray, after: FloatArray, cells: Iterable[tuple[str, float, float, BoolArray]]
+) -> tuple[MapCell, ...]:
+    chosen = [cell for cell in cells if np.any(cell[3])]
+    excess = [max(float(np.sum(before[rows] - 1)), 0.0) for _, _, _, rows in chosen]
+    total = sum(excess) or 1.0
+    return tuple(
+        MapCell(
+            label=label,
+            low=low,
+            high=high,
+            samples=float(np.mean(rows)),
+            share=over / total,
+            before=float(np.sqrt(np.mean(before[rows]))),
+            after=float(np.sqrt(np.mean(after[rows]))),
+        )
+        for (label, low, high, rows), over in zip(chosen, excess, strict=True)
+    )
+
+
+def _by_band(comparison: Comparison) -> tuple[MapCell, ...]:
+    """Mean square of both errors by frequency band, in multiples of the noise."""
+    models = (1, len(comparison.errors) - 1)
+    (frequency, before), (_, after) = (_density(comparison, model) for model in models)
+    used = frequency < 0.65 * comparison.record.band_hz
+    frequency, before, after = frequency[used], before[used], after[used]
+    bands = [
+        (f"{low:g} to {high:g} Hz", low, high, np.asarray((frequency >= low) & (frequency < high)))
+        for low, high in pairwise(_BANDS)
+    ]
+    return _cells(before, after, bands)
+
+
+def _density(comparison: Comparison, model: int) -> tuple[FloatArray, FloatArray]:
+    """Power of the error of a model over frequency, relative to that of noise alone."""
+    frequency, power = comparison.power(model, _SEGMENT)
+    return frequency, power * comparison.row_rate / 2 / comparison.kept_share * comparison.record.freedom
+
+
+def located(found: Mapping[str, tuple[MapCell, ...]], shares: Mapping[str, float]) -> tuple[Location, ...]:
+    """Places with their shares, and the band and regime that hold most of the gap.
+
+    Parameters
+    ----------
+    found : mapping of str to tuple of MapCell
+        The map of the gap.
+    shares : mapping of str to float
+        Share of the excess error by place.
+    """
+    bands, regimes = found["band"], found["regime"]
+    regime = max(regimes, key=lambda cell: cell.share).label if regimes else ""
+    held = _narrowest(bands)
+    ranked = sorted(shares.items(), key=lambda item: -item[1])
+    return tuple(Location(place, share, held, regime) for place, share in ranked if share > 0.005)
+
+
+def _narrowest(bands: tuple[MapCell, ...]) -> tuple[float, float]:
+    """The shortest run of bands that holds most of the excess error."""
+    runs = [
+        (j - i, bands[i].low, bands[j].high)
+        for i in range(len(bands))
+        for j in range(i, len(bands))
+        if sum(cell.share for cell in bands[i : j + 1]) >= _MOST_OF_IT
+    ]
+    return min(runs)[1:] if runs else (0.0, bands[-1].high if bands else 0.0)

@@ -1,0 +1,301 @@
+"""What a diagnosis leaves: the gap, where it lies, which effects cause it, and how far it shrinks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from symid.arrays import BoolArray, FloatArray
+from symid.axis import Axis
+from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Removed
+from symid.diagnosis.selection.evidence import Verdict
+from symid.shown import Shown
+
+if TYPE_CHECKING:
+    from symid.diagnosis.experiment.design import Experiment
+    from symid.diagnosis.prediction.record import Record
+    from symid.diagnosis.selection.forward import SelectionStep
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """A parameter of an effect that was found."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that was accepted.
+
+    Parameters
+    ----------
+    effect, at : str
+        Names of the effect and of its place.
+    probability : float
+        Among everything considered at its step.
+    parameters : mapping of str to EffectParameter
+        Its parameters, SI.
+    gap_after : Level
+        The gap with this effect and those before it added to the re-identified model.
+    removes : Removed
+        Share of the excess error that it takes away on the validation data, after those before it.
+    indistinguishable_from : tuple of (str, str)
+        Effects and places that this log does not tell from it.
+    """
+
+    effect: str
+    at: str
+    probability: float
+    parameters: Mapping[str, EffectParameter]
+    gap_after: Level
+    removes: Removed
+    indistinguishable_from: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """An effect that was considered.
+
+    Parameters
+    ----------
+    effect, at : str
+        Names of the effect and of its place.
+    probability : float
+        Among everything considered.
+    log_likelihood : float
+        Gain of the logarithm of the likelihood over the re-identified model.
+    gap_after : Level or None
+        Error on the identification data with it added; None where it was screened only.
+    """
+
+    effect: str
+    at: str
+    probability: float
+    log_likelihood: float
+    gap_after: Level | None
+
+
+@dataclass(frozen=True)
+class ParameterChange:
+    """A physical parameter before and after.
+
+    Parameters
+    ----------
+    name, unit : str
+        The parameter.
+    nominal : float
+        Nominal value, nan if there is none.
+    reidentified, reidentified_std : float
+        Of the declared structure.
+    explained, explained_std : float
+        With the effects found.
+    absorbed : bool
+        Whether it left its interval when the effects were added: it had absorbed them.
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    reidentified: float
+    reidentified_std: float
+    explained: float
+    explained_std: float
+    absorbed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Signals of the validation data in the band of the gap, for plots.
+
+    Parameters
+    ----------
+    time : array of shape (n,)
+        s.
+    position, velocity : array of shape (n,)
+        Of the driven joint.
+    measured, nominal, reidentified, explained : array of shape (n,)
+        Drive force: measured, and as each model predicts it from the motion; nan where a model is missing.
+    compared : bool array of shape (n,)
+        Whether a sample is part of the gap; standstills and the ends are not.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    measured: FloatArray
+    nominal: FloatArray
+    reidentified: FloatArray
+    explained: FloatArray
+    compared: BoolArray
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Error density against noise density on the validation data.
+
+    Parameters
+    ----------
+    frequency : array of shape (n,)
+        Hz.
+    reidentified, explained, noise : array of shape (n,)
+        Force error of both models and noise, unit of the force / sqrt(Hz).
+    """
+
+    frequency: FloatArray
+    reidentified: FloatArray
+    explained: FloatArray
+    noise: FloatArray
+
+
+@dataclass(frozen=True)
+class SimulatedParameter:
+    """A physical parameter that the simulator's log implies, beside that of the machine's.
+
+    Parameters
+    ----------
+    name, unit : str
+        The parameter.
+    simulated, simulated_std : float
+        From the simulator's log.
+    machine, machine_std : float
+        From the machine's, with the effects found.
+    differs : bool
+        Whether the two differ by more than their deviations allow.
+    """
+
+    name: str
+    unit: str
+    simulated: float
+    simulated_std: float
+    machine: float
+    machine_std: float
+    differs: bool
+
+
+@dataclass(frozen=True)
+class SimulatedEffect:
+    """An effect that the simulator has beyond the declared axis.
+
+    Parameters
+    ----------
+    effect, at : str
+        Names of the effect and of its place.
+    parameters : mapping of str to EffectParameter
+        From the simulator's log.
+    machine : mapping of str to EffectParameter or None
+        From the machine's; None if the machine does not have it.
+    differs : bool
+        Whether the machine has it with values that differ by more than their deviations allow.
+    """
+
+    effect: str
+    at: str
+    parameters: Mapping[str, EffectParameter]
+    machine: Mapping[str, EffectParameter] | None
+    differs: bool
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """What a simulator's log says about the simulator.
+
+    Parameters
+    ----------
+    log : str
+        Its source.
+    error : float
+        What the axis with these values and effects leaves of that log, in multiples of the noise.
+    parameters : tuple of SimulatedParameter
+        Of the declared axis.
+    effects : tuple of SimulatedEffect
+        Found beyond it.
+    """
+
+    log: str
+    error: float
+    parameters: tuple[SimulatedParameter, ...]
+    effects: tuple[SimulatedEffect, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(Shown):
+    """Why simulation and machine differ.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    measured : tuple of str
+        Sensors used.
+    logs : tuple of str
+        Sources: what was identified from, and the validation log if there is one.
+    verdict : str
+        "no_gap", "parameters", "effect", "partly", "unexplained" or "recording".
+    sentence : str
+        The verdict in one sentence.
+    gap : Gap
+        Its size before and after.
+    location : tuple of Location
+        Where it lies, largest share first.
+    maps : mapping of str to tuple of MapCell
+        The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``.
+    effects : tuple of FoundEffect
+        What was accepted, the one that closes most first.
+    alternatives : tuple of Alternative
+        Everything considered, most probable first.
+    probabilities : mapping of str to float
+        Of "no_gap", "parameters" and "unexplained".
+    parameters : tuple of ParameterChange
+        Before and after.
+    faults : tuple of str
+        Faults of the recording.
+    assumptions : tuple of str
+        What was assumed.
+    next_experiment : str
+        What to do next.
+    signals : Signals
+        For plots.
+    spectrum : Spectrum
+        For plots.
+    simulated : Simulator or None
+        What the log of a simulator says, if one was given: then it is the nominal model.
+    planned : Experiment or None
+        The motion designed as the next experiment, and what simulation says of it, where one was asked for.
+    search : tuple of SelectionStep
+        The models that were fitted, from which the next experiment is designed; part of no file.
+    """
+
+    axis: Axis
+    measured: tuple[str, ...]
+    logs: tuple[str, ...]
+    verdict: Verdict
+    sentence: str
+    gap: Gap
+    location: tuple[Location, ...]
+    maps: Mapping[str, tuple[MapCell, ...]]
+    effects: tuple[FoundEffect, ...]
+    alternatives: tuple[Alternative, ...]
+    probabilities: Mapping[str, float]
+    parameters: tuple[ParameterChange, ...]
+    faults: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    next_experiment: str
+    signals: Signals
+    spectrum: Spectrum
+    simulated: Simulator | None = None
+    planned: Experiment | None = None
+    search: tuple[SelectionStep, ...] = field(default=(), repr=False)
+
+    @property
+    def headline(self) -> str:
+        """The verdict, and the sentence that says it."""
+        return f"{self.axis.name} from {', '.join(self.measured)}, {self.verdict}: {self.sentence}"
+
+    @property
+    def record(self) -> Record | None:
+        """The log that was identified from, in the frequency domain; None where the search was not kept."""
+        return self.search[0].before.state.prediction.record if self.search else None

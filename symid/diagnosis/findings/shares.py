@@ -1,0 +1,49 @@
+"""Shares of a gap, with intervals from resampled blocks of rows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.diagnosis.findings.gap import Removed
+
+_BLOCKS = 24
+_DRAWS = 400
+
+
+def closed_fraction(before: FloatArray, after: FloatArray, floor: float = 1.0) -> float:
+    """Share of the way from one error to the noise that another goes; nan where the first is no larger than noise."""
+    first, last = np.sqrt(np.mean(before)), np.sqrt(np.mean(after))
+    return float(min((first - last) / (first - floor), 1.0)) if first > floor * (1 + 1e-6) else float("nan")
+
+
+def _drawn(squares: FloatArray) -> FloatArray:
+    """Means of squares, of shape (n, n_rows), over resampled blocks of rows; shape (n_draws, n)."""
+    blocks = np.array_split(np.arange(squares.shape[1]), _BLOCKS)
+    means = np.array([squares[:, b].mean(axis=1) for b in blocks if b.size])
+    rng = np.random.default_rng(0)
+    return np.asarray(means[rng.integers(len(means), size=(_DRAWS, len(means)))].mean(axis=1))
+
+
+def closed_interval(before: FloatArray, after: FloatArray, floor: float) -> tuple[float, float]:
+    """95 % interval of the closed fraction from resampled blocks of rows."""
+    drawn = _drawn(np.stack([before, after]))
+    found = [closed_fraction(np.array([b]), np.array([a]), floor) for b, a in drawn]
+    finite = [x for x in found if np.isfinite(x)]
+    if len(finite) < _DRAWS // 2:
+        return float("nan"), float("nan")
+    low, high = np.quantile(finite, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def removed_share(squares: FloatArray, floor: float) -> Removed:
+    """Share of the first mean square above the floor by which the third is below the second."""
+
+    def share(means: FloatArray) -> FloatArray:
+        excess = np.maximum(means - floor, 0.0)
+        return np.asarray((excess[..., 1] - excess[..., 2]) / np.maximum(excess[..., 0], 1e-12))
+
+    if not np.all(np.isfinite(squares)):
+        return Removed(float("nan"), float("nan"), float("nan"))
+    low, high = np.quantile(share(_drawn(squares)), [0.025, 0.975])
+    return Removed(float(share(squares.mean(axis=1))), float(low), float(high))

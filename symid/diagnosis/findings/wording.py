@@ -1,0 +1,143 @@
+"""The verdict in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from symid.diagnosis.effects import LIBRARY, LawEffect
+from symid.diagnosis.findings.gap import Gap, Motion
+from symid.diagnosis.findings.result import Alternative, Diagnosis, FoundEffect, Simulator
+from symid.diagnosis.selection.evidence import WHITE, Verdict
+
+_ADVICE = {
+    "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
+    "actuator_lag": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
+    "presliding_friction": "reverse slowly over 10 to 500 um",
+    "friction_drift": "repeat the same motion from cold until nothing changes",
+    "payload_change": "repeat the same motion with the load fixed",
+    "encoder_ripple": "move at two speeds over the whole stroke: an error of the reading grows with the speed squared",
+    "periodic_disturbance": "record the axis at rest and at two speeds: a disturbance in time keeps its frequency",
+    "flexible_mode": "excite with a multisine up to twice the frequency found",
+    "load_dependent_friction": "move at the same speeds with and without a load on the drive",
+    "saturation": "accelerate at levels below and above the limit found",
+    "gain_nonlinearity": "accelerate at several levels up to the limit",
+}
+_ADVICE |= {
+    effect.name: effect.advice for effect in LIBRARY if isinstance(effect, LawEffect) and effect.advice
+}
+
+
+def spoken(effect: str, at: str = "") -> str:
+    """An effect, at its place if one is given, as one says it.
+
+    Examples
+    --------
+    >>> spoken("stribeck_friction", "motor")
+    'stribeck friction at motor'
+    """
+    return effect.replace("_", " ") + (f" at {at}" if at else "")
+
+
+def sentence(
+    verdict: Verdict,
+    gap: Gap,
+    effects: Sequence[FoundEffect],
+    rivals: Sequence[Alternative],
+    damaged: Sequence[str] = (),
+) -> str:
+    """The verdict in one sentence."""
+    left, before = (_size(gap, level.rms) for level in (gap.explained, gap.reidentified))
+    if verdict == "no_gap":
+        return f"There is no gap: the model leaves {before}."
+    if verdict == "parameters":
+        nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
+        if gap.reidentified.rms > WHITE * gap.noise_floor.rms:
+            rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
+            return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
+        values = "The structure is right and only parameter values were off"
+        return f"{values}: re-identified, the model leaves {before}{nominal}."
+    if verdict == "recording":
+        return f"The log is damaged, so that no physics is read from its gap: {damaged[0].rstrip('.')}."
+    if verdict == "unexplained":
+        nearest = f"; the nearest is {spoken(rivals[0].effect, rivals[0].at)}" if rivals else ""
+        return f"There is a gap of {before} that nothing in the library explains{nearest}."
+    first, *others = (spoken(effect.effect, effect.at) for effect in effects)
+    doubt = effects[0].indistinguishable_from
+    if doubt:
+        first += f" (or {spoken(*doubt[0])}: this log does not tell them apart)"
+    with_them = "with them" if others else "with it"
+    named = " and ".join([first, *others])
+    found = f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}"
+    if verdict == "partly":
+        return f"{found}; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained."
+    return f"{found}."
+
+
+def sentence_of_motion(motion: Motion) -> str:
+    """How far a simulated axis is from the measured position, before and after; empty without effects."""
+    before, after = motion.reidentified, motion.explained
+    if not motion.steps or before.status != "ok" or after.status != "ok":
+        return ""
+    scale, prefix = (1e3, "m") if max(before.position_rms, after.position_rms) >= 1e-3 else (1e6, "u")
+    first, last = (f"{scale * error.position_rms:.3g} {prefix}{motion.unit}" for error in (before, after))
+    return f" Simulated, the axis is then {last} off the measured position instead of {first} (rms)."
+
+
+def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
+    """The difference between a machine and a simulator in words.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        With the simulator as its nominal model.
+    simulator : Simulator
+        What its log says.
+    """
+    if found.verdict == "recording":
+        return found.sentence
+    gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]
+    apart += [spoken(e.effect, e.at) for e in simulator.effects if e.differs]
+    surplus = [spoken(e.effect, e.at) for e in simulator.effects if e.machine is None]
+    before = "" if gap.nominal is None else f" from {_size(gap, gap.nominal.rms)}"
+    shrinks = f": with the machine's, the force error falls{before} to {_size(gap, gap.explained.rms)}."
+    parts = []
+    if found.effects:
+        parts.append("lacks " + " and ".join(spoken(e.effect, e.at) for e in found.effects))
+    if surplus:
+        parts.append(f"has {' and '.join(surplus)}, which the machine has not")
+    if apart and found.verdict != "no_gap":
+        parts.append(f"has other values of {', '.join(apart)}")
+    if found.verdict == "unexplained":
+        also = f" It {', and '.join(parts)}." if parts else ""
+        return f"Nothing in the library explains why machine and simulator differ{shrinks}{also}"
+    if parts:
+        return f"The simulator {', and '.join(parts)}{shrinks}"
+    if found.verdict == "no_gap":
+        return (
+            f"There is no gap: the simulator leaves {_size(gap, gap.explained.rms)} of the machine's force."
+        )
+    return f"The simulator has the machine's structure and slightly other values{shrinks}"
+
+
+def _size(gap: Gap, rms: float) -> str:
+    return f"{rms:.3g} {gap.unit} ({rms / gap.noise_floor.rms:.1f} times the noise)"
+
+
+def next_experiment(verdict: Verdict, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]) -> str:
+    """What to do next."""
+    if verdict == "no_gap":
+        return "None is needed for this motion; for others, repeat the diagnosis with a log of theirs."
+    if verdict == "parameters":
+        return "Take over the re-identified values, and repeat the diagnosis on another motion."
+    if verdict == "recording":
+        return "Record the log anew; until then, trust neither parameters nor effects."
+    if verdict == "unexplained":
+        first = _ADVICE.get(rivals[0].effect, "") if rivals else ""
+        return "Look at where the gap lies" + (f"; to test the nearest candidate, {first}." if first else ".")
+    doubt = effects[0].indistinguishable_from
+    advice = _ADVICE.get(effects[0].effect, "repeat the diagnosis on another motion")
+    if doubt and doubt[0][0] == effects[0].effect:
+        return f"Measure the motion of {doubt[0][1]} too: the sensors used do not tell both places apart."
+    if doubt:
+        return f"To tell {spoken(effects[0].effect)} from {spoken(doubt[0][0])}: {advice}."
+    return f"To confirm {spoken(effects[0].effect)}: {advice}."

@@ -1,0 +1,88 @@
+"""A model with its values under another record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.fit import solved
+from symid.diagnosis.fitting.sensitivity import derivatives
+from symid.diagnosis.fitting.state import State, first_state, leveled, with_effects
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.weighting import Weighting, with_restarts
+
+_SETTLING = 4
+
+
+def applied(
+    model: State, record: Record, allowed: BoolArray | None = None, placed: Sequence[Placed] | None = None
+) -> tuple[State, Weighting]:
+    """A model with its values under another record, and the weighting that goes with them.
+
+    Parameters
+    ----------
+    model : State
+        The model, under any record.
+    record : Record
+        The log.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the record that may be used.
+    placed : sequence of Placed, optional
+        Effects, those of the model by default.
+    """
+    effects = model.placed if placed is None else tuple(placed)
+    state, weighting = first_state(record, model.prediction.parameters, allowed)
+    if model.prediction.levels:
+        state, weighting = leveled(state, allowed, _levels_on(record, model))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(_SETTLING if effects else 0):
+            state = with_effects(state, weighting, effects)
+        state = _timed(state, weighting)
+    weighting = with_restarts(weighting, state.prediction.hidden)
+    return state.weighted(weighting), weighting
+
+
+def _levels_on(record: Record, model: State) -> list[float]:
+    """Errors of a model that weights allow for, in multiples of the noise of another record."""
+    noise = model.prediction.record.noise[1:]
+    return [float(x) for x in np.maximum(np.array(model.prediction.levels) * noise / record.noise[1:], 1.0)]
+
+
+def _timed(state: State, weighting: Weighting) -> State:
+    """The state with the shapes that fit its record best, where shapes belong to a log."""
+    for i, item in enumerate(state.placed):
+        shapes = (item.shape, *item.effect.shapes_of_log(state.prediction.record, item.shape))
+        if len(shapes) > 1:
+            before, after = state.placed[:i], state.placed[i + 1 :]
+            tried = [
+                with_effects(state, weighting, (*before, replace(item, shape=shape), *after))
+                for shape in shapes
+            ]
+            state = min(tried, key=lambda s: float(np.sum(weighting.known(s.rows, s.beginning) ** 2)))
+    return state
+
+
+def errors_of(state: State, weighting: Weighting) -> FloatArray:
+    """Weighted errors without what unknown starts and values of the log itself explain; nan where no row is kept."""
+    error = weighting.known(state.rows, state.beginning)
+    columns = weighting.known(weighting.rows(_own_columns(state)), state.beginning)
+    if len(columns):
+        error = error - columns.T @ solved(columns.T, error)
+    rows = np.full(state.rows.shape, np.nan)
+    rows[:, weighting.kept] = error.reshape(len(rows), -1)
+    return rows
+
+
+def _own_columns(state: State) -> ComplexArray:
+    """Derivatives by what belongs to the log: parameters declared so, amplitudes of effects in time."""
+    dynamics = state.prediction.record.dynamics
+    columns = derivatives(state)
+    own = [name in dynamics.axis.log_parameters for name in dynamics.parameters]
+    for item in state.placed:
+        free = 0 if item.effect.fixed else len(item.amplitudes)
+        own += [item.effect.per_log] * (free + len(item.shape))
+    return np.asarray(columns[np.array(own, dtype=bool)])

@@ -1,0 +1,191 @@
+"""Errors of a fitted model on blocks of the log that are left out, one after the other.
+
+For a model that is linear in its free values, the error of a block that takes no part in the fit follows from the fit
+to all rows (Allen's PRESS for blocks): with columns J and error r of the block, and the normal matrix A of all rows,
+
+    r' = r + J (A - w J^T J)^-1 w J^T r
+
+With w = 1 a value that hardly any other block shows, such as the limit of a drive that saturates once, would go
+anywhere; w leaves the block a small weight, so that what nothing else determines stays where it was.
+
+The same sums give standard deviations that hold for errors of any correlation within a block (the sandwich of Huber
+and White, with blocks as clusters).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from symid.arrays import BoolArray, FloatArray, IntArray
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.weighting import Weighting
+
+N_BLOCKS = 16
+"""Long enough that errors of different blocks hardly correlate, enough of them to draw from."""
+_RANK = 1e-9
+_LEFT_OUT = 0.95
+"""Share of its weight that a block loses where it is left out."""
+_DRAWS = 200
+_UNFELT = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """A fitted model, block by block.
+
+    Parameters
+    ----------
+    columns : array of shape (n_columns, n_outputs, n_kept)
+        Derivatives of the weighted prediction, scaled to unit norm.
+    scale : array of shape (n_columns,)
+        Their norms before.
+    errors : array of shape (n_outputs, n_kept)
+        Weighted errors.
+    members : sequence of array
+        Rows of each block.
+    free : bool array of shape (n_columns,)
+        Values that are estimated anew where a block is left out: not those in which the prediction is far from linear.
+    """
+
+    columns: FloatArray
+    scale: FloatArray
+    errors: FloatArray
+    members: Sequence[IntArray]
+    free: BoolArray
+
+    @cached_property
+    def _normal(self) -> FloatArray:
+        return np.stack([_gram(self.columns[:, :, rows]) for rows in self.members])
+
+    @cached_property
+    def _gradients(self) -> FloatArray:
+        return np.stack(
+            [np.einsum("pok,ok->p", self.columns[:, :, rows], self.errors[:, rows]) for rows in self.members]
+        )
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Sums of squares of the errors of each block when it is left out, of shape (n_outputs, n_blocks)."""
+        whole, free = self._normal.sum(axis=0), np.flatnonzero(self.free)
+        found = np.zeros((len(self.errors), len(self.members)))
+        for b, rows in enumerate(self.members):
+            left = (whole - _LEFT_OUT * self._normal[b])[np.ix_(free, free)]
+            moved = np.linalg.pinv(left, rcond=_RANK, hermitian=True) @ self._gradients[b][free]
+            moved *= _LEFT_OUT
+            errors = self.errors[:, rows] + np.tensordot(moved, self.columns[free][:, :, rows], 1)
+            found[:, b] = np.sum(errors**2, axis=1)
+        return found
+
+    def least_seen(self, n: int) -> float:
+        """Least square of a combination of the last columns, of unit size, without what the others explain.
+
+        Columns that no row feels do not count, such as the moment of a change while the axis rests.
+        """
+        whole = self._normal.sum(axis=0)
+        felt = np.flatnonzero(np.diag(whole) > _UNFELT)
+        others, last = felt[felt < len(whole) - n], felt[felt >= len(whole) - n]
+        if not last.size:
+            return 0.0
+        taken = np.linalg.pinv(whole[np.ix_(others, others)], rcond=_RANK, hermitian=True)
+        cross = whole[np.ix_(last, others)]
+        left = whole[np.ix_(last, last)] - cross @ taken @ cross.T
+        return float(np.linalg.eigvalsh(left)[0])
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance of the free values, errors of a block correlated in any way."""
+        inverse = np.linalg.pinv(self._normal.sum(axis=0), rcond=_RANK**1.4, hermitian=True)
+        n = len(self.members)
+        meat = self._gradients.T @ self._gradients * (n / max(n - len(inverse) / 2, 1))
+        return np.asarray(inverse @ meat @ inverse / np.outer(self.scale, self.scale))
+
+
+def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
+    """A fitted model in blocks of the same number of rows.
+
+    Parameters
+    ----------
+    state : State
+        The model with its values.
+    weighting : Weighting
+        Of the errors.
+    columns : array of shape (n_columns, n_outputs, n_rows)
+        Weighted derivatives of the prediction by its values.
+    """
+    known, errors = (weighting.known(x, state.beginning) for x in (columns, state.rows))
+    n_outputs, n_kept = len(state.rows), int(weighting.kept.sum())
+    scale = np.linalg.norm(known, axis=1)
+    scale = np.where(scale > 0, scale, 1.0)
+    return Blocks(
+        (known / scale[:, None]).reshape(len(known), n_outputs, n_kept),
+        scale,
+        errors.reshape(n_outputs, n_kept),
+        np.array_split(np.arange(n_kept), N_BLOCKS),
+        _free(state),
+    )
+
+
+def _free(state: State) -> BoolArray:
+    """All physical parameters and amplitudes; shapes only where these are all that an effect has."""
+    free = [True] * len(state.prediction.parameters)
+    for item in state.placed:
+        amplitudes = item.n_free - len(item.shape)
+        free += [True] * amplitudes + [not amplitudes and i == 0 for i in range(len(item.shape))]
+    return np.array(free)
+
+
+def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
+    """Probability that one model predicts better than another, from blocks drawn anew (paired bootstrap).
+
+    Parameters
+    ----------
+    before, after : array of shape (n_outputs, n_blocks)
+        Sums of squares of blocks left out.
+    n_rows : float
+        Independent rows of an output.
+    """
+    rng = np.random.default_rng(0)
+    n = before.shape[1]
+    drawn = rng.integers(n, size=(_DRAWS, n))
+    gains = [
+        log_likelihood(after[:, blocks], n_rows) - log_likelihood(before[:, blocks], n_rows)
+        for blocks in drawn
+    ]
+    return float(np.mean(np.array(gains) > 0))
+
+
+def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
+    """Standard deviation of the gain of one model over another, from the scatter of the blocks.
+
+    Parameters
+    ----------
+    one, other : array of shape (n_outputs, n_blocks)
+        Sums of squares of blocks left out.
+    n_rows : float
+        Independent rows of an output.
+    """
+    mean = (one.sum(axis=1) + other.sum(axis=1)) / 2
+    gains = 0.5 * n_rows * np.sum((one - other) / np.maximum(mean, np.finfo(float).tiny)[:, None], axis=0)
+    return float(np.std(gains) * np.sqrt(gains.size))
+
+
+def log_likelihood(squares: FloatArray, n_rows: float) -> float:
+    """Logarithm of the likelihood of errors of unknown level in each output, but for a constant.
+
+    Parameters
+    ----------
+    squares : array of shape (n_outputs, n_blocks)
+        Sums of squares.
+    n_rows : float
+        Independent rows of an output.
+    """
+    return float(-0.5 * n_rows * np.sum(np.log(np.maximum(squares.sum(axis=1), np.finfo(float).tiny))))
+
+
+def _gram(columns: FloatArray) -> FloatArray:
+    flat = columns.reshape(len(columns), -1)
+    return np.asarray(flat @ flat.T)

@@ -1,0 +1,275 @@
+"""Physical parameters and effects from a record: weighted least squares of the outputs' errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Axis, Spring
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.blocks import Blocks, blocks_of, log_likelihood
+from symid.diagnosis.fitting.sensitivity import derivatives
+from symid.diagnosis.fitting.state import State, evaluated, leveled
+from symid.diagnosis.prediction.weighting import Weighting, with_restarts
+from symid.errors import SettingError
+
+_LARGEST_SHAPE_STEP = 0.3
+_SMALLER_MASS = 0.3
+"""Factor by which a mass may fall in a step: it stays positive while all else moves."""
+_DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
+"""Relative to the squares of the columns; with the last one, a step is a sixth of that of steepest descent."""
+_SETTLED = 1e-5
+"""Share of the squares by which a step must lower them: for thousands of rows, some percent of likelihood."""
+_RANK = 1e-10
+ITERATIONS = 10
+"""Of a fit that may begin far off, at most."""
+_ALLOWED_ERROR = 0.1
+"""Share of the error left that the weights take for error of the model."""
+LEAST_INERTIA = 2.0
+"""Factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model fitted to a record.
+
+    Parameters
+    ----------
+    state : State
+        The model with its values.
+    weighting : Weighting
+        Of the errors.
+    begun : float
+        Inertia that the drive moved with the values that the axis was first given; nan if these are not known.
+    nominal : mapping of str to float
+        Values that the user gave; empty if there are none.
+    """
+
+    state: State
+    weighting: Weighting
+    begun: float = math.nan
+    nominal: Mapping[str, float] = field(default_factory=dict)
+
+    def after(self, other: Fit) -> Fit:
+        """The same fit, with what was given to the one that it goes on from."""
+        return replace(self, begun=other.begun, nominal=other.nominal)
+
+    def released(self) -> Fit:
+        """The same without what follows from it, which is computed again where it is needed: a search keeps many."""
+        return replace(self, state=replace(self.state, prediction=replace(self.state.prediction)))
+
+    @cached_property
+    def spectra(self) -> ComplexArray:
+        """Derivatives of the prediction by parameters and effects' values, of shape (n_columns, n_outputs, n_bins)."""
+        return derivatives(self.state)
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """The same, weighted, of shape (n_columns, n_outputs, n_rows)."""
+        return self.weighting.rows(self.spectra)
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Physical parameters, SI."""
+        return self.state.prediction.parameters
+
+    @cached_property
+    def left(self) -> FloatArray:
+        """Weighted rows without what unknown starts explain, zero where none are kept; shape (n_outputs, n_rows).
+
+        What the columns could still explain stays in them: a value at its bound is no perfect fit.
+        """
+        rows = np.zeros_like(self.state.rows)
+        error = self.weighting.known(self.state.rows, self.state.beginning)
+        rows[:, self.weighting.kept] = error.reshape(len(rows), -1)
+        return rows
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The model block by block, for what it predicts of blocks that are left out."""
+        return blocks_of(self.state, self.weighting, self.columns)
+
+    @property
+    def n_rows(self) -> float:
+        """Independent rows of an output."""
+        return float(self.weighting.kept.sum()) * self.state.prediction.record.freedom
+
+    @property
+    def predicted(self) -> float:
+        """Logarithm of the likelihood of the blocks when they are left out, but for a constant."""
+        return log_likelihood(self.blocks.squares, self.n_rows)
+
+    @property
+    def base(self) -> FloatArray:
+        """All columns, with those of unknown starts, of shape (n, n_outputs, n_rows)."""
+        return np.concatenate([self.columns, self.state.beginning, self.weighting.restarts])
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Mean square of the kept rows of each output, 1 if noise alone is left; shape (n_outputs,)."""
+        floor = self.state.prediction.noise_through(self.weighting.density)
+        return np.asarray(np.mean(self.left[:, self.weighting.kept] ** 2, axis=1) / floor)
+
+    @property
+    def mean_square(self) -> float:
+        """Of the rows kept: 1 if noise alone is left."""
+        return float(np.mean(self.squares))
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Errors of the outputs that weights should allow for, in multiples of their noise.
+
+        Where the model errs by more than the noise, weights that allow for the noise alone would lay all stress on the
+        few frequencies with the least of it, and would let one sensor rule the others.
+        """
+        excess = np.maximum(self.squares - 1, 0.0)
+        return tuple(float(x) for x in np.sqrt(1 + _ALLOWED_ERROR**2 * excess))
+
+
+def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
+    """Least-squares solution for columns of any scale."""
+    scale = np.linalg.norm(columns, axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    return np.asarray(np.linalg.lstsq(columns / scale, error, rcond=_RANK)[0] / scale)
+
+
+def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
+    """Gauss-Newton from a state.
+
+    Parameters
+    ----------
+    state : State
+        Where to begin; its effects are fitted too.
+    weighting : Weighting
+        Of the errors.
+    iterations : int
+        At most.
+    """
+    fit, cost = Fit(state, weighting), cost_of(state, weighting)
+    for _ in range(iterations):
+        found, after = _searched(fit, cost)
+        if found is None:
+            break
+        fit, settled = Fit(found, weighting), after > cost * (1 - _SETTLED)
+        cost = after
+        if settled:
+            break
+    return fit
+
+
+def refitted(fit: Fit, iterations: int = 3) -> Fit:
+    """The same with unknown states after each standstill, of which an axis that is seen whole has none."""
+    if not fit.state.prediction.hidden:
+        return fit
+    weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
+    return fitted(fit.state.weighted(weighting), weighting, iterations)
+
+
+def converged(state: State, weighting: Weighting) -> Fit:
+    """Fitted from a state, and then with the weights that belong to what was found, see `settled`.
+
+    Of a model that has lost its inertia the weights stay as they are: its own would let more of the position's noise
+    through, which lowers the inertia further, until nothing of it is left.
+    """
+    start = settled(Fit(state, weighting))
+    first = fitted(start.state, start.weighting, ITERATIONS)
+    kept = keeps_inertia(first.state, state.inertia)
+    return replace(refitted(settled(first) if kept else first), begun=state.inertia)
+
+
+def settled(fit: Fit) -> Fit:
+    """The same values with weights that belong to them, and that allow for the error that is left."""
+    state, weighting = leveled(fit.state, fit.weighting.allowed, fit.levels)
+    weighting = with_restarts(weighting, state.prediction.hidden)
+    return Fit(state.weighted(weighting), weighting)
+
+
+def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
+    """Whether the inertia that the drive moves stays near that of other models: within a factor of two of their range.
+
+    Parameters
+    ----------
+    found : State
+        The model.
+    *plain : float
+        Inertias of the other models.
+    doubt : float
+        Relative deviation that it may have because the log does not determine it.
+    """
+    low, high = min(plain) / LEAST_INERTIA, max(plain) * LEAST_INERTIA
+    return low / (1 + doubt) < found.inertia < high * (1 + doubt)
+
+
+def stiffnesses(axis: Axis) -> list[str]:
+    """Unknown stiffnesses of the springs."""
+    names = (element.named("stiffness") for element in axis.elements if isinstance(element, Spring))
+    return [name for name in names if name in axis.physical_parameters]
+
+
+def cost_of(state: State, weighting: Weighting) -> float:
+    """Sum of squares that unknown starts do not explain."""
+    error = weighting.known(state.rows, state.beginning)
+    return float(error @ error)
+
+
+def _searched(fit: Fit, cost: float) -> tuple[State | None, float]:
+    """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does, or none could by much.
+
+    Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
+    ratio; a shorter step would hold back all.
+    """
+    state, weighting = fit.state, fit.weighting
+    flat, error = (weighting.known(x, state.beginning) for x in (fit.columns, state.rows))
+    if not (np.isfinite(flat).all() and np.isfinite(error).all()):
+        return None, cost
+    scale = np.linalg.norm(flat, axis=1)
+    scale = np.where(scale > 0, scale, 1.0)
+    unit = flat / scale[:, None]
+    normal, gradient = unit @ unit.T, unit @ error
+    try:
+        undamped = solved(flat.T, error)
+    except np.linalg.LinAlgError:
+        undamped = np.zeros(len(flat))
+    if (flat @ error) @ undamped < _SETTLED * cost:
+        return None, cost
+    for damping in _DAMPINGS:
+        try:
+            left = normal + damping * np.eye(len(normal))
+            step = np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else undamped
+            found = evaluated(state, weighting, *_moved(state, step))
+            after = cost_of(found, weighting)
+        except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
+            after = np.inf
+        if after < cost:
+            return found, after
+    return None, cost
+
+
+def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Placed, ...]]:
+    parameters = dict(state.prediction.parameters)
+    names = state.prediction.record.dynamics.parameters
+    masses = state.prediction.record.dynamics.parameters_of("mass")
+    for name, change in zip(names, step, strict=False):
+        moved_to = parameters[name] + float(change)
+        if name in masses:
+            moved_to = max(moved_to, _SMALLER_MASS * parameters[name], state.least.get(name, 0.0))
+        parameters[name] = moved_to
+    place, placed = len(names), []
+    for item in state.placed:
+        amplitudes = item.amplitudes
+        if not item.effect.fixed:
+            changes = step[place : place + len(amplitudes)]
+            amplitudes = tuple(float(a + c) for a, c in zip(amplitudes, changes, strict=True))
+            place += len(amplitudes)
+        limits = [_LARGEST_SHAPE_STEP * abs(x) for x in item.shape]
+        changes = np.clip(step[place : place + len(item.shape)], np.negative(limits), limits)
+        moved = tuple(float(x + c) for x, c in zip(item.shape, changes, strict=True))
+        shape = item.effect.bounded(state.prediction, item.at, moved)
+        place += len(shape)
+        placed.append(replace(item, amplitudes=amplitudes, shape=shape))
+    return parameters, tuple(placed)

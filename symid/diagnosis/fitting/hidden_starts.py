@@ -1,0 +1,179 @@
+"""Where to begin a fit whose effect acts on motion that no sensor sees.
+
+Such motion follows from the model and the effect together, so the error has many minima. Two kinds of start have been
+found to lead to the right one: the values of the same effect at a joint that is seen, and the best of a grid over the
+stiffness and mass of the hidden body and the strength of the effect, each integrated once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from symid.axis import Between, Body, Spring
+from symid.diagnosis.effects import Effect, JointEffect, Placed
+from symid.diagnosis.fitting.fit import Fit, cost_of
+from symid.diagnosis.fitting.state import State, first_state, is_hidden, with_effects
+from symid.diagnosis.prediction.prediction import Prediction, place_of
+from symid.diagnosis.prediction.weighting import Weighting
+
+_STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
+_MASSES = (0.9, 1.1)
+_SHARES = (1.0, 0.3, 0.1, 0.03)
+"""Of the amplitudes that a projection asks for, with which a fit may begin."""
+_KEPT = 2
+"""Starts of the grid that are fitted, for each effect at each place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A model without the effect, and the effect with its first values.
+
+    Parameters
+    ----------
+    state : State
+        Parameters to begin with.
+    weighting : Weighting
+        Of the errors.
+    placed : Placed
+        The effect.
+    """
+
+    state: State
+    weighting: Weighting
+    placed: Placed
+
+    @classmethod
+    def of(cls, fit: Fit, placed: Placed) -> Start:
+        """From a fitted model."""
+        return cls(fit.state, fit.weighting, placed)
+
+    def placed_state(self) -> State:
+        """The model with the effect."""
+        return self._with(self.placed)
+
+    def best_state(self) -> State | None:
+        """The model with so much of the effect that it leaves less than the model without it; None if it is not finite.
+
+        First amplitudes come from a projection. Where the effect acts back on the motion, or the parameters are far off
+        without it, they may be many times too large, and a fit does not find back from there.
+        """
+        plain, state = cost_of(self.state, self.weighting), None
+        for share in (1.0,) if self.placed.effect.fixed else _SHARES:
+            weaker = tuple(share * amplitude for amplitude in self.placed.amplitudes)
+            tried = self._with(replace(self.placed, amplitudes=weaker))
+            if not np.isfinite(tried.rows).all():
+                continue
+            state = tried if state is None else state
+            if cost_of(tried, self.weighting) < plain:
+                return tried
+        return state
+
+    def _with(self, placed: Placed) -> State:
+        return with_effects(self.state, self.weighting, (*self.state.placed, placed))
+
+
+def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
+    """The effects of fitted models at hidden joints, begun with the values found for them or for their twin.
+
+    Parameters
+    ----------
+    fit : Fit
+        The model without the effects.
+    found : sequence of Fit
+        Fitted models, each with one effect more.
+    """
+    prediction = fit.state.prediction
+    for other in found:
+        item = other.state.placed[-1]
+        if not isinstance(item.effect, JointEffect):
+            continue
+        for place in item.effect.places(prediction):
+            moved = replace(item, at=place, integrated=True)
+            if moved != item and can_integrate(prediction, moved):
+                state = with_effects(other.state, fit.weighting, fit.state.placed)
+                yield Start(state, fit.weighting, moved)
+
+
+def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
+    """Strong effects in the spring of a hidden body, from values near the nominal ones.
+
+    Parameters
+    ----------
+    fit : Fit
+        The re-identified model, whose values count for all that is not hidden.
+    nominal : Fit
+        The model before re-identification.
+    library : sequence of Effect
+        What is considered.
+    """
+    for spring, body in _hidden_springs(nominal.state.prediction):
+        grid = list(_near(fit, nominal, spring, body))
+        for effect, place in product(library, {place_of(spring), body.name}):
+            starts = [
+                Start(near, nominal.weighting, placed)
+                for near in grid
+                for placed in _placed(effect, place, near.prediction, spring)
+                if can_integrate(near.prediction, placed)
+            ]
+            yield from sorted(starts, key=_left)[:_KEPT]
+
+
+def can_integrate(prediction: Prediction, item: Placed) -> bool:
+    """Whether an effect acts on hidden motion, and its force is known point by point."""
+    effect = item.effect
+    if not isinstance(effect, JointEffect) or not is_hidden(prediction, effect.joint(prediction, item.at)):
+        return False
+    return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
+
+
+def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) -> Iterable[Placed]:
+    values = prediction.axis.with_known_values(prediction.parameters)
+    if isinstance(effect, JointEffect) and place in effect.places(prediction):
+        deflected = prediction.springs[place_of(spring)]
+        for shape, amplitudes in effect.strong(deflected, values[spring.named("stiffness")]):
+            yield Placed(effect, place, shape, amplitudes, integrated=True)
+
+
+def _left(start: Start) -> float:
+    """Sum of squares that the start leaves, but for unknown states at the beginning."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            state = start.placed_state()
+    except OverflowError:
+        return math.inf
+    if not np.isfinite(state.rows).all():
+        return math.inf
+    return cost_of(state, start.weighting)
+
+
+def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]:
+    """Models near the nominal one, with the re-identified values of what is not hidden."""
+    prediction, weighting = nominal.state.prediction, nominal.weighting
+    axis, mass = prediction.axis, body.inertial
+    stiffness = spring.named("stiffness")
+    hidden = {mass, stiffness, *([spring.named("damping")] if spring.damping is not None else [])}
+    hidden |= {term.parameter for law in axis.laws if law.at == body for term in law.terms()}
+    values = {
+        n: (prediction if n in hidden else fit.state.prediction).parameters[n] for n in prediction.parameters
+    }
+    for stiffer, heavier in product(_STIFFNESSES, _MASSES):
+        factors = {stiffness: stiffer, mass: heavier}
+        near = values | {name: values[name] * factor for name, factor in factors.items() if name in values}
+        state, _ = first_state(prediction.record, near, weighting.allowed)
+        yield state.weighted(weighting)
+
+
+def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
+    """Springs whose deflection no sensor tells, with the body that hangs on them."""
+    for spring in (e for e in prediction.axis.elements if isinstance(e, Spring)):
+        if not is_hidden(prediction, prediction.springs[place_of(spring)]):
+            continue
+        ends = (spring.at.first, spring.at.second) if isinstance(spring.at, Between) else (spring.at,)
+        hidden = [b for b in ends if isinstance(b, Body) and is_hidden(prediction, prediction.joints[b.name])]
+        if hidden:
+            yield spring, hidden[0]

@@ -1,0 +1,126 @@
+"""Derivatives of the prediction by the free values of a model: physical parameters, amplitudes, shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symid.arrays import ComplexArray
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.state import State, predicted
+from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
+from symid.diagnosis.prediction.prediction import Prediction
+
+_RELATIVE_STEP = 1e-4
+_SHAPE_STEP = 1e-4
+_INTEGRATED_STEP = 1e-3
+"""Relative step where dry friction holds a body at times: the moments at which it lets go move in whole steps."""
+
+
+def derivatives(state: State) -> ComplexArray:
+    """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
+    if any(item.integrated for item in state.placed):
+        return _by_differences(state)
+    prediction = state.prediction
+    found = [_by_parameters(prediction, state.placed)]
+    for item in state.placed:
+        if not item.effect.fixed:
+            found.append(item.effect.columns(prediction, item.at, item.shape))
+        found.append(_shape_columns(prediction, item))
+    return np.concatenate(found)
+
+
+def _by_differences(state: State) -> ComplexArray:
+    """The same where hidden motion is integrated: no frequency response says how friction that holds answers."""
+    prediction, parameters, placed = state.prediction, state.prediction.parameters, state.placed
+    # from the same state as the moved ones: an implicit force comes nearer to its balance each time
+    _, here = predicted(state, parameters, placed, nearby=True)
+
+    def column(value: float, parameters: Mapping[str, float], placed: tuple[Placed, ...]) -> ComplexArray:
+        _, errors = predicted(state, parameters, placed, nearby=True)
+        return np.asarray((here - errors) / (_INTEGRATED_STEP * value))
+
+    columns = list(_by_parameters(prediction, placed))
+    for k, name in enumerate(prediction.record.dynamics.parameters):
+        value = abs(parameters[name]) or 1.0
+        moved = dict(parameters) | {name: parameters[name] + _INTEGRATED_STEP * value}
+        if acts_on_hidden(
+            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_row
+        ):
+            columns[k] = column(value, moved, placed)
+    for at, item in enumerate(placed):
+        for value, other in _moved(item):
+            columns.append(column(value, parameters, (*placed[:at], other, *placed[at + 1 :])))
+    return np.stack(columns)
+
+
+def _moved(item: Placed) -> Iterator[tuple[float, Placed]]:
+    """Each free value of an effect, or 1 for zero, and the effect with that one moved by a step of it."""
+    for i, x in enumerate(() if item.effect.fixed else item.amplitudes):
+        value = abs(x) or 1.0
+        amplitudes = (*item.amplitudes[:i], x + _INTEGRATED_STEP * value, *item.amplitudes[i + 1 :])
+        yield value, replace(item, amplitudes=amplitudes)
+    for i, x in enumerate(item.shape):
+        value = abs(x) or 1.0
+        yield (
+            value,
+            replace(item, shape=(*item.shape[:i], x + _INTEGRATED_STEP * value, *item.shape[i + 1 :])),
+        )
+
+
+def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexArray:
+    """Derivatives by the physical parameters; what effects make of the outputs depends on these parameters too."""
+    misread = [e for item in placed if (e := item.effect.misreading(prediction, item)) is not None]
+    columns = parameter_columns(prediction, np.sum(misread, axis=0) if misread else None)
+    changes = (item.effect.passed_on(prediction, item, columns) for item in placed)
+    return sum((change for change in changes if change is not None), start=columns)
+
+
+def _shape_columns(prediction: Prediction, item: Placed) -> ComplexArray:
+    columns = np.zeros((len(item.shape), *prediction.record.measured.shape), dtype=complex)
+    before = item.change(prediction) if item.shape else 0.0
+    for i, value in enumerate(item.shape):
+        step = _SHAPE_STEP * abs(value)
+        shape = (*item.shape[:i], value + step, *item.shape[i + 1 :])
+        columns[i] = (replace(item, shape=shape).change(prediction) - before) / step
+    return columns
+
+
+def parameter_columns(prediction: Prediction, misread: ComplexArray | None = None) -> ComplexArray:
+    """Derivatives of the predicted outputs by the physical parameters, of shape (n_parameters, n_outputs, n_bins).
+
+    Parameters
+    ----------
+    prediction : Prediction
+        The axis at its parameters.
+    misread : array of shape (n_bins,), optional
+        What the driven position is read wrong by: its motion is no motion of the bodies.
+    """
+    displacements, driven = prediction.displacements, prediction.outputs[0]
+    if misread is not None:
+        no_forces = np.zeros((misread.size, 0), dtype=complex)
+        displacements = np.asarray(displacements - prediction.response.displacements(misread, no_forces))
+        driven = driven - prediction.response.of_position[0] * misread
+    dynamics, plant, s = prediction.record.dynamics, prediction.response.plant, 1j * prediction.record.omega
+    columns = np.zeros((len(dynamics.parameters), *prediction.record.measured.shape), dtype=complex)
+    for k, name in enumerate(dynamics.parameters):
+        step = _RELATIVE_STEP * (abs(prediction.parameters[name]) or 1.0)
+        other = dynamics.at(dict(prediction.parameters) | {name: prediction.parameters[name] + step})
+        matrix = [
+            (getattr(other, kind) - getattr(plant, kind)) / step for kind in ("mass", "damping", "stiffness")
+        ]
+        if any(m.any() for m in matrix):
+            mass, damping, stiffness = (m @ displacements for m in matrix)
+            forces = -(s**2 * mass + s * damping + stiffness).T
+        else:
+            forces = np.zeros((s.size, len(plant.bodies)), dtype=complex)
+        for (direction, spectra), law, moved in zip(prediction.laws, plant.laws, other.laws, strict=True):
+            for spectrum, (weight, _), (after, _) in zip(spectra, law.terms, moved.terms, strict=True):
+                if after != weight:
+                    forces -= np.multiply.outer((after - weight) / step * spectrum, direction)
+        forces += np.multiply.outer(driven, (other.drive - plant.drive) / step)
+        forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
+        columns[k] = prediction.response.of_forces(forces)
+    return columns

@@ -1,0 +1,89 @@
+"""The axis as it is declared, fitted to a record: where to begin, and where to begin anew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from symid.axis import Axis
+from symid.codegen import load_generated
+from symid.diagnosis.fitting.fit import Fit, converged, fitted, stiffnesses
+from symid.diagnosis.fitting.state import State, first_state
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.weighting import Weighting
+from symid.errors import SettingError, SymidError
+from symid.identification import identify
+
+
+def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
+    """Physical parameters by weighted least squares on the minimal regressor.
+
+    Raises
+    ------
+    SettingError
+        If they do not follow from the log.
+    """
+    try:
+        found = identify(load_generated(axis, record.signals), record.log, examine=False).physical_parameters
+    except SymidError as error:
+        raise SettingError(
+            f"no values to begin with can be identified ({error}): give --nominal P.json"
+        ) from error
+    lacking = [name for name in axis.physical_parameters if not np.isfinite(found.get(name, np.nan))]
+    if lacking:
+        raise SettingError(
+            f"no values to begin with follow from the log for {', '.join(lacking)}: give --nominal P.json"
+        )
+    return {name: float(found[name]) for name in axis.physical_parameters}
+
+
+NOISE_ALONE = 1.5
+"""Mean square of weighted rows up to which noise is what is left."""
+_STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
+_FEW = 3
+"""Iterations after which a fit from another stiffness that leaves more than the first is given up."""
+_CLEARLY = 0.1
+"""Share of the mean square, up to which a fit from another stiffness is the better one: it found the resonance."""
+_RUN_AWAY = 5.0
+"""Factor by which a mass, an inertia or a stiffness that is fitted has left where it began."""
+
+
+def fitted_axis(state: State, weighting: Weighting) -> Fit:
+    """The axis without effects, fitted from given values and, where these lead astray, from other stiffnesses.
+
+    A mode that lies some widths of its resonance away from where it is sought is not found by small steps: the fit
+    then lets the bodies behind it grow out of sight. A fit from another stiffness is taken if it leaves noise alone or
+    a small share of what the first one leaves, or if it stays where the other ran away.
+
+    Parameters
+    ----------
+    state : State
+        The axis with the values to begin with.
+    weighting : Weighting
+        Of the errors.
+    """
+    first = converged(state, weighting)
+    springs, values = stiffnesses(state.prediction.axis), state.prediction.parameters
+    if not springs or first.mean_square < NOISE_ALONE:
+        return first
+    astray, others = _ran_away(first, values), []
+    for factor in _STIFFNESSES:
+        moved = dict(values) | {name: factor * values[name] for name in springs}
+        begun = first_state(state.prediction.record, moved, weighting.allowed)
+        if astray or fitted(*begun, _FEW).mean_square < first.mean_square:
+            others.append(converged(*begun))
+    tame = [fit for fit in others if not _ran_away(fit, values)]
+    best = min(tame, key=lambda fit: fit.mean_square, default=first)
+    clearly = best.mean_square < max(NOISE_ALONE, _CLEARLY * first.mean_square)
+    return best if clearly or astray else first
+
+
+def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
+    axis = fit.state.prediction.axis
+    inertias = [body.inertial for body in axis.free_bodies if body.inertial in axis.physical_parameters]
+    for name in (*stiffnesses(axis), *inertias):
+        low, high = sorted((start[name] / _RUN_AWAY, start[name] * _RUN_AWAY))
+        if not low < fit.parameters[name] < high:
+            return True
+    return False

@@ -1,0 +1,223 @@
+"""A model with values under a record: physical parameters, effects, and the errors that they leave.
+
+Hidden motion follows from the measured one and from the forces of the state before, so that a law in a joint that
+no sensor sees is evaluated at the motion that the model itself implies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction, prediction_of
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, weighting_of
+from symid.errors import LogError
+
+_TAKES_PART = 0.2
+_LEAST_ROWS = 40
+_BALANCED = 3
+"""Further turns in which an implicit force finds its balance: friction of half the load is then within 6 %, and
+the next step begins there."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A model with values, under a record.
+
+    Parameters
+    ----------
+    prediction : Prediction
+        Motion and prediction.
+    placed : tuple of Placed
+        Effects with values.
+    errors : array of shape (n_outputs, n_bins)
+        Measured less predicted outputs.
+    rows : array of shape (n_outputs, n_rows)
+        The same, weighted.
+    beginning : array of shape (n_starts, n_outputs, n_rows)
+        What an unknown state at the beginning of the log makes of them.
+    least : mapping of str to float
+        Masses and inertias below which a fit must not go, SI.
+    """
+
+    prediction: Prediction
+    placed: tuple[Placed, ...]
+    errors: ComplexArray
+    rows: FloatArray
+    beginning: FloatArray
+    least: Mapping[str, float] = field(default_factory=dict)
+
+    def with_least(self, share: float, nominal: Mapping[str, float]) -> State:
+        """The same with masses that may fall to a share of their values, or of the nominal ones that are smaller."""
+        own = self.prediction.parameters
+        names = self.prediction.record.dynamics.parameters_of("mass")
+        least = {name: min(abs(own[name]), abs(nominal.get(name, own[name]))) for name in names}
+        return replace(self, least={name: share * value for name, value in least.items()})
+
+    @property
+    def inertia(self) -> float:
+        """Mass or inertia that the drive moves at low frequencies: that of all bodies that follow its position."""
+        plant = self.prediction.response.plant
+        follows = self.prediction.response.motion[0, :, -1].real
+        return float(follows @ plant.mass @ follows)
+
+    def weighted(self, weighting: Weighting) -> State:
+        """The same with other weights."""
+        beginning = weighting.rows(starting_pulses(self.prediction.record, self.prediction.hidden))
+        return replace(self, rows=weighting.rows(self.errors), beginning=beginning)
+
+
+def first_state(
+    record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
+) -> tuple[State, Weighting]:
+    """The axis at given parameters, and the weighting that goes with them.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    """
+    prediction = prediction_of(record, parameters)
+    prediction = prediction_of(record, parameters, before=prediction)
+    weighting = weighting_in(prediction, allowed)
+    if weighting.kept.sum() < _LEAST_ROWS:
+        raise LogError(
+            f"log {record.log.source!r} has {weighting.kept.sum()} rows of motion: a diagnosis needs {_LEAST_ROWS}; "
+            "take a log in which the axis moves"
+        )
+    return _state(prediction, (), record.measured - prediction.outputs, weighting), weighting
+
+
+def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
+    """The same with weights that belong to its parameters, and that allow for errors of the model.
+
+    Parameters
+    ----------
+    state : State
+        The model.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    levels : sequence of float
+        Error of each output, in multiples of its noise.
+    """
+    prediction = state.prediction.leveled(levels)
+    weighting = weighting_in(prediction, allowed)
+    return replace(state, prediction=prediction).weighted(weighting), weighting
+
+
+def _state(
+    prediction: Prediction, placed: tuple[Placed, ...], errors: ComplexArray, weighting: Weighting
+) -> State:
+    nothing = np.zeros((0, 0, 0))
+    return State(prediction, placed, errors, nothing, nothing).weighted(weighting)
+
+
+def weighting_in(prediction: Prediction, allowed: BoolArray | None) -> Weighting:
+    """Weights of a prediction: all joints that take part in the drive's motion must move."""
+    driven = prediction.record.fine(prediction.record.motion)[prediction.record.in_log]
+    least = _TAKES_PART * np.ptp(driven)
+    speeds = [joint.v for joint in prediction.joints.values() if joint.stroke > least]
+    return weighting_of(prediction.record, prediction.density, speeds, allowed)
+
+
+def with_effects(state: State, weighting: Weighting, placed: tuple[Placed, ...]) -> State:
+    """The same parameters with other effects."""
+    return evaluated(state, weighting, state.prediction.parameters, placed)
+
+
+def evaluated(
+    state: State, weighting: Weighting, parameters: Mapping[str, float], placed: tuple[Placed, ...]
+) -> State:
+    """Other parameters with other effects, whose forces act on the motion of the state before."""
+    prediction, errors = predicted(state, parameters, placed)
+    return replace(_state(prediction, placed, errors, weighting), least=state.least)
+
+
+def predicted(
+    state: State, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool = False
+) -> tuple[Prediction, ComplexArray]:
+    """The prediction with other parameters and effects, and the errors that it leaves.
+
+    `nearby` values differ so little that the frequency response, which counts little where hidden motion is integrated,
+    stays that of the state.
+    """
+    prediction = _acted_on(state.prediction, parameters, placed, nearby=nearby)
+    if any(item.effect.implicit and not item.integrated for item in placed):
+        for _ in range(_BALANCED):
+            prediction = _acted_on(prediction, parameters, placed, nearby=nearby)
+    errors = prediction.record.measured - prediction.outputs
+    for item in placed:
+        if not isinstance(item.effect, JointEffect):
+            errors = errors - item.change(prediction)
+    return prediction, errors
+
+
+def _acted_on(
+    before: Prediction, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
+) -> Prediction:
+    """The prediction that follows when effects act as the motion and the forces of another one ask for."""
+    record, forces = before.record, np.zeros_like(before.forces)
+    impedances, integrated = [], []
+    for item in placed:
+        if not isinstance(item.effect, JointEffect):
+            continue
+        joint = item.effect.joint(before, item.at)
+        law = item.effect.pointwise(before, item.shape, item.amplitudes) if item.integrated else None
+        if law is not None:
+            integrated.append((joint.direction, law))
+            if not nearby:
+                impedances.append((joint.direction, _equivalent(_force(before, item, joint), joint)))
+        elif isinstance(item.effect, LinearEffect):
+            stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
+            impedances.append((joint.direction, stiffness))
+            if any(other.integrated for other in placed):  # which knows forces and no impedances
+                forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
+        else:
+            forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
+    if nearby:
+        response = replace(before.response, plant=record.dynamics.at(parameters))
+        like = replace(before, response=response)
+        return prediction_of(
+            record, parameters, before=before, like=like, forces=forces, integrated=integrated
+        )
+    return prediction_of(
+        record, parameters, before=before, forces=forces, impedances=impedances, integrated=integrated
+    )
+
+
+def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
+    """Spectrum of the force of an effect that acts on the motion of a prediction."""
+    assert isinstance(item.effect, JointEffect)
+    return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
+
+
+def is_hidden(prediction: Prediction, joint: Joint) -> bool:
+    """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
+    if len(prediction.response.plant.bodies) != 2:
+        return False
+    row = prediction.driven_row
+    driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
+    return not driven and np.array_equal(joint.spectrum, joint.modelled)
+
+
+def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:
+    """Dynamic stiffness k + j w c - w^2 m nearest to a force: what is left of it moves hidden joints far less."""
+    if not np.isfinite(force).all():
+        raise OverflowError(f"the force at {joint.name} grows without bound")
+    s = 1j * joint.record.omega
+    motion = np.stack([joint.modelled, s * joint.modelled, s**2 * joint.modelled])
+    scale = np.linalg.norm(motion, axis=1)
+    unit = motion / np.where(scale > 0, scale, 1.0)[:, None]
+    share = np.linalg.lstsq((unit.conj() @ unit.T).real, (unit.conj() @ force).real, rcond=1e-10)[0]
+    k, c, m = share / np.where(scale > 0, scale, 1.0)
+    return np.asarray(k + c * s + m * s**2)

@@ -1,0 +1,1 @@
+"""The gap as its user sees it: the explained axis simulated along the log."""

@@ -1,0 +1,218 @@
+"""The effects that were found as elements of a new axis: what is derived, generated and identified like any other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from symid.axis import (
+    ActuatorDelay,
+    ActuatorLag,
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    EncoderRipple,
+    ForceLimit,
+    FrictionDrift,
+    FrictionTrend,
+    GainAsymmetry,
+    GainNonlinearity,
+    Imperfection,
+    LoadDependentFriction,
+    PayloadChange,
+    PeriodicForce,
+    PreslidingFriction,
+    Spring,
+)
+from symid.axis.elements import Joint as Place
+from symid.diagnosis import effects
+from symid.diagnosis.effects import Delay, LawEffect, PeriodicDisturbance, Placed, Saturation
+from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.prediction import Prediction, place_of
+from symid.errors import SettingError
+
+Values: TypeAlias = dict[str, float]
+"""Value of each new parameter, SI."""
+
+
+@dataclass(frozen=True)
+class ExplainedAxis:
+    """An axis with the effects that a diagnosis found.
+
+    Parameters
+    ----------
+    axis : Axis
+        The axis diagnosed with the elements of the effects added.
+    values : dict of str to float
+        Values of its physical parameters, SI.
+    left_out : tuple of str
+        A sentence for each effect that is no element of an axis: a force or a reading that is early.
+    """
+
+    axis: Axis
+    values: Values
+    left_out: tuple[str, ...]
+
+
+def explained_axis(found: Diagnosis) -> ExplainedAxis:
+    """The axis with the effects of a diagnosis added, and the values of its parameters.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        With at least one effect.
+
+    Raises
+    ------
+    SettingError
+        If no effect was found, or none of them is an element of an axis.
+    """
+    accepted = [step for step in found.search if step.accepts] if found.effects else []
+    if not accepted:
+        raise SettingError("no effect was found: the axis stays as it is declared")
+    explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
+    if explained.axis == found.axis.without(*found.axis.imperfections):
+        raise SettingError("; ".join(explained.left_out))
+    return explained
+
+
+def axis_of(state: State) -> ExplainedAxis:
+    """The axis of a model with the effects that it holds as elements, and the values of its parameters.
+
+    A diagnosis passes declared imperfections over, so that they are among what it finds; here they are left out.
+
+    Parameters
+    ----------
+    state : State
+        The model, under any record.
+    """
+    declared, values = state.prediction.axis, dict(state.prediction.parameters)
+    axis = declared.without(*declared.imperfections)
+    left_out = []
+    for item in state.placed:
+        added = _added(axis, item, values)
+        if added is None:
+            left_out.append(_left_out(state.prediction, item))
+        else:
+            axis = added
+    return ExplainedAxis(axis, {name: values[name] for name in axis.physical_parameters}, tuple(left_out))
+
+
+def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
+    """The axis with an effect, whose new parameters join the values; None if it is no element."""
+    if item.effect.name == "flexible_mode":
+        return _with_mode(axis, item, values)
+    if isinstance(item.effect, LawEffect):
+        place, effect = _place(axis, item.at), item.effect
+        laws, added = effect.elements(place, item.at, item.shape, item.amplitudes)
+        if added.keys() & values.keys():  # two effects of a joint may call an amplitude alike
+            prefix = f"{item.at}_{effect.name}"
+            laws, added = effect.elements(place, prefix, item.shape, item.amplitudes)
+        values |= added
+        return axis.with_effect(*laws)
+    if item.effect.name == "sensor_delay":
+        return _read_late(axis, item)
+    if item.effect.name == "presliding_friction":
+        return _with_presliding(axis, item, values)
+    found = _imperfection(axis, item)
+    return None if found is None else axis.with_effect(found)
+
+
+def _imperfection(axis: Axis, item: Placed) -> Imperfection | None:
+    """An effect in the drive, in a reading or in time; None if it acts before its cause."""
+    effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
+    match effect:
+        case Delay():
+            return ActuatorDelay(shape[0]) if shape[0] > 0 else None
+        case effects.ActuatorLag():
+            return ActuatorLag(amplitudes[0])
+        case Saturation():
+            return ForceLimit(shape[0])
+        case effects.GainNonlinearity():
+            return GainNonlinearity(amplitudes[0], power=effect.power)
+        case effects.GainAsymmetry():
+            return GainAsymmetry(amplitudes[0])
+        case effects.EncoderRipple():
+            return EncoderRipple(item.at, *amplitudes, *shape)
+        case PeriodicDisturbance():
+            return PeriodicForce(_place(axis, item.at), *amplitudes, *shape)
+        case effects.PayloadChange():
+            change, moment = shape
+            body = next(b for b in axis.free_bodies if b.name == item.at)
+            return PayloadChange(body, amplitudes[0] * change, time=moment)
+        case effects.FrictionDrift():
+            coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
+            place = _place(axis, item.at)
+            if not shape:
+                return FrictionTrend(place, coulomb, viscous)
+            return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
+        case effects.LoadDependentFriction():
+            return LoadDependentFriction(_place(axis, item.at), amplitudes[0])
+    return None
+
+
+def _read_late(axis: Axis, item: Placed) -> Axis | None:
+    """The axis with a reading that is late; None where it is early."""
+    (sensor,) = axis.measured((item.at,))
+    delay = sensor.delay + item.shape[0]
+    return axis.with_signal(item.at, sensor.noise, sensor.resolution, delay) if delay > 0 else None
+
+
+def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
+    """The axis whose Coulomb friction, which is added where there is none, builds up over a displacement."""
+    (level,), (reach,) = item.amplitudes, item.shape
+    place = _place(axis, item.at)
+    if not any(isinstance(law, CoulombFriction) and law.at == place for law in axis.laws):
+        name = f"{item.at}_Fs"
+        values[name] = level
+        axis = axis.with_effect(CoulombFriction(place, name))
+    return axis.with_effect(PreslidingFriction(place, level, reach=reach))
+
+
+def _left_out(prediction: Prediction, item: Placed) -> str:
+    """What an axis file cannot say of an effect: what acts before its cause is a matter of the recording."""
+    found = {name: (value, unit) for name, value, unit in item.values(prediction)}
+    numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
+    if item.effect.name == "delay":
+        late = f"{prediction.axis.only_drive.signal}={-1e6 * found['T'][0]:.4g}us"
+        return (
+            f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
+        )
+    if item.effect.name == "sensor_delay":
+        late = f"{item.at}={1e6 * found['T'][0]:.4g}us"
+        return f"sensor_delay ({numbers}) is no element of an axis, as it is early: use --late {late}"
+    return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis"
+
+
+def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
+    """The axis with a part of a body's mass hung on a spring."""
+    (mass,), (frequency, ratio) = item.amplitudes, item.shape
+    body = next(b for b in axis.free_bodies if b.name == item.at)
+    own = 2 * math.pi * frequency
+    names = [f"{item.at}_mode_{letter}" for letter in ("m", "k", "c")]
+    slides = body.mass is not None
+    added = Body(
+        f"{item.at}_mode",
+        mass=names[0] if slides else None,
+        inertia=None if slides else names[0],
+    )
+    spring = Spring(
+        f"{added.name}_spring", Between(first=body, second=added), stiffness=names[1], damping=names[2]
+    )
+    values |= dict(zip(names, (mass, mass * own**2, 2 * ratio * own * mass), strict=True))
+    known = axis.known_parameters
+    if body.inertial in known:
+        axis = axis.with_known({body.inertial: known[body.inertial] - mass})
+    else:
+        values[body.inertial] -= mass
+    return axis.with_effect(added, spring)
+
+
+def _place(axis: Axis, name: str) -> Place:
+    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
+    found = next((body for body in axis.free_bodies if body.name == name), None)
+    return found if found is not None else next(s.at for s in springs if place_of(s) == name)

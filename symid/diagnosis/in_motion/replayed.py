@@ -1,0 +1,241 @@
+"""Logs driven through simulated axes: the samples that count, what drives the axis, and how it then moves.
+
+A controller answers to where the axis is. Had the machine moved as the simulated axis does, its controller would have
+sent
+
+    F = F measured + C (q measured - q simulated),
+
+C being its law from position to force: what it makes of the reference, of feed-forwards and of pulses from outside is
+in the measured force already, so that C alone need be known. If it is, this is the closed loop along the log's
+reference. Where the log does not tell it, a slow cascade stands for C: an observer, which keeps the axis from drifting
+away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, FloatArray
+from symid.axis import Axis
+from symid.data import REFERENCE, Log, LowPass, derivatives
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.in_motion.declared import ExplainedAxis
+from symid.diagnosis.prediction.joined import Joined
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.reversal import SLOW, near
+from symid.errors import SettingError
+from symid.instrumental.controller import cascade_of_log
+from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
+
+_LEAST_RATE = 1000.0
+"""Rate of the simulated controller at least, Hz."""
+_OBSERVER_HZ = 2.0
+"""An observer pulls a free mass to the measured position with two poles at half this frequency."""
+_EXPLAINED = 0.9
+"""Share of the force's variance that a cascade read from a log explains, to be taken for its controller."""
+_AT_REST = 0.01
+"""Speed at the beginning, relative to the highest, below which the axis begins at rest."""
+_ENDS = 8
+_HIGHEST = 0.4
+"""Of the sampling frequency, up to which signals are differentiated."""
+_STIFFEST = 50.0
+"""Radians in a sample of the log up to which an axis is simulated: a stiffer one would take thousands of steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A log with the samples that count.
+
+    Parameters
+    ----------
+    log : Log
+        One run.
+    used : bool array of shape (n_samples,)
+        Samples that took no part in any choice.
+    record : Record
+        That it is part of.
+    """
+
+    log: Log
+    used: BoolArray
+    record: Record
+
+    @property
+    def has_reference(self) -> bool:
+        return REFERENCE in self.log.signals
+
+    @property
+    def reference(self) -> FloatArray:
+        return self.log[REFERENCE]
+
+    @property
+    def position(self) -> FloatArray:
+        return self.log[self.record.signals[0]]
+
+    def low_passed(self, values: FloatArray) -> FloatArray:
+        return LowPass(_cutoff(self.record)).by_spectrum(values, self.log.sampling_frequency)
+
+    def speed_of(self, position: FloatArray) -> FloatArray:
+        """Its derivative in the band of the motion."""
+        return derivatives(self.low_passed(position), self.log.sampling_period, 1)[0]
+
+    @cached_property
+    def speed(self) -> FloatArray:
+        return self.speed_of(self.position)
+
+    @cached_property
+    def near_reversal(self) -> BoolArray:
+        """Samples within some time of the moment at which the axis stops, starts or turns."""
+        course = self.speed_of(self.reference) if self.has_reference else self.speed
+        direction = np.where(np.abs(course) < SLOW * np.abs(course).max(), 0.0, np.sign(course))
+        return near(np.diff(direction, prepend=direction[0]) != 0, self.log.sampling_frequency)
+
+    @cached_property
+    def factor(self) -> int:
+        """Samples of the simulated controller for each of the log."""
+        return max(1, math.ceil(_LEAST_RATE * self.log.sampling_period - 1e-9))
+
+    @cached_property
+    def path(self) -> Trajectory:
+        """The measured position as the reference of a cascade, with the differences that it takes of it itself."""
+        n, period = self.log.n_samples, self.log.sampling_period / self.factor
+        position = self.position
+        if self.factor > 1:
+            places = np.arange((n - 1) * self.factor + 1) / self.factor
+            position = scipy.interpolate.CubicSpline(np.arange(n), position)(places)
+        speed = np.diff(position, prepend=position[0]) / period
+        return Trajectory(position, speed, np.zeros_like(speed), period, f"position of {self.log.source}")
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """Drive force that acted, on average, from each sample of the simulated controller to the next."""
+        signal = self.record.dynamics.axis.only_drive.signal
+        acted = self.path.time + self.path.sampling_period / 2 + self.record.late.get(signal, 0.0)
+        return np.asarray(np.interp(acted, since_begin(self.log), self.log[signal]))
+
+    @property
+    def start(self) -> tuple[float, float]:
+        """Position and velocity at the first sample; a velocity that is little more than noise is none."""
+        slope, value = np.polyfit(np.arange(_ENDS), self.position[:_ENDS], 1)
+        speed = float(slope) / self.log.sampling_period
+        return float(value), speed if abs(speed) > _AT_REST * np.abs(self.speed).max() else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Driver:
+    """What moves the simulated axis beside the measured force.
+
+    Parameters
+    ----------
+    kind : str
+        "given", "identified" or "observer".
+    cascade : Cascade
+        Its gains.
+    share : float
+        Of the variance of the force that it explains; nan for an observer.
+    """
+
+    kind: Literal["given", "identified", "observer"]
+    cascade: Cascade
+    share: float
+
+
+def _cutoff(record: Record) -> float:
+    return min(record.motion_hz, _HIGHEST * record.log.sampling_frequency)
+
+
+def parts_of(record: Record, run: Joined, allowed: BoolArray | None) -> Iterator[Part]:
+    """The logs of a run with the samples that count."""
+    at = np.rint(record.log.sampling_period * np.arange(record.log.n_samples) / record.fine_time[1]).astype(
+        int
+    )
+    counted = np.ones(at.size, dtype=bool) if allowed is None else allowed[np.minimum(at, allowed.size - 1)]
+    begins = np.flatnonzero(np.diff(run.recorded.astype(np.int8), prepend=0) == 1)
+    for begin, log in zip(begins, run.parts, strict=True):
+        used = counted[begin : begin + log.n_samples]
+        if used.any():
+            yield Part(log, used, record)
+
+
+def driver_of(
+    record: Record, parts: Sequence[Part], given: Cascade | None, states: Sequence[State | None]
+) -> Driver:
+    """The controller given, or read from the log, or an observer for the re-identified axis."""
+    position = record.signals[0]
+    if given is not None:
+        cascade = replace(given, signal=position)
+        return Driver("given", cascade, _share_explained(cascade, parts))
+    if all(part.has_reference for part in parts):
+        read = cascade_of_log(parts[0].log, record.dynamics.axis.only_drive.signal, position, _cutoff(record))
+        if read is not None and (share := _share_explained(read, parts)) >= _EXPLAINED:
+            return Driver("identified", read, share)
+    inertia = next(state.inertia for state in states[1:] if state is not None)
+    observer = Cascade(position, math.pi * _OBSERVER_HZ / 2, inertia * math.tau * _OBSERVER_HZ, 0.0)
+    return Driver("observer", observer, math.nan)
+
+
+def _share_explained(cascade: Cascade, parts: Sequence[Part]) -> float:
+    """Share of the variance of the measured force that a cascade sends along the log, nan without a reference."""
+    left, whole = 0.0, 0.0
+    for part in parts:
+        if not part.has_reference:
+            return math.nan
+        log, period = part.log, part.log.sampling_period
+        force = part.low_passed(log[part.record.dynamics.axis.only_drive.signal])
+        reference, position = part.low_passed(part.reference), part.low_passed(part.position)
+        speed, acceleration = derivatives(reference, period, 2)
+        error = cascade.position_gain * (reference - position) + speed
+        error -= np.diff(position, prepend=position[0]) / period
+        sent = cascade.velocity_gain * (error + cascade.integral_gain * period * np.cumsum(error))
+        sent += cascade.velocity_feedforward * speed + cascade.acceleration_feedforward * acceleration
+        left, whole = (
+            left + float(np.var(force - sent) * force.size),
+            whole + float(np.var(force) * force.size),
+        )
+    return 1.0 - left / whole if whole else math.nan
+
+
+def fastest(plant: Plant) -> float:
+    """Largest magnitude of the eigenvalues of a plant without its laws, rad/s."""
+    n = len(plant.bodies)
+    returning = np.linalg.solve(plant.mass, np.hstack([plant.stiffness, plant.damping]))
+    system = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), -returning])
+    return float(np.abs(np.linalg.eigvals(system)).max())
+
+
+def simulated_position(explained: ExplainedAxis, part: Part, driver: Driver) -> FloatArray:
+    """Position that the sensor of a simulated axis reads at the samples of a log, without noise."""
+    signal = part.record.signals[0]
+    plant = plant_of(explained.axis, explained.values)
+    if fastest(plant) * part.log.sampling_period > _STIFFEST:
+        raise SettingError(
+            f"the axis with these values swings at {fastest(plant) / math.tau:.3g} Hz, too fast for the log's samples"
+        )
+    loop = replace(driver.cascade, acceleration_feedforward=0.0, velocity_feedforward=0.0)
+    run = simulate(
+        without_noise(explained.axis),
+        explained.values,
+        part.path,
+        Replay(part.forces, loop),
+        start=plant.follows(signal, *part.start),
+    )
+    return np.asarray(run.log[signal][:: part.factor])
+
+
+def since_begin(log: Log) -> FloatArray:
+    """Time since the beginning of a log, s."""
+    return np.asarray(log.sampling_period * np.arange(log.n_samples), dtype=np.float64)
+
+
+def without_noise(axis: Axis) -> Axis:
+    """An axis whose signals have neither noise nor steps; delays stay."""
+    for signal, delay in ((s.signal, s.delay) for s in axis.sensors):
+        axis = axis.with_signal(signal, noise=0.0, delay=delay)
+    return axis.with_signal(axis.only_drive.signal, noise=0.0)

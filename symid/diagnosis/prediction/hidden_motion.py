@@ -1,0 +1,288 @@
+"""Hidden motion under strong nonlinear laws: one step after the other, driven by the measured motion.
+
+Where an effect bends or frees the spring of a hidden body, or holds it, its force depends on the motion that it makes,
+and no iteration of frequency responses converges. The hidden equation of motion is then integrated: the linear part
+exactly, inputs and forces as straight lines between the points of the fine grid (Heun's rule for the force). One
+hidden coordinate is treated, which two bodies and a measured drive have.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import scipy
+import sympy as sp
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.prediction.record import Record
+from symid.simulation import Plant
+from symid.simulation.postfix import Program, program
+
+_POINTS_PER_ROW = 2
+"""Of the integration: the band ends at a quarter of that rate."""
+ARGUMENTS = ("q", "v", "_course", "_z", "_load")
+"""Of the programs of laws, before their values; written anew at each step."""
+_NOTHING = 1e-9
+"""Share of a change that rounding leaves in an equation in which it does not stand."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pointwise:
+    """A law point by point: the force that opposes a joint; of dry friction its level.
+
+    The sign of dry friction follows from the motion, and it holds the joint where it can.
+
+    Parameters
+    ----------
+    force : sympy expression
+        In displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load` and `values`.
+    values : mapping of str to float
+        Numbers by their names in `force`.
+    course : array of shape (n_fine,), optional
+        A factor that follows the time, on the fine grid.
+    reach : float, optional
+        Displacement over which Dahl's state z(1) = (v - abs(v) z) / reach builds up.
+    dry : bool
+        Whether it is dry friction.
+    """
+
+    force: sp.Expr
+    values: Mapping[str, float]
+    course: FloatArray | None = None
+    reach: float = math.inf
+    dry: bool = False
+
+    @property
+    def program(self) -> Program:
+        """The force as a program of `ARGUMENTS` and the values in their order."""
+        return _program(self.force, tuple(self.values))
+
+
+@cache
+def _program(force: sp.Expr, names: tuple[str, ...]) -> Program:
+    return program(force, (*ARGUMENTS, *names))
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenMotion:
+    """The hidden coordinate of a plant whose driven position is measured.
+
+    Parameters
+    ----------
+    free : array of shape (n_bodies,)
+        Displacements of the bodies for a unit of the hidden coordinate.
+    carried : array of shape (n_bodies,)
+        Displacements for a unit of the driven position held at rest, so that the hidden coordinate is but a deflection.
+    balance : array of shape (n_bodies,)
+        Combination of the bodies' balances that the drive does not enter.
+    """
+
+    free: FloatArray
+    carried: FloatArray
+    balance: FloatArray
+
+
+def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
+    """The hidden coordinate for the row of the driven position; two bodies."""
+    free = np.linalg.svd(driven[None])[2][-1]
+    balance = np.linalg.svd(plant.drive[None])[2][-1]
+    carried = driven / (driven @ driven)
+    stiffness = balance @ plant.stiffness @ free
+    if stiffness:
+        carried = carried - free * (balance @ plant.stiffness @ carried) / stiffness
+    return HiddenMotion(free, carried, balance)
+
+
+def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
+    """Whether two plants differ in the equation of the hidden motion, and not in that of the drive alone."""
+    balance = hidden_motion(plant, driven).balance
+    kinds = ("mass", "damping", "stiffness", "constant")
+    changes = [getattr(other, kind) - getattr(plant, kind) for kind in kinds]
+    for law, moved in zip(plant.laws, other.laws, strict=True):
+        by = (after - before for (before, _), (after, _) in zip(law.terms, moved.terms, strict=True))
+        changes += [law.direction * change for change in by]
+    return any(np.abs(balance @ change).max() > _NOTHING * np.abs(change).max() for change in changes)
+
+
+def integrated_motion(
+    record: Record,
+    plant: Plant,
+    known: ComplexArray,
+    laws: Sequence[tuple[FloatArray, Pointwise]],
+) -> tuple[ComplexArray, tuple[ComplexArray, ...]]:
+    """Displacements of the bodies, and the forces of laws that act on hidden motion.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    plant : Plant
+        The linear part of the axis: two bodies.
+    known : array of shape (n_bins, 2)
+        Spectra of other forces on the bodies.
+    laws : sequence of (array, Pointwise)
+        Direction of the joint and force of each law.
+
+    Returns
+    -------
+    tuple
+        Displacements of shape (2, n_bins) and the spectrum of each law's force.
+    """
+    driven = plant.sensors[record.signals[0]][0]
+    hidden, s = hidden_motion(plant, driven), 1j * record.omega
+    carried = np.stack([m @ hidden.carried for m in (plant.stiffness, plant.damping, plant.mass)])
+    inertia = (
+        np.tensordot(np.stack([np.ones_like(s), s, s**2]), carried, axes=(0, 0)) * record.motion[:, None]
+    )
+    n_points, stride = record.n_rows * _POINTS_PER_ROW, record.fine_per_row // _POINTS_PER_ROW
+    row, by_state = _drive_balance(plant, hidden)
+    mass, damping, stiffness = (
+        float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
+    )
+    step = record.period / n_points
+    z, forces = _periodic(
+        _discretised(mass, damping, stiffness, step),
+        _Driven(
+            record.grid((known - inertia) @ hidden.balance, n_points),
+            record.grid((inertia - known) @ row, n_points),
+            record.grid(record.motion, n_points),
+            record.grid(s * record.motion, n_points),
+        ),
+        np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws]),
+        by_state,
+        [law for _, law in laws],
+        math.ceil(record.duration / step),
+        stride,
+    )
+    displacement = np.multiply.outer(hidden.carried, record.motion) + np.multiply.outer(
+        hidden.free, record.from_grid(z)
+    )
+    return displacement, tuple(record.from_grid(f) for f in forces)
+
+
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """What the measured motion determines, at the points of the integration, each of shape (n_points,).
+
+    Parameters
+    ----------
+    pushed : array
+        Force on the hidden coordinate, without that of laws.
+    load : array
+        Drive force without what the hidden coordinate and laws add.
+    q, v : array
+        Driven position and its velocity.
+    """
+
+    pushed: FloatArray
+    load: FloatArray
+    q: FloatArray
+    v: FloatArray
+
+
+def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, FloatArray]:
+    """Combination of balances in which the drive force stands with factor 1 and the hidden acceleration does not.
+
+    Returns
+    -------
+    tuple
+        Row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
+    """
+    body = int(np.argmax(np.abs(plant.drive)))
+    row = np.eye(len(plant.bodies))[body]
+    row = row - hidden.balance * (row @ plant.mass @ hidden.free) / (
+        hidden.balance @ plant.mass @ hidden.free
+    )
+    row = row / plant.drive[body]
+    return row, np.array([row @ plant.stiffness @ hidden.free, row @ plant.damping @ hidden.free])
+
+
+def _periodic(
+    discretised: tuple[FloatArray, FloatArray, FloatArray],
+    driven: _Driven,
+    joints: FloatArray,
+    by_state: FloatArray,
+    laws: Sequence[Pointwise],
+    n_log: int,
+    stride: int,
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Hidden coordinate and forces at the points; the way back to the beginning is run twice, for a periodic course."""
+    n = driven.q.size
+    order = np.concatenate([np.arange(n_log, n), np.arange(n)])
+    states, courses = _stepped(discretised, driven, joints, by_state, laws, order, stride)
+    if not np.isfinite(states).all():
+        raise OverflowError("the hidden motion grows without bound")
+    back = n - n_log
+    blend = np.linspace(0, 1, back)
+
+    def closed(course: FloatArray) -> FloatArray:
+        last = (1 - blend) * course[n:] + blend * course[:back]
+        return np.concatenate([course[back:n], last])
+
+    return closed(states), [closed(course) for course in courses]
+
+
+def _stepped(
+    discretised: tuple[FloatArray, FloatArray, FloatArray],
+    driven: _Driven,
+    joints: FloatArray,
+    by_state: FloatArray,
+    laws: Sequence[Pointwise],
+    order: np.ndarray[tuple[int], np.dtype[np.int64]],
+    stride: int,
+) -> tuple[FloatArray, list[FloatArray]]:
+    """States and forces in the order of the points, each `stride` points of the fine grid from the last."""
+    from symid.diagnosis.prediction.hidden_steps import (
+        steps,  # numba takes 0.3 s to import, and most axes need none
+    )
+
+    transition, first, second = discretised
+    programs, own = [law.program for law in laws], len(ARGUMENTS)
+    arguments = np.zeros((len(laws), own + max(len(law.values) for law in laws)))
+    courses = np.ones((len(laws), driven.q.size))
+    for i, law in enumerate(laws):
+        arguments[i, own : own + len(law.values)] = list(law.values.values())
+        if law.course is not None:
+            courses[i] = law.course[::stride]
+    states, forces = steps(
+        transition,
+        np.stack([first + second, second]),
+        np.outer(first, driven.pushed) + np.outer(second, np.roll(driven.pushed, -1)),
+        np.multiply.outer(joints[:, 0], driven.q),
+        np.multiply.outer(joints[:, 0], driven.v),
+        courses,
+        driven.load,
+        by_state,
+        np.column_stack([joints[:, 1:], [law.reach for law in laws]]).T.copy(),
+        np.array([law.dry for law in laws]),
+        np.concatenate([p.operations for p in programs]),
+        np.concatenate([p.operands for p in programs]),
+        np.cumsum([0, *(p.operations.size for p in programs)]),
+        arguments,
+        np.zeros(max(p.depth for p in programs)),
+        order,
+    )
+    for force, law in zip(forces, laws, strict=True):
+        if law.dry:
+            force[:] = (force + np.append(force[1:], 0.0)) / 2
+    return states, list(forces)
+
+
+def _discretised(
+    mass: float, damping: float, stiffness: float, step: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Transition over a step, and effects of a force at its beginning and at its end, straight in between."""
+    system = np.zeros((4, 4))
+    system[0, 1] = 1.0
+    system[1] = [-stiffness / mass, -damping / mass, 1 / mass, 0.0]
+    system[2, 3] = 1 / step
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = scipy.linalg.expm(system * step)
+    if not np.isfinite(whole).all():
+        raise OverflowError("the hidden motion grows without bound")
+    held, ramp = whole[:2, 2], whole[:2, 3]
+    return whole[:2, :2], held - ramp, ramp

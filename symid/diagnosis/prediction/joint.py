@@ -1,0 +1,105 @@
+"""A place at which a force may act, and its motion under a record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray, IntArray
+from symid.diagnosis.prediction.record import Record
+from symid.simulation.forward_dynamics import LawTerm
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A place at which a force may act, and its motion on the fine grid.
+
+    Parameters
+    ----------
+    name : str
+        The body whose joint it is, or the spring.
+    direction : array of shape (n_bodies,)
+        Its displacement is the product with those of the bodies.
+    spectrum : array of shape (n_bins,)
+        Its displacement, as sensors tell it where they do.
+    modelled : array of shape (n_bins,)
+        Its displacement as it follows from the driven position.
+    record : Record
+        The log.
+    memory : dict
+        What has been computed of it.
+    """
+
+    name: str
+    direction: FloatArray
+    spectrum: ComplexArray
+    modelled: ComplexArray
+    record: Record
+    memory: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+
+    def remembered(self, key: Hashable, given: Hashable, compute: Callable[[], ComplexArray]) -> ComplexArray:
+        """What follows from this motion and the last `given`, computed once."""
+        if self.memory.get(key, (None, None))[0] != (given,):
+            self.memory[key] = (given,), compute()
+        known: ComplexArray = self.memory[key][1]
+        return known
+
+    @cached_property
+    def q(self) -> FloatArray:
+        """Displacement on the fine grid."""
+        return self.record.fine(self.spectrum)
+
+    @cached_property
+    def v(self) -> FloatArray:
+        """Velocity."""
+        return self.record.fine(1j * self.record.omega * self.spectrum)
+
+    @cached_property
+    def a(self) -> FloatArray:
+        """Acceleration, as it follows from the driven position: readings would bring their noise."""
+        return self.record.fine(-(self.record.omega**2) * self.modelled)
+
+    @cached_property
+    def _crossings(self) -> tuple[IntArray, FloatArray]:
+        """Points after which the velocity changes its sign, and how much of the step to the next has passed then."""
+        before = np.flatnonzero(np.signbit(self.v[:-1]) != np.signbit(self.v[1:]))
+        return before, self.v[before] / (self.v[before] - self.v[before + 1])
+
+    def averaged(self, force: FloatArray) -> FloatArray:
+        """A force on the fine grid, which may jump where the velocity changes its sign, as its mean over each step.
+
+        A jump between two points belongs to the one or the other in part: sampled as it is, it would be off by up to
+        half a step.
+        """
+        k, passed = self._crossings
+        jump = force[..., k + 1] - force[..., k]
+        shift = np.zeros_like(force)
+        shift[..., k] += np.maximum(0.5 - passed, 0.0) * jump
+        shift[..., k + 1] -= np.maximum(passed - 0.5, 0.0) * jump
+        return np.asarray(force + shift)
+
+    def law_force(self, term: LawTerm) -> ComplexArray:
+        """Spectrum of a term of a declared law."""
+        return self.remembered(
+            ("law", id(term)), None, lambda: self.record.from_grid(self.averaged(term.forces(self.q, self.v)))
+        )
+
+    @cached_property
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest displacement within the log."""
+        inside = self.q[self.record.in_log]
+        return float(inside.min()), float(inside.max())
+
+    @property
+    def stroke(self) -> float:
+        """Difference of both."""
+        return self.range[1] - self.range[0]
+
+    @cached_property
+    def top_speed(self) -> float:
+        """Highest speed within the log."""
+        return float(np.abs(self.v[self.record.in_log]).max())

@@ -1,0 +1,280 @@
+"""The axis under a record at given parameters: motion of every joint, and what the model predicts.
+
+A prediction is what effects look at when they are asked for their missing force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import Axis, Between, Body, Spring
+from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.response import Response, noise_weights, response_of
+
+Impedance = tuple[FloatArray, ComplexArray]
+"""Direction over the bodies and dynamic stiffness."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Motion of every joint of an axis under a record, and its outputs, at given parameters.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    response : Response
+        The axis at them.
+    displacements : array of shape (n_bodies, n_bins)
+        Motion of the bodies as it follows from the driven position.
+    observed : array of shape (n_bodies, n_bins)
+        The same, corrected to what further position sensors read; laws are evaluated at it.
+    forces : array of shape (n_bins, n_bodies)
+        Forces of effects on the bodies.
+    density : array of shape (n_outputs, n_bins)
+        Weights of the outputs over frequency.
+    of_integrated : array of shape (n_bins, n_bodies), optional
+        Forces of effects that were integrated with the hidden motion; `displacements` are then those of the
+        integration, and the response is that of the axis with equivalent springs and dampers in their place.
+    impedances : tuple of Impedance
+        What hangs on the axis besides.
+    levels : tuple of float
+        Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
+    """
+
+    record: Record
+    parameters: Mapping[str, float]
+    response: Response
+    displacements: ComplexArray
+    observed: ComplexArray
+    forces: ComplexArray
+    density: FloatArray
+    of_integrated: ComplexArray | None = None
+    impedances: tuple[Impedance, ...] = ()
+    levels: tuple[float, ...] = ()
+
+    def leveled(self, levels: Sequence[float]) -> Prediction:
+        """The same with weights that allow for other errors of the model."""
+        density = noise_weights(self.record, self.response, levels)
+        return replace(self, density=density, levels=tuple(levels))
+
+    @cached_property
+    def noise_density(self) -> FloatArray:
+        """Weights of the outputs over frequency where noise alone is allowed for."""
+        return noise_weights(self.record, self.response) if self.levels else self.density
+
+    def noise_through(self, density: FloatArray) -> FloatArray:
+        """Mean square that noise alone leaves in the rows of each output under given weights, shape (n_outputs,)."""
+        taper = self.record.taper**2
+        return np.asarray((density / self.noise_density) ** 2 @ taper / np.sum(taper))
+
+    @cached_property
+    def laws(self) -> tuple[tuple[FloatArray, tuple[ComplexArray, ...]], ...]:
+        """Direction of each joint with nonlinear laws, and the spectra of their expressions."""
+        found = []
+        for direction, terms in self.record.dynamics.laws:
+            joint = self._joint("", direction)
+            found.append((direction, tuple(joint.law_force(term) for term in terms)))
+        return tuple(found)
+
+    @cached_property
+    def law_forces(self) -> ComplexArray:
+        """Forces of the laws and of constants on the bodies, of shape (n_bins, n_bodies)."""
+        total = np.zeros((self.record.n_bins, len(self.response.plant.bodies)), dtype=complex)
+        for (direction, spectra), law in zip(self.laws, self.response.plant.laws, strict=True):
+            force = sum(weight * x for (weight, _), x in zip(law.terms, spectra, strict=True))
+            total -= np.multiply.outer(force, direction)
+        total[0] += self.response.plant.constant * self.record.n_extended
+        return total
+
+    @cached_property
+    def outputs(self) -> ComplexArray:
+        """Drive force and further readings without effects of the drive and of sensors, shape (n_outputs, n_bins)."""
+        if self.of_integrated is not None:
+            return self._from_motion(self.law_forces + self.forces + self.of_integrated)
+        of_motion = self.response.of_position * self.record.motion
+        return of_motion + self.response.of_forces(self.law_forces + self.forces)
+
+    def _from_motion(self, forces: ComplexArray) -> ComplexArray:
+        """Outputs that belong to the displacements: the balance of a driven body, and the readings."""
+        plant, s = self.response.plant, 1j * self.record.omega
+        body = min(np.flatnonzero(plant.drive), key=lambda i: abs(plant.stiffness[i, i]))
+        rows = zip((plant.mass[body], plant.damping[body], plant.stiffness[body]), (2, 1, 0), strict=True)
+        balance = sum(s**k * (row @ self.displacements) for row, k in rows) - forces[:, body]
+        outputs = [balance / plant.drive[body]]
+        for name in self.record.signals[1:]:
+            row, order = plant.sensors[name]
+            outputs.append(s**order * (row @ self.displacements))
+        return np.stack(outputs)
+
+    @property
+    def driven_row(self) -> FloatArray:
+        """The driven position is the product of this with the displacements of the bodies."""
+        return self.response.plant.sensors[self.record.signals[0]][0]
+
+    @cached_property
+    def hidden(self) -> tuple[ComplexArray, ...]:
+        """Outputs for forces on what moves without the driven position, of shape (n_outputs, n_bins) each."""
+        free = np.linalg.svd(self.driven_row[None])[2][1:]
+        return tuple(self.response.of_force(direction) for direction in free)
+
+    @cached_property
+    def joints(self) -> Mapping[str, Joint]:
+        """Joints of the bodies."""
+        bodies = self.response.plant.bodies
+        found = {}
+        for body in self.record.dynamics.axis.free_bodies:
+            found[body.name] = self._joint(body.name, _direction(body, bodies))
+        return found
+
+    @cached_property
+    def springs(self) -> Mapping[str, Joint]:
+        """Joints with a spring: a spring between bodies by its own name, one in a body's joint by the body's."""
+        bodies = self.response.plant.bodies
+        return {
+            place_of(element): self._joint(place_of(element), _direction(element.at, bodies))
+            for element in self.axis.elements
+            if isinstance(element, Spring)
+        }
+
+    @cached_property
+    def bodies(self) -> Mapping[str, Joint]:
+        """Absolute motion of the bodies, along which inertia acts."""
+        names = self.response.plant.bodies
+        return {name: self._joint(name, row) for name, row in zip(names, np.eye(len(names)), strict=True)}
+
+    @property
+    def axis(self) -> Axis:
+        """The declared axis."""
+        return self.record.dynamics.axis
+
+    def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
+        """What a force that opposes the motion of a joint does to the predicted outputs; spectra of any number."""
+        return -self.response.of_force(joint.direction) * force[..., None, :]
+
+    def _driven_share(self, direction: FloatArray) -> float | None:
+        """Displacement along a direction for a unit of the driven position; None if other motion takes part in it."""
+        sensors, row = self.response.plant.sensors, self.driven_row
+        if sum(sensors[name][1] == 0 for name in self.record.signals) > row.size:
+            return None  # positions that contradict each other share their error out
+        share = float(row @ direction / (row @ row))
+        return share if np.allclose(direction, share * row, rtol=0, atol=1e-12) else None
+
+    def _joint(self, name: str, direction: FloatArray) -> Joint:
+        share = self._driven_share(direction)
+        if (
+            share is not None
+        ):  # moves as measured, whatever the model: one joint for all predictions of the record
+            spectrum = share * self.record.motion
+            made = Joint(name, direction, spectrum, spectrum, self.record)
+            known: Joint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
+            return known
+        observed, modelled = (_along(direction, x) for x in (self.observed, self.displacements))
+        return Joint(name, direction, observed, modelled, self.record)
+
+
+def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:
+    """Displacement along a direction over the bodies."""
+    found = np.zeros(displacements.shape[1], dtype=complex)
+    for i in np.flatnonzero(direction):
+        found += direction[i] * displacements[i]
+    return found
+
+
+def place_of(spring: Spring) -> str:
+    """Name of the place of a spring."""
+    return spring.name if isinstance(spring.at, Between) else spring.at.name
+
+
+def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:
+    direction = np.zeros(len(bodies))
+    ends = (
+        ((at.second, 1.0), (at.first, -at.ratio)) if isinstance(at, Between) else ((at, 1.0), (at.on, -1.0))
+    )
+    for body, share in ends:
+        if getattr(body, "name", None) in bodies:
+            direction[bodies.index(body.name)] += share
+    return direction
+
+
+def prediction_of(
+    record: Record,
+    parameters: Mapping[str, float],
+    *,
+    before: Prediction | None = None,
+    like: Prediction | None = None,
+    forces: ComplexArray | None = None,
+    impedances: Sequence[Impedance] = (),
+    integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
+) -> Prediction:
+    """The axis under a record.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    parameters : mapping of str to float
+        Physical parameters, SI.
+    before : Prediction, optional
+        An earlier prediction, whose law forces move joints that no sensor sees; without it, the linear part alone
+        moves them.
+    like : Prediction, optional
+        A prediction whose frequency response, impedances and weights are taken over.
+    forces : array of shape (n_bins, n_bodies), optional
+        Forces of effects on the bodies.
+    impedances : sequence of Impedance
+        What hangs on the axis besides.
+    integrated : sequence of (array, callable)
+        Direction and force of laws in hidden joints that are integrated with their motion.
+    """
+    levels = () if before is None else before.levels
+    if before is not None and before.parameters == parameters and not (impedances or before.impedances):
+        like = before  # an implicit force looks for its balance
+    if like is not None:
+        response, weights, impedances = like.response, like.density, like.impedances
+    else:
+        response = response_of(record, parameters, impedances)
+        weights = noise_weights(record, response, levels)
+    n = len(response.plant.bodies)
+    of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
+    acting = of_effects if before is None else of_effects + before.law_forces
+    if integrated:
+        moved, pushes = integrated_motion(record, response.plant, acting, integrated)
+        own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
+        return Prediction(
+            record,
+            parameters,
+            response,
+            moved,
+            moved,
+            of_effects,
+            weights,
+            np.asarray(own),
+            tuple(impedances),
+            levels,
+        )
+    moved = response.displacements(record.motion, acting)
+    observed = _as_measured(record, response, moved)
+    return Prediction(
+        record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances), levels
+    )
+
+
+def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
+    """Displacements of the bodies, corrected to those that position sensors tell."""
+    sensors = response.plant.sensors
+    positions = [i for i, name in enumerate(record.signals) if i and sensors[name][1] == 0]
+    if not positions:
+        return displacements
+    rows = np.stack([sensors[record.signals[i]][0] for i in (0, *positions)])
+    read = np.concatenate([record.motion[None], record.measured[positions]])
+    return np.asarray(displacements + np.linalg.pinv(rows) @ (read - rows @ displacements))

@@ -1,0 +1,375 @@
+"""A log in the frequency domain: what the sensors and the drive say, up to the frequency at which motion ends.
+
+The log is continued smoothly from its end to its beginning, so that it is periodic; differentiation, hidden motion and
+missing forces are then products with frequency responses, and every comparison is made on a coarser grid of *rows*
+that holds the band and nothing else. Laws, which are not linear, are evaluated on a grid twice as fine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.data import Log
+from symid.diagnosis.prediction.density import incoherent_density, power_density
+from symid.diagnosis.prediction.joined import bridge
+from symid.errors import LogError
+from symid.simulation import ForwardDynamics
+
+_CONTINUATION = 0.5
+_HIGH = 0.35
+"""Share of the sampling frequency above which nothing but noise is taken to be left."""
+_ABOVE_NOISE = 3.0
+_RISES = 3.0
+_WIDTH_OF_LINES = 9
+_QUARTER = 2**0.125
+_FEWEST_BINS = 8
+_BAND_OF_MOTION = 2.0
+_WIDEST = 0.3
+_SEGMENT = 4096
+_SEGMENTS = 8
+"""Least number of segments, without overlap, of a coherence."""
+_END_SECONDS = 0.01
+_LEAST_SAMPLES = 400
+_FLAT = 0.65
+_FINE_HZ = 1000.0
+"""Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
+_FINEST = 8
+_FINEST_FORCE = 1e-4
+"""Noise of a force that is known best, relative to the largest: a record of 12 bits has more."""
+_FINEST_READING = 1e-8
+"""Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
+_BINS_OF_MOTION = 5
+"""Neighbouring frequencies of which most must stand out of the noise where the axis moves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A log of an axis, continued periodically, in the frequency domain.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        The axis.
+    log : Log
+        The run.
+    signals : tuple of str
+        Position sensor from whose motion everything is predicted, then the other sensors.
+    motion_hz : float
+        Highest frequency at which the position moves by more than its noise.
+    late : mapping of str to float
+        Time by which signals were recorded late, s; negative for a force that acts later than recorded.
+    driven_joints : dict
+        Joints whose motion is measured, which no model changes.
+    """
+
+    dynamics: ForwardDynamics
+    log: Log
+    signals: tuple[str, ...]
+    motion_hz: float
+    late: Mapping[str, float] = field(default_factory=dict)
+    driven_joints: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def n_extended(self) -> int:
+        """Samples of a period."""
+        pad = int(_CONTINUATION * self.log.sampling_frequency)
+        return scipy.fft.next_fast_len(self.log.n_samples + max(pad, 64), real=True)
+
+    @property
+    def duration(self) -> float:
+        """Of the log, s."""
+        return self.log.n_samples * self.log.sampling_period
+
+    @property
+    def period(self) -> float:
+        """Of the continued log, s."""
+        return self.n_extended * self.log.sampling_period
+
+    @property
+    def band_hz(self) -> float:
+        """Highest frequency that is used."""
+        return min(_BAND_OF_MOTION * self.motion_hz, _WIDEST * self.log.sampling_frequency)
+
+    @cached_property
+    def n_bins(self) -> int:
+        """Frequencies used."""
+        return max(int(self.band_hz * self.period), 8)
+
+    @cached_property
+    def n_rows(self) -> int:
+        """Rows of a period."""
+        return scipy.fft.next_fast_len(2 * self.n_bins, real=True)
+
+    @cached_property
+    def fine_per_row(self) -> int:
+        """Points of the fine grid for each row, an even number."""
+        wanted = 2 * math.ceil(_FINE_HZ * self.period / self.n_rows / 2)
+        return min(max(wanted, 2), _FINEST)
+
+    @property
+    def n_fine(self) -> int:
+        """Points of the grid on which laws are evaluated."""
+        return self.fine_per_row * self.n_rows
+
+    @cached_property
+    def omega(self) -> FloatArray:
+        """Angular frequencies, rad/s; the first is small instead of zero, where free bodies have no response."""
+        omega = np.asarray(2 * np.pi / self.period * np.arange(self.n_bins), dtype=np.float64)
+        omega[0] = 1e-3 * omega[1]
+        return omega
+
+    @cached_property
+    def taper(self) -> FloatArray:
+        """Falls from 1 to 0 towards the end of the band, so that jumps of friction do not ring through the rows."""
+        place = np.linspace(0, 1, self.n_bins)
+        return 0.5 + 0.5 * np.cos(np.pi * np.clip((place - _FLAT) / (1 - _FLAT), 0, 1))
+
+    @cached_property
+    def freedom(self) -> float:
+        """Independent values in a row: less than 1 because of the taper."""
+        return float(np.mean(self.taper**2))
+
+    @cached_property
+    def row_time(self) -> FloatArray:
+        """Time of the rows, s."""
+        return np.asarray(np.arange(self.n_rows) * (self.period / self.n_rows), dtype=np.float64)
+
+    @cached_property
+    def fine_time(self) -> FloatArray:
+        """Time of the fine grid, s."""
+        return np.asarray(np.arange(self.n_fine) * (self.period / self.n_fine), dtype=np.float64)
+
+    @cached_property
+    def in_log(self) -> BoolArray:
+        """Points of the fine grid within the log."""
+        return np.asarray(self.fine_time < self.duration)
+
+    @cached_property
+    def motion(self) -> ComplexArray:
+        """Spectrum of the driven position, of shape (n_bins,)."""
+        return self._in_time(self.signals[0], self._continued(self.log[self.signals[0]], smoothly=True))
+
+    @cached_property
+    def measured(self) -> ComplexArray:
+        """Spectra of the drive force and of the other sensors, of shape (n_outputs, n_bins)."""
+        others = [
+            self._in_time(name, self._continued(self.log[name], smoothly=True)) for name in self.signals[1:]
+        ]
+        return np.stack([self._in_time(self.dynamics.axis.only_drive.signal, self.whole_force), *others])
+
+    def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal as if it had not been recorded late."""
+        return np.asarray(self._spectrum(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
+
+    @cached_property
+    def whole_force(self) -> FloatArray:
+        """Drive force at all samples of a period."""
+        return self._continued(self.log[self.dynamics.axis.only_drive.signal], smoothly=False)
+
+    @cached_property
+    def noise(self) -> FloatArray:
+        """Standard deviations of the noise of position, force and other sensors, from the band above the dynamics.
+
+        Of the force, what is coherent with the reading of the position is no noise: a controller makes forces out of
+        the noise of the encoder, and these act on the axis.
+        """
+        frequency = self.log.sampling_frequency
+        found = [
+            max(
+                _noise_beyond(self.log[name], frequency, 1.2 * self.motion_hz),
+                _FINEST_READING * float(np.ptp(self.log[name])),
+            )
+            for name in self.signals
+        ]
+        force = self.log[self.dynamics.axis.only_drive.signal]
+        least = _FINEST_FORCE * float(np.abs(force).max())
+        of_force = _force_noise(force, self.log[self.signals[0]], frequency, self.band_hz)
+        return np.array([found[0], max(of_force, least), *found[1:]])
+
+    def from_samples(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at all samples of a period."""
+        return self._spectrum(values)
+
+    def from_grid(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at any number of evenly spaced points of a period, of shape (..., n_points)."""
+        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins], dtype=np.complex128)
+        return np.asarray(whole * (self.n_extended / values.shape[-1]))
+
+    def fine(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal on the fine grid."""
+        return self.grid(spectrum, self.n_fine)
+
+    def rows(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal at the rows."""
+        return self.grid(spectrum, self.n_rows)
+
+    def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
+        """Signal at any number of evenly spaced points of a period."""
+        return np.asarray(scipy.fft.irfft(spectrum, n)) * (n / self.n_extended)
+
+    def _spectrum(self, values: FloatArray) -> ComplexArray:
+        return np.asarray(scipy.fft.rfft(values)[: self.n_bins])
+
+    def _continued(self, x: FloatArray, *, smoothly: bool) -> FloatArray:
+        """A signal and its way back from its end to its beginning: with the velocities of both ends if `smoothly`."""
+        n = self.n_extended - x.size
+        u = np.arange(1, n + 1) / (n + 1)
+        if not smoothly:
+            return np.concatenate([x, x[-1] * (1 - u) + x[0] * u])
+        m = max(8, int(_END_SECONDS * self.log.sampling_frequency))
+        (v0, x0), (v1, x1) = (
+            np.polyfit(k, part, 2)[1:] for k, part in ((np.arange(1 - m, 1), x[-m:]), (np.arange(m), x[:m]))
+        )
+        return np.concatenate([x, bridge((x0, v0), (x1, v1), n)])
+
+
+def record_of(
+    dynamics: ForwardDynamics,
+    log: Log,
+    motion_hz: float | None = None,
+    late: Mapping[str, float] | None = None,
+) -> Record:
+    """A log in the frequency domain.
+
+    Parameters
+    ----------
+    dynamics : ForwardDynamics
+        The axis.
+    log : Log
+        A run of it, with its force and at least one position.
+    motion_hz : float, optional
+        Highest frequency of its motion; by default where the spectrum of the position sinks into its noise.
+    late : mapping of str to float, optional
+        Time by which signals were recorded late, s.
+
+    Raises
+    ------
+    LogError
+        If the log is too short or holds no position.
+    """
+    signals = signals_of(dynamics, log)
+    if log.n_samples < _LEAST_SAMPLES:
+        raise LogError(
+            f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
+        )
+    band = motion_hz or _motion_band(log[signals[0]], log.sampling_frequency)
+    return Record(dynamics, log, signals, band, dict(late or {}))
+
+
+def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
+    """Sensors that a log holds, first the position that moves most with the drive.
+
+    Raises
+    ------
+    LogError
+        If there is no position.
+    """
+    present = [name for name in dynamics.sensors if name in log.signals]
+    positions = [name for name in present if dynamics.sensors[name][1] == 0]
+    if not positions:
+        raise LogError(
+            f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
+        )
+    driven = max(positions, key=lambda name: _collocation(dynamics, name))
+    return driven, *(name for name in present if name != driven)
+
+
+def _first_position(dynamics: ForwardDynamics) -> str:
+    return next((name for name, (_, order) in dynamics.sensors.items() if order == 0), "one")
+
+
+def _collocation(dynamics: ForwardDynamics, signal: str) -> float:
+    """How well a sensor moves with the drive: the cosine of both directions."""
+    drive = np.array([p.at(np.ones(len(dynamics.parameters))) for p in dynamics.drive])
+    row = dynamics.sensors[signal][0]
+    return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))
+
+
+def _motion_band(position: FloatArray, sampling_frequency: float) -> float:
+    """Frequency at which the motion sinks into the noise of its reading: where the acceleration is smallest.
+
+    The acceleration of a machine falls with frequency, that of a noisy reading rises, up to the end of the spectrum. Of
+    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end.
+    """
+    frequency, density = _density(np.diff(position), sampling_frequency)
+    density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
+    without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
+    end = _least_from_above(_smoothed(without_lines))
+    if end is None:
+        floor = np.median(density[frequency > _HIGH * sampling_frequency])
+        stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
+        end = int(np.flatnonzero(stands_out).max(initial=0))
+    return float(np.clip(frequency[end], 8 * frequency[1], _WIDEST * sampling_frequency))
+
+
+def _least_from_above(acceleration: FloatArray) -> int | None:
+    """Where a density that falls from its end on is smallest before it rises again; None if it does not fall first."""
+    least = np.minimum.accumulate(acceleration[::-1])[::-1]
+    rises = np.flatnonzero(acceleration > _RISES * least)
+    beyond = int(rises.max(initial=0)) + 1
+    if beyond >= acceleration.size:
+        return None
+    end = beyond + int(np.argmin(acceleration[beyond:]))
+    return end if acceleration[end:].max() > _RISES * acceleration[end] else None
+
+
+def _smoothed(density: FloatArray) -> FloatArray:
+    """Mean over a quarter of an octave."""
+    sums = np.concatenate([[0.0], np.cumsum(density)])
+    at = np.arange(density.size)
+    low = np.minimum((at / _QUARTER).astype(int), np.maximum(at - 1, 0))
+    high = np.minimum((at * _QUARTER).astype(int) + 2, density.size)
+    return np.asarray((sums[high] - sums[low]) / (high - low))
+
+
+def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> float:
+    """Standard deviation of white noise with the density of a reading beyond its motion.
+
+    The lower of two octaves counts: motion may reach into the first. Further up, filters of the sensor take noise away.
+    """
+    frequency, density = _density(x, sampling_frequency)
+    levels = []
+    for low in (end_hz, 2 * end_hz):
+        octave = (frequency > low) & (frequency < 2 * low)
+        if octave.sum() >= _FEWEST_BINS:
+            levels.append(float(np.median(density[octave])))
+    level = min(levels, default=float(np.median(density[-_FEWEST_BINS:])))
+    return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def _force_noise(
+    force: FloatArray, position: FloatArray, sampling_frequency: float, above_hz: float
+) -> float:
+    """Standard deviation of white noise with the least density of a force within the octave beyond a frequency.
+
+    The lower of two densities counts: the whole, and what is incoherent with the acceleration, which is as flat as the
+    force, from shorter segments.
+    """
+    segment = min(_SEGMENT, force.size // _SEGMENTS)
+    densities = (
+        _density(force, sampling_frequency),
+        incoherent_density(force[1:-1], np.diff(position, 2), sampling_frequency, segment),
+    )
+    least = min(_least_beyond(above_hz, *density) for density in densities)
+    return float(np.sqrt(max(least * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def _least_beyond(above_hz: float, frequency: FloatArray, density: FloatArray) -> float:
+    """Least mean over a part of the octave beyond a frequency."""
+    beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
+    if beyond.size < 4:
+        beyond = density[-8:]
+    width = max(4, beyond.size // 6)
+    return float(np.convolve(beyond, np.ones(width) / width, "valid").min())
+
+
+def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:
+    return power_density(x, sampling_frequency, min(_SEGMENT, x.size // 4))

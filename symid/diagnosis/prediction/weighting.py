@@ -1,0 +1,238 @@
+"""What makes errors of force and readings comparable: the noise of the signals, and the rows where the axis moves.
+
+The predicted outputs err by the noise of the measured ones and by that of the driven position, which the frequency
+response G of the axis carries into each: S = sigma^2 + |G|^2 sigma_q^2. Errors are divided by sqrt(S), so that
+noise alone leaves rows of unit variance. Rests and the ends of the log are taken out by a smooth window before that,
+because no model tells friction at rest; reversals stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.diagnosis.prediction.record import Record
+
+_SLOW_SHARE = 0.004
+_NOISE_MARGIN = 6.0
+_RESOLUTIONS = 0.5
+"""Margin around a rest, and shortest rest, in periods of the highest frequency used: what is shorter is a reversal."""
+_LONGEST_MARGIN = 0.010
+_SHORTEST_REST = 0.004
+_TAPER = 0.004
+_END = 0.02
+_UNSEEN = 1e-9
+_MOST_STARTS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Weighting:
+    """Errors as rows of unit variance.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    window : array of shape (n_rows,)
+        1 where the axis moves, falling smoothly to 0 where it rests and outside the log.
+    kept : bool array of shape (n_rows,)
+        Rows where the window is 1.
+    density : array of shape (n_outputs, n_bins)
+        1 / sqrt(S), scaled for the band.
+    restarts : array of shape (n_restarts, n_outputs, n_rows)
+        What unknown states at the beginning of each stretch of motion make of the rows.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    """
+
+    record: Record
+    window: FloatArray
+    kept: BoolArray
+    density: FloatArray
+    restarts: FloatArray
+    allowed: BoolArray | None = None
+
+    def rows(self, errors: ComplexArray) -> FloatArray:
+        """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
+        windowed = self.record.from_grid(self.record.rows(errors * self.record.taper) * self.window)
+        return self.record.rows(windowed * self.density)
+
+    def back(self, rows: FloatArray) -> ComplexArray:
+        """The adjoint of `rows`, up to a factor: what weighted rows of shape (n_outputs, n_rows) ask of spectra."""
+        weighted = self.record.rows(self.record.from_grid(rows) * self.density)
+        return self.record.from_grid(weighted * self.window) * self.record.taper
+
+    def known(self, rows: FloatArray, beginning: FloatArray) -> FloatArray:
+        """Kept rows without what unknown starts could make, of shape (..., n), from rows (..., n_outputs, n_rows).
+
+        Parameters
+        ----------
+        rows : array of shape (..., n_outputs, n_rows)
+            Weighted rows.
+        beginning : array of shape (n_starts, n_outputs, n_rows)
+            What an unknown state at the beginning of the log makes of them.
+        """
+        flat = _without(self.flat(rows), self._basis)
+        return _without(flat, _orthonormal(_without(self.flat(beginning), self._basis)))
+
+    def flat(self, rows: FloatArray) -> FloatArray:
+        """Kept rows one after the other, of shape (..., n_outputs * n_kept)."""
+        return rows[..., self.kept].reshape(*rows.shape[:-2], rows.shape[-2] * int(self.kept.sum()))
+
+    @cached_property
+    def _basis(self) -> FloatArray:
+        """Orthonormal basis of the restarts in the kept rows."""
+        return _orthonormal(self.flat(self.restarts))
+
+    @property
+    def force_density(self) -> FloatArray:
+        """Weight of the force error relative to that of force noise alone, of shape (n_bins,)."""
+        return np.asarray(self.density[0] / self.density[0].max())
+
+
+def weighting_of(
+    record: Record, density: FloatArray, speeds: Iterable[FloatArray], allowed: BoolArray | None = None
+) -> Weighting:
+    """Weighting of a record for an axis.
+
+    Parameters
+    ----------
+    record : Record
+        The log.
+    density : array of shape (n_outputs, n_bins)
+        1 / sqrt(S), as `noise_weights`.
+    speeds : iterable of array of shape (n_fine,)
+        Velocities of the joints that must move.
+    allowed : bool array of shape (n_fine,), optional
+        Parts of the log that may be used.
+    """
+    share = np.sqrt(2 * record.n_bins / record.n_extended)
+    moving = record.in_log & (True if allowed is None else allowed)
+    velocity_noise = record.noise[0] * record.omega[-1] * share / np.sqrt(3)
+    step = record.fine_time[1]
+    resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
+    for speed in speeds:
+        least = max(_SLOW_SHARE * np.abs(speed[record.in_log]).max(), _NOISE_MARGIN * velocity_noise)
+        moving &= ~_long(np.abs(speed) <= least, round(max(_SHORTEST_REST, resolution) / step))
+    ends = max(1, round(_END / step))
+    moving[:ends] = False
+    last = int(np.flatnonzero(record.in_log)[-1])
+    moving[last - ends :] = False
+    window = _window(moving, round(resolution / step), max(2, round(_TAPER / step)))[:: record.fine_per_row]
+    kept = np.asarray(window > 1 - 1e-9)
+    return Weighting(record, window, kept, density, np.zeros((0, len(density), record.n_rows)), allowed)
+
+
+def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weighting:
+    """The same with unknown states at the beginning of each stretch of motion, because of friction at rest.
+
+    Parameters
+    ----------
+    weighting : Weighting
+        Rows and weights.
+    hidden : sequence of array of shape (n_outputs, n_bins)
+        Outputs for forces on what no sensor tells.
+    """
+    begins = np.flatnonzero(np.diff(weighting.kept.astype(np.int8)) == 1)[:_MOST_STARTS] + 1
+    pulses = starting_pulses(weighting.record, hidden, weighting.record.row_time[begins])
+    return replace(weighting, restarts=weighting.rows(pulses))
+
+
+def starting_pulses(
+    record: Record, hidden: Sequence[ComplexArray], times: FloatArray | tuple[float, ...] = (0.0,)
+) -> ComplexArray:
+    """Outputs for short forces and their rates, which leave any state behind; shape (n, n_outputs, n_bins)."""
+    omega = record.omega
+    short = np.exp(-2 * (omega / omega[-1]) ** 2)
+    found = [
+        h * short * np.exp(-1j * omega * time) * (1j * omega) ** k
+        for h in hidden
+        for time in times
+        for k in (0, 1)
+    ]
+    return np.stack(found) if found else np.zeros((0, *record.measured.shape), dtype=complex)
+
+
+def _without(rows: FloatArray, basis: FloatArray) -> FloatArray:
+    return np.asarray(rows - (rows @ basis) @ basis.T)
+
+
+def _orthonormal(columns: FloatArray) -> FloatArray:
+    """Orthonormal basis of rows of columns, those that are not seen left out."""
+    norms = np.linalg.norm(columns, axis=1)
+    seen = norms > _UNSEEN * norms.max(initial=0.0)
+    return np.asarray(np.linalg.qr((columns[seen] / norms[seen, None]).T)[0])
+
+
+def _long(still: BoolArray, least: int) -> BoolArray:
+    """Points that belong to a run of at least so many."""
+    labels, n = scipy.ndimage.label(still)
+    lengths = np.bincount(labels, minlength=n + 1)
+    return np.asarray(still & (lengths >= least)[labels])
+
+
+def _window(moving: BoolArray, margin: int, taper: int) -> FloatArray:
+    """1 where all points within the margin and the taper move; cosine flanks inside the margin."""
+    resting = np.flatnonzero(~moving)
+    distance = scipy.ndimage.distance_transform_edt(moving) if resting.size else np.full(moving.size, np.inf)
+    rise = np.clip((np.asarray(distance) - margin) / taper, 0, 1)
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * rise))
+
+
+@dataclass(frozen=True, eq=False)
+class Autoregression:
+    """Autoregressive model of weighted errors, which makes them white.
+
+    Parameters
+    ----------
+    coefficients : array of shape (n_outputs, order, n_outputs)
+        Share of past rows in the next.
+    whitening : array of shape (n_outputs, n_outputs)
+        Makes what is left white with unit variance.
+    usable : bool array of shape (n_rows,)
+        Rows whose past is kept too.
+    """
+
+    coefficients: FloatArray
+    whitening: FloatArray
+    usable: BoolArray
+
+    def apply(self, rows: FloatArray) -> FloatArray:
+        """White rows, of shape (..., n_outputs * n_usable), from weighted ones of shape (..., n_outputs, n_rows)."""
+        left = rows.copy()
+        n_outputs = len(self.coefficients)
+        for i, k, j in np.argwhere(self.coefficients):
+            left[..., i, k + 1 :] -= self.coefficients[i, k, j] * rows[..., j, : -(k + 1)]
+        if n_outputs > 1:
+            left = np.matmul(self.whitening, left)
+        else:
+            left *= self.whitening[0, 0]
+        white = left[..., self.usable]
+        return np.asarray(white.reshape(*rows.shape[:-2], n_outputs * white.shape[-1]))
+
+
+def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
+    """Least-squares autoregressive model of rows of shape (n_outputs, n_rows), gaps left out."""
+    usable = kept.copy()
+    for k in range(1, order + 1):
+        usable &= np.roll(kept, k)
+    usable[:order] = False
+    p = len(rows)
+    past = np.concatenate([np.roll(rows, k, axis=1)[:, usable] for k in range(1, order + 1)]).T
+    present = rows[:, usable].T
+    solution = np.linalg.lstsq(past, present, rcond=None)[0]
+    left = present - past @ solution
+    covariance = left.T @ left / max(len(left), 1)
+    root = np.linalg.cholesky(covariance + 1e-12 * np.trace(covariance) * np.eye(p))
+    return Autoregression(solution.T.reshape(p, order, p), np.linalg.inv(root), usable)
+
+
+def unweighted(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
+    """The model of errors that are noise alone, on the same rows as an autoregressive one."""
+    found = autoregression(rows, kept, order)
+    return Autoregression(np.zeros_like(found.coefficients), np.eye(len(rows)), found.usable)

@@ -1,0 +1,1 @@
+"""Forward selection of effects, backward elimination, probabilities of the candidates."""

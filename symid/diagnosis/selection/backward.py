@@ -1,0 +1,227 @@
+"""Effects found one after the other, judged together.
+
+What was found first stood in for what was found later, and forward selection does not take it back. With all others in
+the model, the effect found first is therefore sought anew among all candidates, and one that then explains nothing is
+dropped (stepwise regression with replacement and backward elimination). What is left is put into the order of what the
+model loses without each, and fitted again in this order, so that the steps of the gap add up. Where one of them is
+worth nothing at its place, the order of what each took away when it was found is tried; and else they stay as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from symid.diagnosis.effects import Effect, Placed
+from symid.diagnosis.fitting.blocks import deviation
+from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.hidden_starts import Start
+from symid.diagnosis.fitting.state import with_effects
+from symid.diagnosis.selection.forward import (
+    LATE_FORCES,
+    LATE_READING,
+    LEAST_PENALISED_GAIN,
+    Confirmed,
+    SelectionStep,
+    confirmed_from,
+    prefer_coulomb,
+    ranked,
+    takes,
+)
+from symid.diagnosis.selection.priors import prior
+from symid.diagnosis.selection.screening import screened
+
+_ITERATIONS = 3
+_RIVALS = 3
+"""Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
+_REFINED = 0.05
+"""Share of the gain of an effect by which its refinement must gain more, to take its place by errors alone."""
+_MOST = 0.5
+"""Share of what an effect takes away that another one in its place takes too."""
+_AS_GOOD = 1.1
+"""In another order the fit may end elsewhere: it must leave as little."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """An effect of the whole model.
+
+    Parameters
+    ----------
+    placed : Placed
+        With its values in the whole model.
+    step : SelectionStep
+        In which it was chosen, with its rivals.
+    lost : float
+        Sum of squares of the force error on blocks left out, of the model without it.
+    """
+
+    placed: Placed
+    step: SelectionStep
+    lost: float
+
+    @property
+    def is_timing(self) -> bool:
+        """A reading that is late: the others are measured with readings that belong together."""
+        return self.placed.effect.name == LATE_READING
+
+    @property
+    def taken(self) -> float:
+        """Mean square that it took away when it was chosen."""
+        return self.step.before.mean_square - self.step.confirmed[0].fit.mean_square
+
+
+def backward_elimination(
+    steps: Sequence[SelectionStep], library: Sequence[Effect]
+) -> tuple[SelectionStep, ...]:
+    """Turns of the search in the order of what their effects take away; those that take nothing are left out.
+
+    Parameters
+    ----------
+    steps : sequence of SelectionStep
+        As the search left them.
+    library : sequence of Effect
+        What is considered.
+    """
+    accepted = [step for step in steps if step.accepts]
+    if len(accepted) < 2:
+        return tuple(steps)
+    members = _reselected(accepted, library)
+    if not members:
+        return tuple(steps)
+    first, whole = accepted[0].before, members[-1].step.confirmed[0].fit
+    orders = (
+        sorted(members, key=lambda member: (not member.is_timing, -member.lost)),
+        sorted(members, key=lambda member: -member.taken),
+        members,
+    )
+    chains = (_chain(order, first, _AS_GOOD * whole.mean_square) for order in orders)
+    return next((chain for chain in chains if chain is not None), tuple(steps))
+
+
+def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
+    """Turns without the effect of one of them, those that remain fitted again; the same if one then explains nothing.
+
+    Parameters
+    ----------
+    steps : sequence of SelectionStep
+        That accept their effects, at least two.
+    at : int
+        Of the effect that goes.
+    """
+    rest = [step for i, step in enumerate(steps) if i != at]
+    whole = steps[-1].confirmed[0].fit
+    known = len(whole.state.placed) - len(steps)
+    placed = [item for i, item in enumerate(whole.state.placed[known:]) if i != at]
+    members = [Member(item, step, 0.0) for item, step in zip(placed, rest, strict=True)]
+    return _chain(members, steps[0].before, math.inf) or tuple(steps)
+
+
+def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> list[Member]:
+    """The effects, each beside all others: the first one sought anew, those left out that explain nothing.
+
+    None where one matters whose values are then not credible, and nothing can stand in its place.
+    """
+    first = accepted[0].before
+    whole = accepted[-1].confirmed[0].fit.after(first)
+    n, members = len(accepted), list[Member]()
+    for i, step in enumerate(accepted):
+        at = (
+            len(whole.state.placed) - n
+        )  # what was dealt with goes to the end, so that the next one is the first
+        own, before = whole.state.placed[at], _without(whole, at)
+        found = _chosen(first, before, own, step, library if i == 0 else ())
+        matters = takes(before, whole, first)
+        if found is None and matters and i > 0:
+            found = _chosen(first, before, own, step, library)
+        if found is not None and not _stands_in(found, before, whole):
+            found = None
+        if found is None and matters:
+            return []
+        if found is None:
+            whole, n = before, n - 1
+            continue
+        whole = found.confirmed[0].fit.after(first)
+        members.append(Member(whole.state.placed[-1], found, float(before.blocks.squares[0].sum())))
+    return members
+
+
+def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
+    """Whether an effect takes away most of what the one at its place does."""
+    taken = before.mean_square - found.confirmed[0].fit.mean_square
+    return taken > _MOST * (before.mean_square - whole.mean_square)
+
+
+def _chosen(
+    first: Fit, before: Fit, own: Placed, step: SelectionStep, library: Sequence[Effect]
+) -> SelectionStep | None:
+    """The step of an effect beside all others; None if nothing is worth its place."""
+    starts = [Start.of(before, own)]
+    if library:
+        late = any(item.effect.name in LATE_FORCES for item in before.state.placed)
+        wanted = [effect for effect in library if not (late and effect.name in LATE_FORCES)]
+        rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS]}
+        rivals |= {c.placed.key: c.placed for c in screened(before, wanted)[:_RIVALS]}
+        starts += [Start.of(before, item) for item in rivals.values()]
+    found: dict[tuple[str, str], Confirmed] = {}
+    for start in starts:
+        one = confirmed_from(before, start)
+        if one is not None and (one.key not in found or one.gain > found[one.key].gain):
+            found[one.key] = one
+    prefer_coulomb(found)
+    best = ranked(found.values(), before)
+    if best and own.key in found and not _clearly(best[0], found[own.key], first):
+        best = [found[own.key], *(c for c in best if c.key != own.key)]
+    chosen = SelectionStep(before, tuple(best), step.screened)
+    if not chosen.justifies_another(first):
+        return None
+    return chosen if len(best) > 1 else _in_place_of(step, before, best[0])
+
+
+def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
+    """Whether a rival predicts blocks better than the effect that was found, by more than they scatter.
+
+    A refinement of it, as presliding is one of Coulomb friction, takes its place only where more than errors speaks
+    for it, or where it gains much more.
+    """
+    least = max(LEAST_PENALISED_GAIN, deviation(own.squares, best.squares, own.fit.n_rows))
+    if best.placed.contains(own.key):
+        if prior(best.fit.state, first.nominal) > prior(own.fit.state, first.nominal):
+            return True
+        least = max(least, _REFINED * own.penalised_gain)
+    return best.penalised_gain - own.penalised_gain > least
+
+
+def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[SelectionStep, ...] | None:
+    """Turns in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left."""
+    chain: list[SelectionStep] = []
+    before = first
+    for member in members:
+        found = confirmed_from(before, Start.of(before, member.placed))
+        if found is None:
+            return None
+        step = _in_place_of(member.step, before, found)
+        if not step.justifies_another(first):
+            return None
+        chain.append(step)
+        before = found.fit.after(before)
+    return tuple(chain) if chain and before.mean_square < most else None
+
+
+def _without(whole: Fit, at: int) -> Fit:
+    """The model without one of its effects, fitted again."""
+    placed = list(whole.state.placed)
+    del placed[at]
+    found = fitted(with_effects(whole.state, whole.weighting, tuple(placed)), whole.weighting, _ITERATIONS)
+    return found.after(whole)
+
+
+def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:
+    """A step with another model before it; rivals stay as far behind as they were."""
+    best, *rivals = step.confirmed
+    behind = [replace(rival, gain=found.gain + rival.gain - best.gain) for rival in rivals]
+    screened = tuple(
+        replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
+    )
+    return SelectionStep(before, (found, *behind), screened)

@@ -1,0 +1,102 @@
+"""Whether a machine can be as a model with one more effect says: inertia, force, deviations, plausible sizes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from symid.diagnosis.effects import DriveEffect, JointEffect, LinearEffect, Placed
+from symid.diagnosis.fitting.blocks import Blocks
+from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
+
+_SEEN = 1e-8
+"""Share of a column, squared, that others must leave of it."""
+_DEVIATIONS = 2.0
+"""A value within so many deviations of nothing is no finding."""
+_LARGEST_FORCE = 5.0
+"""Rms of a missing force, relative to the largest force of the drive: a spring that holds it may carry more."""
+_OF_MASSES = ("flexible_mode", "payload_change")
+_RUN_AWAY = 1e4
+"""Factor by which a stiffness is beyond what any effect had hidden of it."""
+_LEAST_ACTING = 0.5
+"""Share of the logged force that must act on the axis: with less, the drive has been explained away."""
+_EXPLAINED = 0.01
+"""Share of the mean square, up to which what is left says that the drive does keep most of a command back: one that an
+integrator winds up behind a limit is many times the force."""
+
+
+def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether a machine can be as a model with one more effect says, and the log determines its values."""
+    item, prediction = found.state.placed[-1], found.state.prediction
+    if not item.effect.is_possible(prediction, item.amplitudes) or not item.effect.is_plausible(
+        prediction, item
+    ):
+        return False
+    if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
+        return False
+    if _springs_ran_away(fit, found) or force_share(found) > _LARGEST_FORCE:
+        return False
+    explains = found.mean_square < _EXPLAINED * fit.mean_square
+    return is_determined(item, blocks) and (explains or acting_share(found) > _LEAST_ACTING)
+
+
+def _springs_ran_away(fit: Fit, found: Fit) -> bool:
+    """Whether a stiffness has left the one without the effect by far: the spring has become rigid, or nothing."""
+    names = stiffnesses(fit.state.prediction.axis)
+    return any(abs(found.parameters[n]) > _RUN_AWAY * abs(fit.parameters[n]) > 0 for n in names)
+
+
+def force_share(fit: Fit) -> float:
+    """Force of the last effect in a joint, relative to the largest that the drive gives; 0 for other effects."""
+    prediction, item = fit.state.prediction, fit.state.placed[-1]
+    if not isinstance(item.effect, JointEffect) or isinstance(item.effect, LinearEffect):
+        return 0.0
+    joint = item.effect.joint(prediction, item.at)
+    force = np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
+    inside = prediction.record.in_log
+    rms = float(np.sqrt(np.mean(prediction.record.fine(force)[inside] ** 2)))
+    return rms / float(np.abs(prediction.record.whole_force).max())
+
+
+def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
+    """Whether the drive moves the inertia of the model without the effect, or the one that the axis was given."""
+    plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
+    spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
+    masses = found.state.prediction.record.dynamics.parameters_of("mass")
+    least = min(s for name, s in zip(found.parameters, spread, strict=True) if name in masses)
+    return keeps_inertia(found.state, *plain, doubt=min(_DEVIATIONS * float(least) / max(plain), 1.0))
+
+
+def is_determined(item: Placed, blocks: Blocks) -> bool:
+    """Whether the log tells the last effect from the others, and its values exceed their deviations."""
+    if not item.n_free:
+        return True
+    if blocks.least_seen(item.n_free) < _SEEN:
+        return False
+    covariance = blocks.covariance[-item.n_free :, -item.n_free :]
+    n = item.n_free - len(item.shape)
+    amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
+    matters = np.array([name not in item.effect.moments for name in item.effect.shape_names], dtype=bool)
+    if np.any((np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)) & matters):
+        return False
+    if not n:
+        return True
+    strength = amplitudes @ np.linalg.pinv(covariance[:n, :n], hermitian=True) @ amplitudes
+    return bool(strength > _DEVIATIONS**2)
+
+
+def acting_share(fit: Fit) -> float:
+    """Share of the logged force that acts on the axis if an effect of the drive keeps some of it back, in rms."""
+    prediction = fit.state.prediction
+    changes = [
+        item.change(prediction)[0] for item in fit.state.placed if isinstance(item.effect, DriveEffect)
+    ]
+    if not changes:
+        return 1.0
+    logged = np.stack(
+        [prediction.record.measured[0], prediction.record.measured[0] - np.sum(changes, axis=0)]
+    )
+    rows = fit.weighting.rows(logged[:, None])[:, 0, fit.weighting.kept]
+    whole, acting = np.linalg.norm(rows, axis=1)
+    return float(acting / whole)

@@ -1,0 +1,241 @@
+"""Probabilities of what was considered, and the verdict.
+
+The gain of a candidate in the logarithm of the likelihood would be the logarithm of its odds if the model were exact
+but for noise. It is not: the laws of a real axis, and of another simulator, differ a little from ours. Gains are
+therefore tempered by a share of the largest one: candidates that explain nearly the same are nearly as probable.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from symid.diagnosis.fitting.blocks import deviation
+from symid.diagnosis.selection.forward import LEAST_PENALISED_GAIN, SelectionStep
+from symid.diagnosis.selection.priors import DOUBT, prior, temperature
+from symid.diagnosis.selection.screening import PENALTY
+
+_DRIVEN_BONUS = 0.3
+_LEAST_REMOVED = 0.1
+_REMOVED_WIDTH = 0.02
+_COVERED = 0.5
+_COVERED_WIDTH = 0.12
+_NEARLY_ALL = 0.8
+_NEARLY_WIDTH = 0.05
+"""The same of a gap hardly above the floor, whose level is not known better: only a cause takes all of it away."""
+_HALF = 0.5
+_UNLIKELY = 0.1
+"""Probability, at most, of an effect that the validation data do not show."""
+WHITE = 1.6
+_COLOURED = 6.0
+"""Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
+high frequencies, and a wandering record has several times of it at low ones."""
+_NEGLIGIBLE = 0.0015
+"""Error, relative to the force, that a model may leave whatever the noise: the instants of reversals, on which friction
+jumps, are known to a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force)."""
+NOISE_ALONE = 1.25
+"""Error, in multiples of the floor, up to which nothing but noise is left."""
+_NOMINAL_IS_GOOD = 1.1
+INDISTINGUISHABLE = 0.15
+"""Probability from which on a candidate counts as not told apart from the best."""
+
+Key = tuple[str, str]
+"""Names of an effect and of its place."""
+Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "recording"]
+
+
+def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
+    """Probability of each candidate of a step, if one of them is right.
+
+    Parameters
+    ----------
+    step : SelectionStep
+        Of the search.
+    driven : str
+        Body that the drive moves: where places cannot be told apart, it is a little more likely.
+    """
+    gains = _penalised_gains(step)
+    least = min(gains.values(), default=0.0)
+    for candidate in step.screened:
+        put_aside = step.confirmed and candidate.placed.contains(step.confirmed[0].key)
+        if not put_aside:
+            gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
+    if not gains:
+        return {}
+    best = max(gains.values())
+    doubt = _doubts(step)
+    likelier = {c.key: prior(c.fit.state, step.before.nominal) for c in step.confirmed}
+    logits = {
+        key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
+        + _DRIVEN_BONUS * (key[1] == driven)
+        + likelier.get(key, 0.0)
+        for key, value in gains.items()
+    }
+    total = math.fsum(math.exp(x) for x in logits.values())
+    return dict(sorted(((k, math.exp(x) / total) for k, x in logits.items()), key=lambda item: -item[1]))
+
+
+def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
+    """Penalised gain of each candidate that was fitted.
+
+    One that is linear and holds a simpler one, as an asymmetry of friction holds a constant force, gains at least as
+    much less the penalty of its further values: with these at 0 it is the simpler one.
+    """
+    gains = {c.key: c.penalised_gain for c in step.confirmed}
+    for own in step.confirmed:
+        for other in step.confirmed:
+            if not own.placed.shape and own.placed.contains(other.key):
+                further = own.placed.n_free - other.placed.n_free
+                gains[own.key] = max(gains[own.key], other.penalised_gain - PENALTY * further)
+    return gains
+
+
+def _doubts(step: SelectionStep) -> dict[Key, float]:
+    """Deviation of what each candidate that was fitted gains less than the best: blocks of a log disagree."""
+    if not step.confirmed:
+        return {}
+    best = max(step.confirmed, key=lambda c: c.penalised_gain)
+    n = step.before.n_rows
+    return {c.key: DOUBT * deviation(best.squares, c.squares, n) for c in step.confirmed}
+
+
+def is_there(step: SelectionStep) -> float:
+    """Probability that the best candidate of a step is more than noise."""
+    if not step.confirmed:
+        return 0.0
+    return _logistic((step.confirmed[0].penalised_gain - LEAST_PENALISED_GAIN) / 4)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Probabilities of the verdicts, adding up to 1.
+
+    Parameters
+    ----------
+    no_gap, parameters, effect, unexplained : float
+        Probabilities.
+    holds : bool
+        Whether what was found is more than noise, and takes away a share of the gap that counts. It may still stand for
+        something that no effect of the library is: the less it takes away, the more so.
+    """
+
+    no_gap: float
+    parameters: float
+    effect: float
+    unexplained: float
+    holds: bool = False
+
+    @property
+    def verdict(self) -> Verdict:
+        """The most probable; what was found, as soon as it holds."""
+        if self.holds:
+            return "effect"
+        found = {name: p for name, p in self.as_mapping.items() if name != "effect"}
+        return max(found, key=lambda name: found[name])
+
+    @property
+    def as_mapping(self) -> Mapping[Verdict, float]:
+        """By name."""
+        return {
+            "no_gap": self.no_gap,
+            "parameters": self.parameters,
+            "effect": self.effect,
+            "unexplained": self.unexplained,
+        }
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Force errors on the validation data.
+
+    Parameters
+    ----------
+    nominal, reidentified, explained : float
+        In multiples of the noise; nominal is None if no values are given.
+    left : float
+        Share of the re-identified model's excess that stays; nan if it has none.
+    stationary : bool
+        Whether the re-identified model errs alike however the axis moves.
+    relative : float
+        Error of the re-identified model relative to the force; inf if it is not known.
+    others : float
+        Largest error of the re-identified model in a reading that it predicts, in multiples of its noise.
+    """
+
+    nominal: float | None
+    reidentified: float
+    explained: float
+    left: float
+    stationary: bool = False
+    relative: float = math.inf
+    others: float = 0.0
+
+    @property
+    def largest(self) -> float:
+        """Error of the re-identified model in the force or in a reading."""
+        return max(self.reidentified, self.others)
+
+
+def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outcome:
+    """Probabilities of the verdicts.
+
+    Parameters
+    ----------
+    steps : sequence of SelectionStep
+        Of the search.
+    upheld : int
+        How many of the effects accepted hold on the validation data.
+    errors : Errors
+        On the validation data.
+    """
+    if not np.isfinite([errors.reidentified, errors.explained]).all():
+        return Outcome(0.0, 0.0, 0.0, 1.0)
+    there = is_there(steps[0]) if steps else 0.0
+    if not upheld or errors.largest <= NOISE_ALONE:
+        there = min(there, _UNLIKELY)
+    if errors.largest < (_COLOURED if errors.stationary else WHITE):
+        there *= _covers(errors)  # of noise, and of instants of reversals, some effect explains a part
+    holds = there * (1 - _in_vain(errors))
+    causes = holds * _covers(errors)
+    good = 1.0
+    if errors.nominal is not None:
+        worse = errors.nominal / min(errors.reidentified, errors.nominal)
+        good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
+    most = _COLOURED if errors.stationary else WHITE
+    excess = min(errors.reidentified / most, errors.relative / _NEGLIGIBLE)
+    fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
+    # What was found and does not hold says nothing against a model that leaves hardly more than noise.
+    plain = (1 - holds) * fits
+    return Outcome(
+        no_gap=plain * good,
+        parameters=plain * (1 - good),
+        effect=causes,
+        unexplained=holds - causes + (1 - holds) * (1 - fits),
+        holds=holds > _HALF,
+    )
+
+
+def _covers(errors: Errors) -> float:
+    """Probability that what takes away a share of the gap is what it is called, and stands for nothing else."""
+    if not np.isfinite(errors.left):
+        return 1.0
+    if errors.largest < WHITE:
+        return _logistic((1 - errors.left - _NEARLY_ALL) / _NEARLY_WIDTH)
+    if errors.explained <= NOISE_ALONE:
+        return 1.0
+    return _logistic((1 - errors.left - _COVERED) / _COVERED_WIDTH)
+
+
+def _in_vain(errors: Errors) -> float:
+    """Probability that what was found is no cause of the gap, but lies near to one: it takes too little of it away."""
+    if errors.explained <= NOISE_ALONE or not np.isfinite(errors.left):
+        return 0.02
+    return 0.02 + 0.96 * _logistic((_LEAST_REMOVED - (1 - errors.left)) / _REMOVED_WIDTH)
+
+
+def _logistic(x: float) -> float:
+    return float(1 / (1 + np.exp(-np.clip(x, -40, 40))))

@@ -1,0 +1,70 @@
+"""What speaks for one effect rather than another besides the errors of its fit.
+
+A constant force and friction that is stronger one way are the same force while an axis moves. Friction that has grown
+one way has raised the mean level as much as it differs by, though; a constant force has left it alone. So the level
+beside its nominal value tells which of the two is there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from symid.axis import CoulombFriction
+from symid.diagnosis.effects import Placed
+from symid.diagnosis.fitting.state import State
+
+TEMPERED_SHARE = 0.004
+"""By this share of the largest gain all gains are tempered: laws differ a little from those of a real axis."""
+DOUBT = 0.5
+"""Share of the deviation of a difference in gain by which differences are tempered."""
+_LEVEL_SPREAD = 0.08
+"""Deviation of a friction level from its nominal value, relative to it."""
+_ELSEWHERE = 0.05
+"""Likelihood, relative to its peak, of a level that has changed for other reasons."""
+
+
+def temperature(best: float) -> float:
+    """By what gains in log-likelihood are divided where the best candidate gains so much.
+
+    Examples
+    --------
+    >>> temperature(1000.0)
+    5.0
+    """
+    return 1 + TEMPERED_SHARE * max(best, 0.0)
+
+
+def prior(state: State, nominal: Mapping[str, float]) -> float:
+    """Logarithm of the prior odds of the last effect of a model, beside others that explain as much.
+
+    Parameters
+    ----------
+    state : State
+        The model with its values.
+    nominal : mapping of str to float
+        Values that the user gave; empty if there are none.
+    """
+    item = state.placed[-1]
+    return _one_sidedness(state, item, nominal) if item.effect.name == "asymmetric_friction" else 0.0
+
+
+def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
+    """Logarithm of how much likelier the friction level is if it has grown one way than if it has not changed."""
+    frictions = [law for law in state.prediction.axis.laws if isinstance(law, CoulombFriction)]
+    levels = [law.named("level") for law in frictions if getattr(law.at, "name", "") == item.at]
+    before, after = (
+        sum(values.get(name, 0.0) for name in levels) for values in (nominal, state.prediction.parameters)
+    )
+    after += sum(p.amplitudes[0] for p in state.placed if p.key == ("coulomb_friction", item.at))
+    scale = _LEVEL_SPREAD * max(abs(before), abs(after))
+    if not scale or any(name not in nominal for name in levels):
+        return 0.0
+    return _likelihood((after - before - abs(item.amplitudes[0])) / scale) - _likelihood(
+        (after - before) / scale
+    )
+
+
+def _likelihood(deviations: float) -> float:
+    """Logarithm of the likelihood of a level; far off, either story leaves it unexplained."""
+    return math.log(math.exp(-(deviations**2) / 2) + _ELSEWHERE)

@@ -1,0 +1,144 @@
+"""Every effect at every place over its shapes, as a projection on what the fitted model leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.effects import Effect, Placed, Shape
+from symid.diagnosis.fitting.deviations import AR_ORDER
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.prediction.weighting import Autoregression, autoregression, unweighted
+
+PENALTY = 4.5
+"""Price of a free value, of the logarithm of the likelihood: half the logarithm of 8000 rows (Schwarz)."""
+_BATCH = 1_000_000
+"""Values of the columns of shapes that are tried at a time."""
+_BLIND = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect at a place with its best shape and amplitudes by projection.
+
+    Parameters
+    ----------
+    placed : Placed
+        Effect, place and values.
+    gain : float
+        Gain of the logarithm of the likelihood, errors taken as they are.
+    white_gain : float
+        The same after an autoregressive model of the errors.
+    """
+
+    placed: Placed
+    gain: float
+    white_gain: float
+
+    @property
+    def penalised_gain(self) -> float:
+        """The gain, less what its free values would gain in noise."""
+        return self.gain - PENALTY * self.placed.n_free
+
+    @property
+    def white_penalised_gain(self) -> float:
+        """The same after an autoregressive model."""
+        return self.white_gain - PENALTY * self.placed.n_free
+
+
+def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
+    """Best shape of every effect at every place, the largest gain first."""
+    prediction, left = fit.state.prediction, fit.left
+    plain = unweighted(left, fit.weighting.kept, AR_ORDER)
+    white = autoregression(left, fit.weighting.kept, AR_ORDER)
+    projections = (_Projection(fit, plain), _Projection(fit, white))
+    wanted = fit.weighting.back(left)
+
+    def matched_filter(response: ComplexArray) -> FloatArray:
+        return prediction.record.fine(np.sum(response.conj() * wanted, axis=0))
+
+    best: dict[tuple[str, str], Candidate] = {}
+    present = {item.key for item in fit.state.placed}
+    for effect in library:
+        for place in effect.places(prediction):
+            if (effect.name, place) in present:
+                continue
+            shapes = list(effect.shapes(prediction, place, matched_filter))
+            for found in _best_shapes(fit, projections, effect, place, shapes):
+                key = found.placed.key
+                if key not in best or max(found.gain, found.white_gain) > max(
+                    best[key].gain, best[key].white_gain
+                ):
+                    best[key] = found
+    return sorted(best.values(), key=lambda c: -c.gain)
+
+
+class _Projection:
+    """What columns explain of the error that the base columns leave, under a noise model."""
+
+    def __init__(self, fit: Fit, noise: Autoregression) -> None:
+        self.noise = noise
+        base = noise.apply(fit.base)
+        norms = np.linalg.norm(base, axis=1, keepdims=True)
+        self.base = np.linalg.qr((base / np.where(norms > 0, norms, 1.0)).T)[0]
+        error = noise.apply(fit.state.rows)
+        self.left = error - self.base @ (self.base.T @ error)
+        self.square = float(self.left @ self.left)
+
+    def gains(self, rows: FloatArray, *, fixed: bool) -> list[tuple[float, FloatArray]]:
+        """Gain and amplitudes for groups of columns of shape (n_groups, n_amplitudes, n_outputs, n_rows)."""
+        columns = self.noise.apply(rows)
+        whole = np.linalg.norm(columns, axis=-1)
+        columns -= (columns @ self.base) @ self.base.T
+        found = []
+        for group, sizes in zip(columns, whole, strict=True):
+            norms = np.linalg.norm(group, axis=1)
+            seen = norms > _BLIND * np.maximum(sizes, np.finfo(float).tiny)
+            if not (np.all(seen) and np.isfinite(norms).all()):
+                found.append((0.0, np.zeros(len(group))))
+                continue
+            unit = group / norms[:, None]
+            target = unit @ self.left
+            share = np.linalg.lstsq(unit @ unit.T, target, rcond=1e-8)[0]
+            if fixed:
+                share = norms
+                closed = float(2 * target @ share - share @ (unit @ unit.T) @ share) / self.square
+                found.append(
+                    (-0.5 * self.left.size * np.log1p(-min(max(closed, 0.0), 1 - 1e-12)), np.ones(1))
+                )
+                continue
+            closed = min(float(target @ share) / self.square, 1 - 1e-12)
+            found.append((-0.5 * self.left.size * np.log1p(-closed), share / norms))
+        return found
+
+
+def _best_shapes(
+    fit: Fit,
+    projections: tuple[_Projection, _Projection],
+    effect: Effect,
+    place: str,
+    shapes: Sequence[Shape],
+) -> list[Candidate]:
+    """Candidates with the best shape under either noise model."""
+    found: list[Candidate] = []
+    many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))
+    for first in range(0, len(shapes), many):
+        some = shapes[first : first + many]
+        columns = np.stack([effect.columns(fit.state.prediction, place, shape) for shape in some])
+        rows = fit.weighting.rows(columns)
+        plain, white = (p.gains(rows, fixed=effect.fixed) for p in projections)
+        for shape, (gain, amplitudes), (white_gain, _) in zip(some, plain, white, strict=True):
+            if effect.positive and amplitudes[0] < 0:
+                continue
+            values = (1.0,) if effect.fixed else tuple(map(float, amplitudes))
+            found.append(Candidate(Placed(effect, place, shape, values), gain, white_gain))
+    if not found:
+        return []
+    return list(
+        {
+            id(c): c for c in (max(found, key=lambda c: c.gain), max(found, key=lambda c: c.white_gain))
+        }.values()
+    )
