@@ -1,4 +1,4 @@
-"""What an axis is made of: bodies, springs, dampers, weights, the drive and the sensors.
+"""Elements of an axis: bodies, springs, dampers, weights, the drive and the sensors.
 
 Elements are plain records that refer to each other as objects. They check nothing themselves: `Axis`
 collects the faults of all its elements and reports them at once.
@@ -18,7 +18,7 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Ground:
-    """The basement frame; bodies are on it unless they say otherwise."""
+    """The basement frame; bodies are on it unless declared otherwise."""
 
     name: str = "ground"
 
@@ -76,12 +76,12 @@ PARAMETER_FIELDS = ("mass", "inertia", "stiffness", "damping", "moment")
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value is a number, finite or not; a truth value is none."""
+    """Whether a value is a number, finite or not; a truth value is not one."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def joint_label(joint: Joint) -> str:
-    """What to call a joint in the name of a parameter."""
+    """Name of a joint within the name of a parameter."""
     return f"{joint.first.name}_{joint.second.name}" if isinstance(joint, Between) else joint.name
 
 
@@ -98,7 +98,7 @@ class Body(Parametrised):
     on : Body
         The body that carries it; its coordinate is relative to that body. The ground by default.
     geared : Geared, optional
-        Rigid transmission from another body. A geared body has no coordinate of its own.
+        Rigid transmission from another body. A geared body has no coordinate.
 
     Examples
     --------
@@ -263,7 +263,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Sensor:
-    """What sensors have in common; use `Position`, `Velocity` or `Acceleration`.
+    """Common fields of sensors; use `Position`, `Velocity` or `Acceleration`.
 
     Parameters
     ----------
@@ -304,7 +304,7 @@ class Velocity(Sensor):
 
 @dataclass(frozen=True)
 class Acceleration(Sensor):
-    """An accelerometer."""
+    """Sensor of an acceleration."""
 
 
 def derivative_order(sensor: Sensor) -> int:

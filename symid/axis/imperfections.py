@@ -1,4 +1,4 @@
-"""What acts beyond the regressor: in the drive, in a reading, in time, with a memory.
+"""Elements that no regressor contains: of the drive, of a reading, in time, with memory.
 
 An imperfection is an element like any other: it is declared, simulated, and written by a diagnosis. Its values are
 numbers of the declaration, since no regressor holds them: derivation and least squares pass it over.
@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 _PLACES = ("at", "body", "signal")
-"""Fields that are no number."""
+"""Fields that are not numbers."""
 _TURN = repr(math.tau)
 
 
@@ -70,10 +70,10 @@ class Imperfection(ABC):
     @property
     @abstractmethod
     def formula(self) -> str:
-        """What it does, with its numbers."""
+        """Formula of the element with its numbers."""
 
     def faults(self) -> Iterator[str]:
-        """What is wrong with its numbers; `Axis` reports it with all other faults."""
+        """Faults of its numbers; `Axis` reports them with all others."""
         positive = ("seconds", "force", "pitch", "frequency", "time_constant", "reach", "level", "time")
         for field in fields(self):
             value = getattr(self, field.name)
@@ -87,7 +87,7 @@ class Imperfection(ABC):
 
 @dataclass(frozen=True)
 class DriveImperfection(Imperfection):
-    """What lies between the force F that a controller sends, and a log records, and the force f that acts."""
+    """Element between the force F that a controller sends, and a log records, and the force f that acts."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class ActuatorDelay(DriveImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"f(t) = F(t - {self.seconds:.4g} s)"
 
 
@@ -142,7 +142,7 @@ class ActuatorLag(DriveImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"{self.seconds:.4g} s f(1) + f = F"
 
 
@@ -161,7 +161,7 @@ class ForceLimit(DriveImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"f = clip(F, {-self.force:.4g}, {self.force:.4g})"
 
 
@@ -183,7 +183,7 @@ class GainNonlinearity(DriveImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"f = F - {self.bend:.4g} F abs(F)^{self.power - 1}"
 
 
@@ -202,7 +202,7 @@ class GainAsymmetry(DriveImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"f = F - {self.difference:.4g} abs(F)"
 
 
@@ -241,7 +241,7 @@ class EncoderRipple(Imperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         y, phase = self.signal, f"2 pi {self.signal}/{self.pitch:.4g}"
         return f"{y} reads {y} + {self.sine:.4g} sin({phase}) + {self.cosine:.4g} cos({phase})"
 
@@ -266,7 +266,7 @@ class PayloadChange(Imperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"{self.body.inertial} + {self.change:.4g} from {self.time:.4g} s on"
 
 
@@ -291,7 +291,7 @@ class PeriodicForce(JointImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         phase = f"2 pi {self.frequency:.4g} t"
         return f"{self.sine:.4g} sin({phase}) + {self.cosine:.4g} cos({phase})"
 
@@ -317,7 +317,7 @@ class FrictionDrift(JointImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"exp(-t/{self.time_constant:.4g} s) ({self.coulomb:.4g} sign(v) + {self.viscous:.4g} v)"
 
 
@@ -339,7 +339,7 @@ class FrictionTrend(JointImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"t ({self.coulomb:.4g} sign(v) + {self.viscous:.4g} v)"
 
 
@@ -366,7 +366,7 @@ class PreslidingFriction(JointImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"{self.level:.4g} (z - sign(v)), z(1) = (v - abs(v) z)/{self.reach:.4g}"
 
 
@@ -387,5 +387,5 @@ class LoadDependentFriction(JointImperfection):
 
     @property
     def formula(self) -> str:
-        """What it does."""
+        """Formula of the element with its numbers."""
         return f"{self.coefficient:.4g} abs(F) sign(v)"

@@ -29,7 +29,7 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     axis : Axis
         The axis; all its laws must be those of symid.
     summary : str, optional
-        What the file says of the axis in its first line; its name and bodies by default.
+        First line of the file; the name and bodies of the axis by default.
 
     Raises
     ------
@@ -153,7 +153,7 @@ class _Call:
 
     @property
     def in_line(self) -> str:
-        """Text on one line."""
+        """Text with all white space as single spaces."""
         inside = ", ".join(
             key + (argument.in_line if isinstance(argument, _Call) else argument)
             for key, argument in self.arguments
@@ -210,7 +210,7 @@ def _parts(value: object) -> Iterator[object]:
         for item in value:
             yield from _parts(item)
     elif hasattr(value, "__dataclass_fields__"):
-        for field in fields(value):  # type: ignore[arg-type]  # a dataclass, as its attribute tells
+        for field in fields(value):  # type: ignore[arg-type]  # a dataclass by its attribute
             content = getattr(value, field.name)
             if not _is_default(field, content):
                 yield from _parts(content)

@@ -154,7 +154,7 @@ def parameter_names(element: object) -> tuple[str, ...]:
 
 
 def known_faults(elements: Sequence[object], known: object) -> Iterator[str]:
-    """What is wrong with the values of known parameters, in a declaration that is sound otherwise."""
+    """Faults of the values of known parameters, in a declaration without other faults."""
     if not isinstance(known, Mapping):
         yield f"known={known!r} must be a mapping of names of parameters to values"
         return

@@ -120,7 +120,7 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
 
 
 def _values(column: Any) -> FloatArray | str:
-    """Numbers of a column, NaN where it has none, or a sentence that says why it has no numbers."""
+    """Numbers of a column, NaN where it has none, or the reason why it has no numbers."""
     if isinstance(column, nw.Series):
         if column.dtype.is_numeric():
             return np.asarray(column.cast(nw.Float64).to_numpy(), dtype=np.float64)

@@ -69,7 +69,7 @@ class Log(Shown):
         object.__setattr__(self, "notes", tuple(self.notes))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A mapping proxy cannot be pickled; building anew also makes the arrays read-only again.
+        # A mapping proxy cannot be pickled; building the record also makes the arrays read-only again.
         return (Log, (self.source, self.start, self.sampling_period, dict(self.signals), self.notes))
 
     @property
@@ -129,7 +129,7 @@ class Log(Shown):
         ----------
         frame : data frame or mapping of str to array
             Of pandas, polars, pyarrow or columns by name, such as ``t``, ``q`` and ``F [kN]``. Columns without numbers
-            are left out, and a note says so. Moments and durations become seconds.
+            are left out with a note. Moments and durations become seconds.
         columns, units, gains : mapping, optional
             Column, unit and factor by signal, as in `symid.read_log`.
         sampling_period : float, optional

@@ -35,7 +35,7 @@ def require_room(n_values: int, memory: int | None = None) -> None:
 
 
 def free_memory() -> float:
-    """Bytes of memory that are free or can be freed; infinite where the system does not say."""
+    """Bytes of memory that are free or can be freed; infinite where the system does not report it."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable"))

@@ -50,7 +50,7 @@ def read_log(
     Parameters
     ----------
     path : path-like or data frame
-        File, whose suffix says its kind; or a frame of pandas, polars or pyarrow, or columns by name.
+        File, its kind given by the suffix; or a frame of pandas, polars or pyarrow, or columns by name.
     expected : Mapping of str to Unit
         Signals that the axis knows. Those in the file are read, and must be usable; others may be missing.
     alternatives : Mapping of str to (str, float)
@@ -66,7 +66,7 @@ def read_log(
         Time between two samples, s, of a file without a column of the time.
     resample : float or "own", optional
         Rate in Hz to which signals are resampled, "own" for the rate that they have in the middle: for clocks that
-        jitter, lack some samples, or differ between channels, see `resampled`. The notes say what was done.
+        jitter, lack some samples, or differ between channels, see `resampled`. The notes report it.
 
     Returns
     -------
@@ -217,7 +217,7 @@ def _clocks(
 def _require_sound(
     signals: Mapping[str, FloatArray], clocks: Mapping[str, FloatArray], expected: Mapping[str, Unit]
 ) -> None:
-    """LogError for positions that jump, before resampling hides it: there, a count of an encoder is none."""
+    """LogError for positions that jump, before resampling hides it; resampled counts of an encoder jump no longer."""
     faults: list[str] = []
     for name in positions_of(expected, signals):
         size = min(signals[name].size, clocks[name].size)

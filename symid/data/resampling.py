@@ -1,4 +1,4 @@
-"""Signals whose clocks jitter, lack samples or differ, on one uniform clock; what was done is said."""
+"""Signals whose clocks jitter, lack samples or differ, on one uniform clock, with notes on the changes."""
 
 from __future__ import annotations
 

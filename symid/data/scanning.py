@@ -55,7 +55,7 @@ def open_log(
     block: int = BLOCK,
     whole: bool = False,
 ) -> AnyLog:
-    """Do what `read_log` does for a log that fits in memory; check a longer one without keeping it.
+    """A log, read like `read_log` if it fits in memory; a longer one is checked without keeping it.
 
     Parameters
     ----------

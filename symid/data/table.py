@@ -49,7 +49,7 @@ class Table:
     slices : callable, optional
         Takes positions of columns, gives their rows piece by piece; None where a file can only be read as a whole.
     n_rows : int, optional
-        Rows that the file says it has, whatever its size; None where it does not say.
+        Rows by the header of the file; None without such a number.
     clocks : mapping of int to int
         Position of the column of the times of each column, where columns have separate clocks.
     """
@@ -83,13 +83,13 @@ def source_of(path: Path) -> Path | io.BytesIO:
 
 
 def first_line(error: BaseException) -> str:
-    """First line of what an error says."""
+    """First line of the message of an error."""
     lines = str(error).strip().splitlines()
     return lines[0].rstrip(".") if lines else type(error).__name__
 
 
 def damaged(path: Path, kind: str, error: BaseException) -> LogError:
-    """Error for a file that is not what its suffix says."""
+    """Error for a file that is not of the kind of its suffix."""
     return LogError(f"{path}: is damaged or no {kind} file ({first_line(error)}): write it again")
 
 

@@ -31,7 +31,7 @@ def is_stamp(text: str) -> bool:
 
 
 def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
-    """Seconds from the first of these moments; None if one is none, or their zones differ.
+    """Seconds from the first of these moments; None if one is not a moment, or their zones differ.
 
     Times of day that pass midnight go on into the next day.
 

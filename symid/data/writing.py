@@ -26,7 +26,7 @@ def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | N
     frame : polars.DataFrame
         The table.
     file : Path
-        Its suffix says which kind.
+        Of the kind of its suffix.
     metadata : mapping of str to str, optional
         Of a Parquet file.
 

@@ -65,7 +65,7 @@ class CorrelatedCovariance:
     status : str
         "ok"; "correlation_persists": the residual is correlated over all lags looked at, which noise hardly
         is, so that the model rather than noise is its cause; "too_few_samples": the parameters take up half
-        of what the residual's independent samples can tell, or more, and the covariance is nan.
+        of the residual's independent samples, or more, and the covariance is nan.
     covariance : array, shape (n_parameters, n_parameters)
         In the caller's units; nan where parameters are not determined.
     bandwidth : int
@@ -139,7 +139,7 @@ def corrected_covariance(
 def corrected_covariance_of_blocks(
     read: Callable[[], Iterable[ObservationBlock]], fit: LeastSquares, max_lag: int | None = None
 ) -> CorrelatedCovariance:
-    """Do what `corrected_covariance` does, for an observation that is read block by block, twice.
+    """Corrected covariance of an observation that is read block by block, twice.
 
     Parameters
     ----------

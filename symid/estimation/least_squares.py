@@ -117,7 +117,7 @@ def estimate(
     Returns
     -------
     LeastSquares
-        Rank deficiency, too few rows and exact fits are told by its status and values.
+        Its status and values state rank deficiency, too few rows and exact fits.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def _equation_deviations(
 
 
 def _weights(sigmas: FloatArray, floors: FloatArray) -> FloatArray:
-    """S_j = 1/sigma_rho_j, an exact fit counting as rounding; 1 for an equation that says nothing."""
+    """S_j = 1/sigma_rho_j, an exact fit counting as rounding; 1 for an equation without information."""
     levels = np.maximum(sigmas, floors)
     return 1.0 / np.where(levels > 0.0, levels, 1.0)
 

@@ -57,7 +57,7 @@ def refine(W: FloatArray, y: FloatArray, fit: LeastSquares, valid: BoolArray | N
 
 
 def refine_blocks(blocks: Iterable[ObservationBlock], fit: LeastSquares) -> LeastSquares:
-    """Do what `refine` does, for an observation that is read block by block.
+    """Refined parameters of an observation that is read block by block.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ class TriangularFactor:
     """R of the QR factorisation of [W | y] of one equation, with the number of rows it came from.
 
     Householder's QR commutes with a scaling of the columns by powers of two, so R is the same, digit for
-    digit, as if the columns had been scaled beforehand. Scales are therefore chosen only when solving.
+    digit, as if the columns had been scaled first. Scales are therefore chosen only when solving.
 
     Attributes
     ----------

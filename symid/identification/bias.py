@@ -1,4 +1,4 @@
-"""How far an estimate is off for reasons that no deviation tells: noise in W, and differences for derivatives.
+"""Systematic errors of an estimate, which deviations do not contain: by noise in W, and by differences.
 
 Noise dW of the columns and dy of the output leave, on the average, W'S^2 (y - W X) = c - C X at the true parameters X,
 with C and c the sums over the rows of S^2 E[dW' dW] and S^2 E[dW' dy] (errors in variables; S. Van Huffel and
@@ -50,7 +50,7 @@ class Bias:
 
     @property
     def total(self) -> FloatArray:
-        """All of it."""
+        """Sum of all parts of the bias."""
         return self.noise + self.preparation
 
     def mapped(self, sensitivity: FloatArray) -> Bias:
@@ -132,7 +132,7 @@ def bias_of_instruments(
 def _rest_of_sharper_rows(
     model: GeneratedModel, log: Log, seen: Observation, X: FloatArray, levels: Mapping[str, float]
 ) -> FloatArray:
-    """What an estimate leaves of rows that are made with sharper differences; 0 in rows that are not used."""
+    """Residual of an estimate in rows with differences of higher order; 0 in rows that are not used."""
     scheme = sharper(seen.preparation.difference_order)
     widening = quiet_widening(model, log, seen.preparation, levels, scheme.widening)
     preparation = replace(
@@ -147,7 +147,7 @@ def _rest_of_sharper_rows(
 def _rest(model: GeneratedModel, X: FloatArray, coulomb: tuple[float, ...]) -> GeneratedModel:
     """A model of what parameters leave of the output: laws as its only column, and as output what the others leave.
 
-    Filters are linear: two rows an equation tell the rest that all columns would tell. Friction that is taken off the
+    Filters are linear: two rows per equation give the same result as all columns. Friction that is taken off the
     force beforehand, `coulomb`, is not given back to the output, but taken off the column of laws.
     """
     of_laws = np.zeros((len(model.output_names), X.size, 1))

@@ -3,13 +3,13 @@
 Whatever `identify` needs of a whole log is one of three things.
 
 - *Sums over rows*: triangular factors, the refinement and the covariance of a correlated residual. They are added up
-  block by block. A long log's rows are made anew for each of them, since W is larger than the log.
+  block by block. A long log's rows are made again for each of them, since W is larger than the log.
 - *Local operations*: filters, differences, shifts in time, laws, decimation, standstill. A recursive filter forgets:
   a window that reaches as far to either side as its filters do gives the rows of the whole log, to rounding. Rows of a
   block are cut out of those of a wider window; at the ends of the log the window ends where the log does.
 - *Statistics of the log*: spectra from which the cutoff is chosen, and the examination of timing and bias. They
   are taken from evenly spread windows, as they are of a log in memory above a million and above 65 536 samples. The
-  highest speed, which tells what standstill is, is found by a pass over all blocks.
+  highest speed, which defines standstill, is found by a pass over all blocks.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Run:
 
     @classmethod
     def of(cls, model: GeneratedModel, log: AnyLog, preparation: Preparation) -> Run:
-        """That of a log; parameters and errors as those of `observe`."""
+        """Blocks of a log; parameters and errors as those of `observe`."""
         if isinstance(log, Log):
             whole = observe(model, log, preparation)
             return cls(whole, lambda: (whole,))
@@ -97,7 +97,7 @@ class _Layout:
 
     @property
     def n_rows(self) -> int:
-        """Rows of the log."""
+        """Number of rows of the log."""
         return -(-(self.n_samples - self.before - self.after) // self.factor)
 
     def window(self, first: int, stop: int) -> tuple[int, int]:
@@ -157,7 +157,7 @@ def _settled(model: GeneratedModel, log: LongLog, given: Preparation) -> _Blocks
 def _window(
     log: LongLog, chosen: Preparation, layout: _Layout, begin: int, end: int
 ) -> tuple[Log, Preparation]:
-    """What filtered signals from sample `begin` to before `end` are made of, and a preparation that trims to these."""
+    """Samples that filtered signals from `begin` to before `end` need, and a preparation that trims to these."""
     low, high = layout.window(begin, end)
     return log.window(low, high), replace(chosen, trim=(begin - low, high - end))
 

@@ -1,4 +1,4 @@
-"""What is known of physical parameters beside a log: bounds that they keep, and priors with a deviation.
+"""Prior knowledge of physical parameters: bounds that they keep, and priors with a deviation.
 
 With X the estimated minimal parameters, C their covariance, m and s the means and deviations of the priors, the
 parameters theta minimise
@@ -41,7 +41,7 @@ class Constraints:
     bounds : mapping of str to (float or None, float or None)
         Lowest and highest value; None where there is no such bound.
     prior : mapping of str to (float, float)
-        Mean and standard deviation of what is known beforehand.
+        Mean and standard deviation of the prior.
     """
 
     bounds: Bounds = field(default_factory=dict)
@@ -155,7 +155,7 @@ class _Problem:
     def of(
         cls, model: GeneratedModel, minimal: FloatArray, covariance: FloatArray, constraints: Constraints
     ) -> _Problem | None:
-        """That of an estimate; None if its covariance cannot be inverted."""
+        """Cost of an estimate; None if its covariance cannot be inverted."""
         spread, root = correlation_root(minimal, covariance)
         if root is None:
             return None
@@ -173,7 +173,7 @@ class _Problem:
         return np.vstack([self.whitening @ jacobian(self.model, theta), np.diag(self.precision)])
 
     def cost(self, theta: FloatArray) -> float:
-        """Sum of squares."""
+        """Sum of squares of the estimate and the priors."""
         return float(np.sum(self.residual(theta) ** 2))
 
     def solved(self, free: PhysicalEstimate) -> tuple[FloatArray, tuple[int, ...]]:

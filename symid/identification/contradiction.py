@@ -1,4 +1,4 @@
-"""Whether what was known beforehand and the log contradict each other, and what bounds and priors did."""
+"""Contradictions between prior knowledge and the log, and the effect of bounds and priors."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def judged(found: Identification) -> Identification:
 
 
 def with_fixed(found: Identification, alone: Identification) -> Identification:
-    """An identification with known values, beside what the log alone says of all parameters.
+    """An identification with known values, compared with the estimate of all parameters.
 
     Parameters
     ----------

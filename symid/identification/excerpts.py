@@ -15,7 +15,7 @@ from symid.estimation import ObservationBlock
 from symid.identification.observation import Observation, observe
 
 _MOST_SAMPLES = 65_536
-"""Samples, of all logs together, on which an estimate is examined: more would cost time and tell little more."""
+"""Samples, of all logs together, on which an estimate is examined: more would cost time and change little."""
 _PARTS = 4
 
 
@@ -70,7 +70,7 @@ def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int)
 def _parts(
     model: GeneratedModel, log: AnyLog, whole: Observation, number: int, most: int
 ) -> tuple[Excerpt, ...]:
-    chosen = replace(whole.preparation, trim=None)  # each part has ends of its own
+    chosen = replace(whole.preparation, trim=None)  # each part has its ends
     size = most // _PARTS
     starts = np.linspace(0, log.n_samples - size, _PARTS).astype(int)
     windows = [log.window(int(start), int(start) + size) for start in starts]

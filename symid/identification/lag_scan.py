@@ -34,7 +34,7 @@ _LEAST_EIGENVALUE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class LagScan:
-    """Residual of an estimate of its own at each lag of a signal.
+    """Residual of an estimate at each lag of a signal.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class LagScan:
 
     @property
     def at_zero(self) -> float:
-        """Residual as recorded."""
+        """Residual of the signals as recorded."""
         return float(self.residual[self.late.size // 2])
 
     @property
@@ -172,7 +172,7 @@ def _between_ends(values: FloatArray | BoolArray, lags: npt.NDArray[np.int_]) ->
 
 
 def _residuals(grams: FloatArray) -> FloatArray:
-    """Power of the last column that the others leave, as part of its own, for each matrix of sums."""
+    """Share of the power of the last column that the others do not explain, for each matrix of sums."""
     powers = np.diagonal(grams, axis1=1, axis2=2)
     least = (
         _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny

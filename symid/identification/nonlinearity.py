@@ -25,7 +25,7 @@ _INDEPENDENT = 1e-8
 def nonlinearity_of(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """What the force lacks where it is large, in words; empty if it is in proportion.
+    """Compression of the force where it is large, in words; empty if it is in proportion.
 
     Parameters
     ----------

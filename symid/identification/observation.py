@@ -176,7 +176,7 @@ class SignalRows:
 
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
-        """That of a log, with the complete preparation of its observation."""
+        """Filtered log, with the complete preparation of its observation."""
         before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
         scheme = Scheme(chosen.difference_order)
@@ -187,7 +187,7 @@ class SignalRows:
         return cls(sampling, name, QuinticSpline(signals[name]))
 
     def rows(self) -> tuple[FloatArray, FloatArray]:
-        """Its part of W and y."""
+        """Rows of W and y of the window."""
         return self._rows(self.spline.values)
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:

@@ -1,4 +1,4 @@
-"""What recorders do to a channel: values missing, held, wrapped around, limited in slope, too coarse.
+"""Faults of recorders in a channel: values missing, held, wrapped around, limited in slope, too coarse.
 
 Each check looks at the samples themselves, so that it needs no model, and counts what a machine does not do: a value
 that is exactly 0 between two that are far from it, a sample that repeats the last one in the middle of a motion, many
@@ -40,7 +40,7 @@ _COARSE_VALUES = 0.6
 def fault_of(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """What is wrong with a channel, in words; empty if nothing is.
+    """Fault of a channel, in words; empty without one.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def fault_of(
     parts : sequence of Excerpt
         Logs or parts of them.
     fit : LeastSquares
-        The estimate: friction tells which steps of the force are coarse.
+        The estimate: friction defines which steps of the force are coarse.
     criteria : Criteria
         From when on it counts.
     """
@@ -61,7 +61,7 @@ def fault_of(
 
 
 def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is_force: bool = True) -> str:
-    """What is wrong with the samples of a channel, in words; empty if nothing is.
+    """Fault of the samples of a channel, in words; empty without one.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What an identification found, and what from."""
+"""Results of an identification, with the data that they come from."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Identification(EstimatedParameters, Shown):
     notes : tuple of str
         What looked odd in the logs.
     timing : Timing, optional
-        At which other time the force seems to act; None if that was not examined or cannot be told.
+        Estimated delay of the force; None if it was not examined or cannot be estimated.
     bias : Bias, optional
         Expected error of the minimal parameters; None if that was not examined.
     scatter : array of shape (n_minimal, n_minimal), optional
@@ -117,7 +117,7 @@ class Identification(EstimatedParameters, Shown):
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of the minimal parameters, corrected for the residual's correlation where that can be told."""
+        """Covariance of the minimal parameters, corrected for the residual's correlation where that is known."""
         return trusted_covariance(self.fit, self.correlated)
 
     def to_frame(self) -> pl.DataFrame:
@@ -216,7 +216,7 @@ def headline_of(
 
 
 def trusted_covariance(fit: LeastSquares, correlated: CorrelatedCovariance) -> FloatArray:
-    """The corrected covariance, or the classical one where too few samples are left to tell the correlation."""
+    """The corrected covariance, or the classical one where too few samples are left for the correlation."""
     return correlated.covariance if correlated.status != "too_few_samples" else fit.covariance
 
 

@@ -32,12 +32,12 @@ _WIDEST = 0.4
 """Of the sampling frequency: the highest cutoff to which a filter is widened."""
 
 WORKERS = min(4, os.cpu_count() or 1)
-"""Threads that prepare a log: filters are bound by the processor up to about so many, by memory beyond."""
+"""Threads that prepare a log: with more, filters are bound by memory, not by the processor."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """What it takes to sample the model anywhere between the trimmed ends of a log.
+    """Data for sampling the model anywhere between the trimmed ends of a log.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray,
 def filtered(
     model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
 ) -> dict[str, FloatArray]:
-    """Low-passed signals at the times at which they were; forces are filtered only if the preparation says so."""
+    """Low-passed signals at the times at which they were; forces are filtered only if the preparation filters them."""
     signals = {name: log[name] for name in names}
     lowpass = low_pass_of(chosen, widening, log.sampling_frequency)
     for name, values in signals.items():

@@ -24,7 +24,7 @@ class Scheme:
     order : int
         Order of accuracy of the central differences; higher derivatives are taken one after the other.
     widening : float
-        Motion is filtered at so many times the cutoff before the model is sampled; if that is more than 1, all columns
+        Multiple of the cutoff at which motion is filtered before the model is sampled; beyond 1, all columns
         are filtered at the cutoff afterwards. Reversals then stay where they were in the laws that jump there.
     """
 

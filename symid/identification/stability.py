@@ -36,7 +36,7 @@ class Change:
     deviations : array of shape (n_parameters,)
         Standard deviations of their difference.
     explained : float
-        Part of the residual's power that parameters of their own take away.
+        Share of the residual's power that separate parameters remove.
     """
 
     begins: float
@@ -52,7 +52,7 @@ class Change:
             return int(np.argmax(np.where(among, moved / self.deviations, -1.0)))
 
     def statement(self, model: GeneratedModel, criteria: Criteria = CRITERIA) -> str:
-        """What changes, in words; empty if nothing does."""
+        """Changes within the logs, in words; empty without one."""
         moved = np.abs(self.inside - self.outside)
         size = np.maximum(np.abs(self.inside), np.abs(self.outside))
         certain = (moved > criteria.change_certain * self.deviations) & (moved > criteria.change * size)
@@ -118,7 +118,7 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: floa
 def _gain(
     inside: FloatArray, slope: FloatArray, normal: FloatArray, total: FloatArray
 ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-    """Fall of the residual's square by parameters of their own, both estimates, and the covariance of their difference.
+    """Fall of the residual's square by separate parameters, both estimates, and the covariance of their difference.
 
     Only directions that both parts see are compared.
     """

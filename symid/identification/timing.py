@@ -3,7 +3,7 @@
 The rows W and y of a log depend on the force F linearly, so that those of F(t + tau) follow from those of F alone, and
 so with every sensor that no friction law depends on.
 The delay tau and the parameters X minimise the weighted residual of y(tau) - W(tau) X together, by Gauss and Newton:
-the derivative by tau is one more column, and the rows are made anew for every tau, since a first-order term is not a
+the derivative by tau is one more column, and the rows are made again for every tau, since a first-order term is not a
 shift. The last step's regression gives the deviation of tau as that of any parameter, corrected for the correlation of
 the residual.
 """
@@ -43,9 +43,9 @@ _DRIFTED_ROWS = 2
 _UNEVEN = 0.2
 """Part of their difference by which the delay of the middle third may differ from the mean of the others."""
 _SIGNIFICANT = 5.0
-"""Standard deviations that a delay must have to be told."""
+"""Standard deviations from which a delay is reported."""
 _NOTICEABLE = 0.2
-"""Samples that a delay must have to be told."""
+"""Samples from which a delay is reported."""
 _ROUND = 3.0
 """Standard deviations within which a delay is taken for a number of whole or half samples."""
 _HELD = 0.1
@@ -88,7 +88,7 @@ class Timing:
 
     @property
     def samples(self) -> float:
-        """`late` in samples."""
+        """Delay in samples, as `late`."""
         return self.late / self.sampling_period
 
     @property
@@ -117,7 +117,7 @@ class Timing:
 
     @property
     def statement(self) -> str:
-        """What was found, in words."""
+        """The delay and its cure in words."""
         when = "before it was" if self.late > 0 else "after it was"
         instead = " in place of what was given" if self.declared else ""
         return (

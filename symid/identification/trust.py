@@ -1,4 +1,4 @@
-"""What timing and bias mean for a result: a status where they spoil it, a note where one should know of them."""
+"""Consequences of timing and bias for a result: a status where they spoil it, else a note."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _FAITHFUL = 0.997
 
 @dataclass(frozen=True)
 class Faults:
-    """What contradicts an estimate, in words; empty where nothing does.
+    """Contradictions to an estimate, in words; empty without them.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _reported(found: Identification) -> tuple[FloatArray, FloatArray]:
 
 
 def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str, bool]:
-    """What the bias is, where it comes from and what to do; and whether it is large."""
+    """Size, source and cure of the bias; and whether it is large."""
     bias = found.physical_bias or found.bias
     assert bias is not None
     every = list(found.model.physical_units if found.physical else found.model.minimal_units)

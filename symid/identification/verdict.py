@@ -1,4 +1,4 @@
-"""What keeps an identification from being complete, and what to do about it."""
+"""Status of an identification: reasons why it is not complete, with their cures."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ _HIGHEST_CONDITION = 1e5
 
 
 _FEW_ROWS = 10
-"""Rows for each parameter below which a residual that is hardly independent tells no deviation."""
+"""Rows for each parameter below which a residual that is hardly independent gives no deviation."""
 _FEWEST_ROWS = 4
 """The same for a residual whose correlation does not die out within the lags that so few rows show."""
 _WORST_FIT = 0.5
-"""Residual beyond which, as part of the output, an equation says nothing: a quarter of the power is unexplained."""
+"""Residual beyond which, as part of the output, an equation is worthless: a quarter of the power is unexplained."""
 
 
 def verdict(
@@ -46,9 +46,9 @@ def verdict(
     *,
     has_start: bool = False,
 ) -> tuple[Status, str]:
-    """Status of an identification, and a sentence that says what it means here and what to do.
+    """Status of an identification, and a sentence on its meaning and cure.
 
-    `has_start` says whether nominal values were given as a start.
+    `has_start` is whether nominal values were given as a start.
     """
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
@@ -96,14 +96,14 @@ def verdict(
 def certainly_negative(
     negative: tuple[str, ...], model: GeneratedModel, estimate: PhysicalEstimate
 ) -> tuple[str, ...]:
-    """Those of which the deviation is smaller than the value; the others are not determined."""
+    """Parameters whose deviation is smaller than the value; the others are not determined."""
     deviations = dict(zip(model.physical_units, estimate.standard_deviations, strict=True))
     values = dict(zip(model.physical_units, estimate.parameters, strict=True))
     return tuple(name for name in negative if abs(values[name]) > deviations[name])
 
 
 def _rows_needed(correlated: CorrelatedCovariance) -> int:
-    """Rows for each parameter from which a residual of such a correlation tells deviations."""
+    """Rows for each parameter from which a residual of such a correlation gives deviations."""
     return {"ok": 1, "correlation_persists": _FEWEST_ROWS, "too_few_samples": _FEW_ROWS}[correlated.status]
 
 
@@ -121,7 +121,7 @@ def _unexplained(model: GeneratedModel, fit: LeastSquares) -> str:
 
 
 def _missing_motion(model: GeneratedModel, fit: LeastSquares) -> str:
-    """What a log must hold for the dependent columns to differ, judged by what they multiply."""
+    """Motion that a log needs for the dependent columns to differ, by the signals that they multiply."""
     units = list(model.minimal_units.values())
     directions = fit.rank.null_space
     involved = {units[i] for i in np.flatnonzero(np.abs(directions[:, 0]) > 1e-6)}

@@ -113,7 +113,7 @@ def segments_of_rows(
 
 
 def segments(parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Segment, ...]:
-    """Segments of equal length in time order; those with hardly a row are left out."""
+    """Segments of equal length in time order; those with few rows are left out."""
     each, p = max(1, round(_SEGMENTS / len(parts))), fit.solution.size
     normal, slope = np.zeros((len(parts), each, p, p)), np.zeros((len(parts), each, p))
     square, count = np.zeros((len(parts), each)), np.zeros((len(parts), each), dtype=int)

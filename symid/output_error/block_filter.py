@@ -45,7 +45,7 @@ class StateSpace:
         return response[:n_samples]
 
     def observed(self, C: FloatArray) -> StateSpace:
-        """The same recursion with other outputs, which no input reaches directly."""
+        """The recursion with other outputs, without direct feedthrough."""
         return StateSpace(self.A, self.B, C, np.zeros((len(C), self.B.shape[1])))
 
     def response(self, inputs: FloatArray, starts: Sequence[int]) -> FloatArray:

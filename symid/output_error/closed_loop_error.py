@@ -119,7 +119,7 @@ class ClosedLoopError:
         return bool(np.ptp(self.log[self.signals[0]]) > 0)
 
     def excerpt(self) -> ClosedLoopError:
-        """The same: a loop is simulated from its beginning."""
+        """The run itself: a loop is simulated from its beginning."""
         return self
 
     @property
@@ -146,7 +146,7 @@ class ClosedLoopError:
     def updated(
         self, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> tuple[ClosedLoopError, FloatArray]:
-        """The same with the whitening of its errors at these parameters."""
+        """The run with the whitening of its errors at these parameters."""
         return replace(self, whitening=Whitening.of(self.errors(parameters, nuisance))), nuisance
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:

@@ -57,7 +57,7 @@ def identify_output_error(
     Returns
     -------
     OutputErrorIdentification
-        What cannot be determined is said by its status and notes.
+        Its status and notes state what cannot be determined.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _starts(
 ) -> list[dict[str, float]]:
     """Parameters to begin with: nominal ones, or rough ones and what of least squares can be true."""
     if nominal is not None:
-        dynamics.at(nominal)  # says what is missing or impossible
+        dynamics.at(nominal)  # an error names what is missing or impossible
         known = [dict(nominal)]
     else:
         rough = rigid_start(model, dynamics, logs)

@@ -112,7 +112,7 @@ class PredictionError:
         return bool(self.run.starts)
 
     def excerpt(self) -> PredictionError:
-        """The same for a few parts of the run."""
+        """The run for a few parts of the log."""
         run = self.run.excerpt(_EXCERPT_SAMPLES)
         return replace(self, run=run, motions=run.known_motions)
 
@@ -124,7 +124,7 @@ class PredictionError:
     def updated(
         self, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> tuple[PredictionError, FloatArray]:
-        """The run with unmeasured motion and timing evaluated anew, and the nuisance parameters for it."""
+        """The run with unmeasured motion and timing evaluated again, and the nuisance parameters for it."""
         motions = self.motions
         if not self.run.determines_motion:
             states, n = self.states(parameters, nuisance), len(self.dynamics.bodies)

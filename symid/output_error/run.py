@@ -146,7 +146,7 @@ class LogRun:
         )
 
     def recorded_later(self, samples: float) -> LogRun:
-        """The same run with the force taken as recorded later by a number of samples."""
+        """The run with the force taken as recorded later by a number of samples."""
         late = self.late + samples
         drive, at, rate, rate_at = (x[self.kept] for x in _between(self.force, self.course, self.parts, late))
         return replace(self, drive=drive, drive_at=at, drive_rate=rate, drive_rate_at=rate_at, late=late)

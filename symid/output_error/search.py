@@ -51,7 +51,7 @@ class RunError(Protocol):
         """Errors scaled so that their sum of squares is the likelihood."""
 
     def updated(self, parameters: Mapping[str, float], nuisance: FloatArray) -> tuple[Self, FloatArray]:
-        """The run with its functions of the parameters evaluated anew, and the nuisance parameters for it."""
+        """The run with its functions of the parameters evaluated again, and the nuisance parameters for it."""
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
         """Standard deviations of the noise by signal, SI."""
@@ -164,7 +164,7 @@ class Search:
         return replace(self, x=found.x, minimum=found)
 
     def continued(self, errors: Sequence[RunError]) -> Search:
-        """The same search with other runs, such as the whole logs after excerpts of them."""
+        """The search with other runs, such as the whole logs after excerpts of them."""
         return replace(self, errors=tuple(errors), minimum=None)
 
     def weighted(self) -> Search:

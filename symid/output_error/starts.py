@@ -78,7 +78,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
 
 
 def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> dict[str, float]:
-    """The same parameters with bodies ten times as heavy, but for those that the drive moves as a rigid axis.
+    """Parameters with bodies ten times as heavy, but for those that the drive moves as a rigid axis.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ def verdict_of(
     alone: Sequence[LikelihoodFit] = (),
     criteria: Criteria = CRITERIA,
 ) -> tuple[Status, str]:
-    """Status of an estimate, and a sentence that says what it means and what to do; empty if all is well.
+    """Status of an estimate, and a sentence on its meaning and cure; empty for "ok".
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
 
 
 def _apart_remark(found: OutputErrorIdentification, alone: Sequence[LikelihoodFit]) -> str:
-    """Logs that parameters of their own explain much better than common ones, in words."""
+    """Logs that separate parameters explain much better than common ones, in words."""
     if found.fit is None or len(alone) != len(found.logs):
         return ""
     levels = zip(found.logs, found.fit.search.levels, alone, strict=True)

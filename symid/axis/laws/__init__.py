@@ -1,6 +1,6 @@
 """Force laws in joints and springs: friction and every other effect that an axis may have.
 
-A law is one class. It says where it sits and what force opposes the motion there, as a sum of terms
+A law is one class. It states its place and the force that opposes the motion there, as a sum of terms
 ``parameter * expression(q, v)``, q and v being displacement and velocity of the joint. The expression is
 text, so that declaring an axis needs no sympy; derivation, generated code, simulation, export and diagnosis
 all read the same text. What a module of this package lists in ``__all__`` is known to all of symid.

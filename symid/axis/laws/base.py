@@ -1,4 +1,4 @@
-"""What a force law says of itself; derivation, generated code, simulation, export and diagnosis read it from there."""
+"""The record of a force law; derivation, generated code, simulation, export and diagnosis read it from there."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Term:
 
 
 Scale: TypeAlias = Literal["speed", "stroke", "deflection"]
-"""What a joint does in a log: its highest speed, its stroke, its largest displacement to either side."""
+"""Motion of a joint in a log: highest speed, stroke, largest displacement to either side."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Law(ABC):
     imitates: ClassVar[tuple[type[Law], ...]] = ()
     """Simpler laws whose lack it may explain as well: a diagnosis tries them too, and prefers them in a tie."""
     advice: ClassVar[str] = ""
-    """What to measure to be sure of it, as the next experiment of a diagnosis."""
+    """Measurement that confirms the law, as the next experiment of a diagnosis."""
 
     def terms(self) -> tuple[Term, ...]:
         """Terms of the force that opposes the motion."""
@@ -170,7 +170,7 @@ class Law(ABC):
         return {self.named(field): float(value) for field, value in given.items() if is_number(value)}
 
     def faults(self) -> Iterator[str]:
-        """What is wrong with the numbers of the law; `Axis` reports it with all other faults."""
+        """Faults of the numbers of the law; `Axis` reports them with all others."""
         for number in self.shape:
             value = getattr(self, number.field)
             if not (is_finite(value) and value > 0):
@@ -178,7 +178,7 @@ class Law(ABC):
 
 
 def is_finite(value: object) -> bool:
-    """Whether a value is a finite number (a truth value is none)."""
+    """Whether a value is a finite number (a truth value is not one)."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 

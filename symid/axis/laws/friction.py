@@ -86,10 +86,10 @@ class AsymmetricFriction(Law):
 
 @dataclass(frozen=True)
 class FrictionAsymmetry(Law):
-    """What friction in both directions differs by: dFs + dFv abs(v), beside Coulomb and viscous friction.
+    """Difference of friction between directions: dFs + dFv abs(v), beside Coulomb and viscous friction.
 
     The parameters are half the differences of the levels and coefficients of both directions, forward less backward.
-    `AsymmetricFriction` says the same with a level and a coefficient for each direction. While an axis moves, dFs alone
+    `AsymmetricFriction` has a level and a coefficient for each direction. While an axis moves, dFs alone
     is a constant force, which a diagnosis considers too.
 
     Parameters
@@ -119,7 +119,7 @@ class FrictionAsymmetry(Law):
 
 @dataclass(frozen=True)
 class ViscousAsymmetry(Law):
-    """What viscous friction in both directions differs by: dFv abs(v), beside a constant force.
+    """Difference of viscous friction between directions: dFv abs(v), beside a constant force.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What bends or frees a spring: q is its deflection."""
+"""Laws of springs, in their deflection q."""
 
 from __future__ import annotations
 

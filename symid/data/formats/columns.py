@@ -26,7 +26,7 @@ class Channel:
     name, unit : str
         As written in the file; the unit may be empty.
     time : array of shape (n,)
-        Times of its samples, s; empty where the file does not say.
+        Times of its samples, s; empty where the file does not give them.
     values : array of shape (n,)
         Its samples.
     """
@@ -43,7 +43,7 @@ class Channel:
 
 
 def vector(array: npt.NDArray[Any]) -> FloatArray | str:
-    """An array as a column of numbers, moments as seconds from the first, or a sentence that says what it is.
+    """An array as a column of numbers, moments as seconds from the first, or a sentence on what it holds.
 
     Examples
     --------

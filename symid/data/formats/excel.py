@@ -40,7 +40,7 @@ def open_excel(path: Path, memory: int | None = None) -> Table:
 
 
 def _headers(path: Path, sheet: Any) -> tuple[tuple[str, ...], int]:
-    """Headers and the number of rows above the values, found in the cells as text; none where there are no values."""
+    """Headers and the number of rows above the values, found in the cells as text; empty without values."""
     text = "\n".join(map(_line, sheet.to_polars().head(_MOST_ROWS).iter_rows())).encode("utf-8")
     try:
         layout = layout_of_text(path, text)

@@ -44,7 +44,7 @@ def _read_parquet(
 
 
 def numbers_of(column: pl.Series, first: int = 0) -> FloatArray | str:
-    """Numbers of a column, or a sentence that says what it holds; moments and durations are seconds.
+    """Numbers of a column, or a sentence on what it holds; moments and durations are seconds.
 
     Moments count from the first: only of a column that is read from its first row on.
     """
