@@ -40,7 +40,9 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     statements += rates
     if dynamics.imperfect.is_timed:
         statements.append(f"d{dynamics.imperfect.clock} = 1.0;")
-    return lines([*members(_used(dynamics)), *statements])
+    matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
+    laws = [sp.Matrix([joint.force]) for joint in dynamics.joints]
+    return lines([*members(used_parameters(dynamics, *matrices, *laws)), *statements])
 
 
 def smooth_force(
@@ -134,12 +136,9 @@ def in_steps(name: str, step: float) -> str:
     return f"{name} = {float(step)!r}*nearbyint({name}/{float(step)!r});"
 
 
-def _used(dynamics: SymbolicDynamics) -> list[str]:
-    """Parameters that the dynamics depend on, in the order of the declaration."""
-    matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
-    symbols = set().union(
-        *(m.free_symbols for m in matrices), *(j.force.free_symbols for j in dynamics.joints)
-    )
+def used_parameters(dynamics: SymbolicDynamics, *matrices: sp.Matrix) -> list[str]:
+    """Parameters in some matrices, in the order of the declaration."""
+    symbols = set().union(*(matrix.free_symbols for matrix in matrices))
     return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]
 
 

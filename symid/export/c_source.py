@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
@@ -172,11 +172,13 @@ def _words(
     axis, minimal, name = model.axis, model.minimal, model.axis.name
     signals, parameters = model_signals(model), axis.physical_parameters
     constants = {**minimal.source.source.constants, **dynamics.constants}
+    texts = [*minimal.written, *(f"Lost: {loss}" for loss in losses)]
+    notes = [part for text in texts for part in textwrap.wrap(text, 105, subsequent_indent="    ")]
     return {
         "name": name,
         "guard": f"SYMID_{name.upper()}_H",
         "measured_line": f"Measured: {', '.join(model.measured)}.",
-        "notes": _comment([*minimal.written, *(f"Lost: {loss}" for loss in losses)]),
+        "notes": "\n".join(f" * {line}" for line in notes),
         "bodies": len(dynamics.bodies),
         "n_state": dynamics.n_states,
         "memory": "  /* and what imperfections remember */" * bool(dynamics.imperfect.states),
@@ -230,8 +232,3 @@ def _forward(model: DerivedModel) -> str:
             *(f"X[{i}] = {text};" for i, text in enumerate(results)),
         ]
     )
-
-
-def _comment(lines: Iterable[str]) -> str:
-    wrapped = (part for line in lines for part in textwrap.wrap(line, 105, subsequent_indent="    "))
-    return "\n".join(f" * {line}" for line in wrapped)

@@ -12,7 +12,15 @@ from dataclasses import replace
 import sympy as sp
 
 from symid.export.c_code import c_code, c_name
-from symid.export.c_motion import acts_otherwise, clock, lines, members, renamed, smooth_force
+from symid.export.c_motion import (
+    acts_otherwise,
+    clock,
+    lines,
+    members,
+    renamed,
+    smooth_force,
+    used_parameters,
+)
 from symid.export.dynamics import VELOCITY, SymbolicDynamics
 from symid.export.imperfect_terms import ACTING, NOW, Memory, sent
 
@@ -109,7 +117,7 @@ def step_function(dynamics: SymbolicDynamics) -> str:
     v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
     smooth = smooth_force(dynamics, x, v)
     inverse = dynamics.mass.inv(method="LU")
-    used = _parameters(dynamics, smooth, inverse)
+    used = used_parameters(dynamics, smooth, inverse)
     remembers = bool(dynamics.imperfect.remembering)
     return _STEP.format(
         followed=_FOLLOWED if remembers else "",
@@ -168,7 +176,7 @@ def _follows(memory: Memory) -> str:
 def _law(dynamics: SymbolicDynamics) -> str:
     forces = [joint.force for joint in dynamics.joints]
     cases = [f"    case {j}: return {c_code(renamed(force))};" for j, force in enumerate(forces)]
-    used = _parameters(dynamics, sp.Matrix(forces))
+    used = used_parameters(dynamics, sp.Matrix(forces))
     arguments = "".join(f", {kind}" for kind, _ in _beyond(dynamics))
     unused = "".join(f"\n    (void){name};" for _, name in _beyond(dynamics))
     return _LAW.format(
@@ -208,8 +216,3 @@ def _joints(dynamics: SymbolicDynamics) -> str:
 
 def _rows(rows: list[list[str]]) -> str:
     return "\n".join(f"        {{{', '.join(row)}}}," for row in rows)
-
-
-def _parameters(dynamics: SymbolicDynamics, *matrices: sp.Matrix) -> list[str]:
-    symbols = set().union(*(matrix.free_symbols for matrix in matrices))
-    return [name for name in dynamics.axis.physical_parameters if sp.Symbol(name) in symbols]

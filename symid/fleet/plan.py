@@ -187,7 +187,7 @@ def _expanded(item: str) -> list[str]:
         return sorted(_logs_in(item))
     if has_magic(item) and not os.path.exists(item):
         places = glob(os.path.dirname(item) or os.curdir, recursive=True)
-        closed = [place for place in places if os.path.isdir(place) and not _is_open(place)]
+        closed = [p for p in places if os.path.isdir(p) and not os.access(p, os.R_OK | os.X_OK)]
         return sorted([*closed, *(path for path in glob(item, recursive=True) if not os.path.isdir(path))])
     return [item]
 
@@ -199,7 +199,3 @@ def _logs_in(folder: str) -> Iterator[str]:
             if suffix_of(Path(name)) in FOLDER_SUFFIXES:
                 yield str(Path(place, name))
     yield from (str(Path(error.filename)) for error in closed)
-
-
-def _is_open(folder: str) -> bool:
-    return os.access(folder, os.R_OK | os.X_OK)

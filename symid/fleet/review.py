@@ -24,10 +24,8 @@ from symid.fleet.results import (
     parameter_names,
 )
 from symid.fleet.sentences import sentence
-from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
+from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_deviation, spread_between
 
-_TO_SIGMA = 1.4826
-"""Standard deviation of normal values for each unit of their median absolute deviation."""
 _LEAST_OUTLYING = 3.5
 """Robust z from which a value is an outlier (Iglewicz and Hoaglin 1993), at least."""
 _FALSE_OUTLIERS = 0.05
@@ -250,7 +248,7 @@ def _outliers(logs: Sequence[str], values: FloatArray, deviations: FloatArray) -
     if values.size < 5:
         return ()
     away = values - np.median(values)
-    scale = np.fmax(_TO_SIGMA * np.median(np.abs(away)), deviations)
+    scale = np.fmax(robust_deviation(values), deviations)
     with np.errstate(divide="ignore", invalid="ignore"):
         z = away / scale
     limit = max(_LEAST_OUTLYING, -float(scipy.special.ndtri(_FALSE_OUTLIERS / 2 / values.size)))

@@ -28,7 +28,12 @@ def sentence(
     tested = [one for one in axes if one.verdict.probabilities]
     differing = [one for one in tested if one.verdict.differs]
     if differing:
-        worst = max(differing, key=_largest_share)
+
+        def largest_share(axis: AxisReview) -> float:
+            known = (one.spread for one in axis.parameters if math.isfinite(one.spread.between))
+            return max((spread.share for spread in known), default=0.0)
+
+        worst = max(differing, key=largest_share)
         which = ", ".join(worst.verdict.parameters[:3])
         parts.append(
             f"{len(differing)} of {_plural(len(tested), 'axis', 'axes')} really "
@@ -39,7 +44,8 @@ def sentence(
         parts.append("No axis differs from run to run beyond its intervals.")
     changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
     if changed:
-        parts.append(f"Parameters of {_plural(len(changed), 'axis', 'axes')} step or drift: {_few(changed)}.")
+        names = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
+        parts.append(f"Parameters of {_plural(len(changed), 'axis', 'axes')} step or drift: {names}.")
     if effects:
         first = effects[0]
         place = f" at {first.at}" if first.at else ""
@@ -58,16 +64,6 @@ def _ok(table: pl.DataFrame, statuses: Mapping[str, int]) -> str:
         f"{count} {name.replace('_', ' ')}" for name, count in statuses.items() if name != "ok"
     )
     return f"{good} ok ({others})"
-
-
-def _largest_share(axis: AxisReview) -> float:
-    return max(
-        (one.spread.share for one in axis.parameters if math.isfinite(one.spread.between)), default=0.0
-    )
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def _plural(count: int, one: str, many: str = "") -> str:

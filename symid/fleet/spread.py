@@ -107,6 +107,18 @@ class SpreadVerdict:
     probabilities: Mapping[str, float]
 
 
+def robust_deviation(values: FloatArray) -> float:
+    """Standard deviation of normal values from their median absolute deviation, which stray values do not move.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> round(robust_deviation(np.array([1.0, 2.0, 3.0, 1000.0])), 2)
+    1.48
+    """
+    return 1.4826 * float(np.median(np.abs(values - np.median(values))))
+
+
 def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     """Spread of a parameter between runs.
 
@@ -152,13 +164,15 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     mean = float(weights @ x / weights.sum())
     excess = max(float(weights @ (x - mean) ** 2) / freedom, 1.0)
     Q = generalised_statistic(x, variance, 0.0)
+    w = 1 / variance
+    typical = float((w.size - 1) * w.sum() / (w.sum() ** 2 - w @ w))  # Higgins and Thompson, 2002
     return Spread(
         runs=int(x.size),
         mean=mean * unit,
         mean_std=math.sqrt(excess / weights.sum()) * unit,
         between=math.sqrt(tau2) * unit,
         between_interval=(low, high),
-        promised=math.sqrt(_typical_variance(variance)) * unit,
+        promised=math.sqrt(typical) * unit,
         statistic=Q,
         probability=float(scipy.special.chdtrc(freedom, Q)),
     )
@@ -263,11 +277,6 @@ def _too_few(x: FloatArray, s: FloatArray) -> Spread:
     mean, std = float(weights @ x / weights.sum()), float(s.min() / math.sqrt(weights.sum()))
     promised = float(np.sqrt(np.mean((s / s.max()) ** 2)) * s.max())
     return Spread(int(x.size), mean, std, nan, (nan, nan), promised, nan, nan)
-
-
-def _typical_variance(variance: FloatArray) -> float:
-    weights = 1 / variance
-    return float((weights.size - 1) * weights.sum() / (weights.sum() ** 2 - weights @ weights))
 
 
 def _holm(probabilities: Sequence[float]) -> FloatArray:

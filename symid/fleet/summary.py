@@ -10,9 +10,8 @@ import numpy as np
 
 from symid.fleet.batch import Batch
 from symid.fleet.results import count_effects
+from symid.fleet.spread import robust_deviation
 
-_NORMAL = 1.4826
-"""Standard deviation of a normal distribution by its median absolute deviation."""
 _MOST_TROUBLES = 20
 
 
@@ -64,14 +63,13 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
             )
             if not values.size:
                 continue
-            middle = float(np.median(values))
             found.append(
                 {
                     "name": name,
                     "measured": measured,
                     "logs": values.size,
-                    "median": middle,
-                    "spread": _NORMAL * float(np.median(np.abs(values - middle))),
+                    "median": float(np.median(values)),
+                    "spread": robust_deviation(values),
                     "std": float(np.median(deviations)) if deviations.size else None,
                     "unit": unit,
                 }

@@ -95,7 +95,7 @@ class Restricted:
 
 
 def negative_parameters(model: GeneratedModel, physical: FloatArray) -> tuple[str, ...]:
-    """Physical parameters that are negative, and must not be, whatever their deviations, which mean "not determined"."""
+    """Physical parameters negative against the declaration, whatever their deviations, which mean "not determined"."""
     below = zip(model.physical_units, physical < 0.0, strict=True)
     return tuple(name for name, is_below in below if is_below and name not in model.signed)
 

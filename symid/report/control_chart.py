@@ -11,6 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.fleet import ControlChart, ParameterReview
+from symid.fleet.spread import robust_deviation
 from symid.report.fleet import change_sentence
 
 WIDTH, HEIGHT = 760, 190
@@ -123,8 +124,7 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
     values : array of shape (n,)
         Its values.
     """
-    spread = 1.4826 * float(np.median(np.abs(values - one.median)))
-    reach = _REACH * max(spread, 1e-9 * abs(one.median), 1e-300)
+    reach = _REACH * max(robust_deviation(values), 1e-9 * abs(one.median), 1e-300)
     low, high = max(one.median - reach, values.min()), min(one.median + reach, values.max())
     margin = 0.12 * (high - low) or reach
     low, high = float(low - margin), float(high + margin)

@@ -16,6 +16,7 @@ from symid import __version__
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
+from symid.export.parameters import correlation
 from symid.files import write_whole
 from symid.identification import Identification, Prediction
 from symid.identification.observation import Observation
@@ -130,11 +131,8 @@ def _parameters(found: Identification) -> list[dict[str, Any]]:
 def _correlations(found: Identification) -> list[tuple[str, list[float]]]:
     """Correlations of the same parameters."""
     covariance = found.physical[0].propagated(found.covariance) if found.physical else found.covariance
-    deviations = np.sqrt(np.diag(covariance))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        matrix = covariance / np.outer(deviations, deviations)
     names = found.model.physical_units if found.physical else found.model.minimal_units
-    return [(name, row.tolist()) for name, row in zip(names, matrix, strict=True)]
+    return [(name, row.tolist()) for name, row in zip(names, correlation(covariance), strict=True)]
 
 
 def _svg(figure: Drawn | None, name: str) -> str:

@@ -93,7 +93,9 @@ def identification_figure(
         else _panels_of_readings(found, cast("OutputErrorPrediction | None", validation))
     )
     if axis is not None and runs:
-        panels = _with_motion(panels, axis, runs)
+        each = len(panels) // len(runs)  # panels of one log
+        motions = [motion for run in runs for motion in [SensorMotion.of(axis, run)] * each]
+        panels = [replace(panel, motion=motion) for panel, motion in zip(panels, motions, strict=True)]
     responses = _responses(found, axis, runs)
     units, values, covariance = _parameters(found)
     pairs = correlated_pairs(covariance)[:_MOST_ELLIPSES]
@@ -141,13 +143,6 @@ def _parameters(
         return found.model.minimal_units, found.fit.parameters, found.covariance
     slopes = found.physical[0].sensitivity
     return found.model.physical_units, found.physical[0].parameters, slopes @ found.covariance @ slopes.T
-
-
-def _with_motion(panels: Sequence[Panel], axis: Axis, runs: Sequence[Log]) -> list[Panel]:
-    """Panels with the motion of their logs; each log has as many panels."""
-    each = len(panels) // len(runs)
-    motions = [motion for run in runs for motion in [SensorMotion.of(axis, run)] * each]
-    return [replace(panel, motion=motion) for panel, motion in zip(panels, motions, strict=True)]
 
 
 def _panels_of_equations(found: Identification, validation: Prediction | None) -> list[Panel]:
