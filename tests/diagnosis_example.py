@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
+from diagnosis_curves import FLOOR, FOUND, curves_of, level_of, maps_of, spectrum_of
 
 from symid import load_axis
 from symid.diagnosis import (
@@ -16,19 +16,13 @@ from symid.diagnosis import (
     Gap,
     Level,
     Location,
-    MapCell,
     ParameterChange,
     Signals,
-    Spectrum,
 )
 from symid.diagnosis.findings.gap import Removed, Reversal
 
 KINDS = ("effect", "two effects", "partly", "no gap", "parameters", "unexplained", "recording")
 """Diagnoses that can be made."""
-
-FLOOR = 1.9
-"""Noise of the force in N."""
-_RATE = 4000.0
 
 _SENTENCES = {
     "effect": "Stribeck friction at the motor is missing from the model: with it the force error falls from "
@@ -56,13 +50,12 @@ _FAULTS = {
     "unexplained": ("Fm is clipped at ±1800 N in 12 samples",),
     "recording": ("q2 holds one value from 4.1 to 4.6 s",),
 }
-_FOUND = ("effect", "two effects", "partly")
 _VERDICTS = {"two effects": "effect", "no gap": "no_gap"}
 
 
 def diagnosis_example(kind: str = "effect", seconds: float = 10.0) -> Diagnosis:
     """A diagnosis of one kind with all its parts filled."""
-    signals = _signals(kind, seconds)
+    signals = curves_of(kind, seconds)
     gap = _gap(kind, signals)
     sentence = _SENTENCES[kind].format(
         before=gap.reidentified.rms,
@@ -78,7 +71,7 @@ def diagnosis_example(kind: str = "effect", seconds: float = 10.0) -> Diagnosis:
         sentence=sentence,
         gap=gap,
         location=_location(kind),
-        maps=_maps(signals),
+        maps=maps_of(signals),
         effects=_effects(kind, gap),
         alternatives=_alternatives(kind, gap),
         probabilities=_probabilities(kind),
@@ -91,7 +84,7 @@ def diagnosis_example(kind: str = "effect", seconds: float = 10.0) -> Diagnosis:
         ),
         next_experiment=_NEXT[kind],
         signals=signals,
-        spectrum=_spectrum(signals),
+        spectrum=spectrum_of(signals),
     )
 
 
@@ -106,45 +99,9 @@ def without_nominal(found: Diagnosis) -> Diagnosis:
     )
 
 
-def _signals(kind: str, seconds: float) -> Signals:
-    random = np.random.default_rng(4)
-    time = np.arange(round(seconds * _RATE)) / _RATE
-    position, velocity, acceleration = np.zeros((3, time.size))
-    for amplitude, frequency, phase in ((0.05, 0.3, 0.4), (0.008, 1.7, 1.0), (0.0007, 6.1, 0.2)):
-        rate, angle = 2 * np.pi * frequency, 2 * np.pi * frequency * time + phase
-        position += amplitude * np.sin(angle)
-        velocity += amplitude * rate * np.cos(angle)
-        acceleration -= amplitude * rate**2 * np.sin(angle)
-    direction = np.sign(velocity)
-    model = 362.58 * acceleration + 88.6 * velocity + 146 * direction
-    stribeck = 45 * direction * np.exp(-((velocity / 0.02) ** 2))
-    late = 0.0006 * np.gradient(model, time) * (np.abs(np.gradient(direction)) == 0)
-    ripple = 9 * np.sin(2 * np.pi * 23 * time) * np.sin(2 * np.pi * 0.9 * time) ** 2
-    missing = {
-        "effect": stribeck,
-        "two effects": stribeck + late,
-        "partly": stribeck + 2 * ripple,
-        "unexplained": ripple,
-        "recording": ripple,
-    }.get(kind, 0 * time)
-    explained = stribeck if kind == "partly" else missing
-    found = 0.85 * explained if kind in _FOUND else 0 * time
-    noise = random.normal(0.0, FLOOR, time.size)
-    nominal = model if kind == "no gap" else 1.05 * 362.58 * acceleration + 60 * velocity + 130 * direction
-    measured, before = model + missing + noise, model + 0.08 * missing
-    compared = np.abs(velocity) > 0.004
-    return Signals(time, position, velocity, measured, nominal, before, before + found, compared)
-
-
-def _level(error: np.ndarray, signals: Signals) -> Level:
-    used = signals.compared
-    rms = float(np.sqrt(np.mean(error[used] ** 2)))
-    return Level(rms, rms / float(np.sqrt(np.mean(signals.measured[used] ** 2))))
-
-
 def _gap(kind: str, signals: Signals) -> Gap:
     nominal, before, after = (
-        _level(signals.measured - force, signals)
+        level_of(signals.measured - force, signals)
         for force in (signals.nominal, signals.reidentified, signals.explained)
     )
     floor = Level(FLOOR, FLOOR * before.relative / before.rms)
@@ -157,7 +114,7 @@ def _gap(kind: str, signals: Signals) -> Gap:
     left = max(after.rms**2 - floor.rms**2, 0.0) / excess if span > 0.1 else np.nan
     near = replace(signals, compared=signals.compared & (np.abs(signals.velocity) < 0.02))
     reversal = Reversal(
-        *(_level(near.measured - force, near) for force in (near.reidentified, near.explained))
+        *(level_of(near.measured - force, near) for force in (near.reidentified, near.explained))
     )
     return Gap("Fm", "N", 120.0, nominal, before, after, floor, steps, closed, interval, left, reversal)
 
@@ -183,62 +140,6 @@ def _location(kind: str) -> tuple[Location, ...]:
         "recording": (Location("q2", 1.0, (20.0, 26.0), "all"),),
     }
     return places.get(kind, ())
-
-
-def _maps(signals: Signals) -> dict[str, tuple[MapCell, ...]]:
-    speed, inner = np.abs(signals.velocity), (-np.inf, np.inf)
-    drive = np.abs(signals.measured)
-    masks = {
-        "regime": (
-            ("reversal", *inner, speed < 0.008),
-            ("slow", *inner, (speed >= 0.008) & (speed < 0.04)),
-            ("fast", *inner, speed >= 0.04),
-        ),
-        "direction": (("forward", *inner, signals.velocity > 0), ("backward", *inner, signals.velocity < 0)),
-        "position": _parts(signals.position, 6, "m"),
-        "drive force": _parts(drive, 5, "N"),
-        "time": _parts(signals.time, 5, "s"),
-    }
-    bands = (
-        ("0–2 Hz", 0, 2, 0.31),
-        ("2–10 Hz", 2, 10, 0.46),
-        ("10–40 Hz", 10, 40, 0.19),
-        ("40–120 Hz", 40, 120, 0.04),
-    )
-    maps = {
-        "band": tuple(
-            MapCell(label, lo, hi, (hi - lo) / 120, s, 1 + 20 * s, 1.05) for label, lo, hi, s in bands
-        )
-    }
-    return maps | {name: tuple(_cell(signals, *mask) for mask in cells) for name, cells in masks.items()}
-
-
-def _parts(values: np.ndarray, count: int, unit: str) -> list[tuple[str, float, float, np.ndarray]]:
-    digits = 3 - int(np.ceil(np.log10(np.ptp(values))))
-    limits = np.round(np.linspace(values.min(), values.max(), count + 1), digits)
-    return [
-        (f"{low + 0:.4g} to {high:.4g} {unit}", low, high, (values >= low) & (values < high))
-        for low, high in pairwise(limits)
-    ]
-
-
-def _cell(signals: Signals, label: str, low: float, high: float, inside: np.ndarray) -> MapCell:
-    error = signals.measured - signals.reidentified
-    used = signals.compared
-    excess = float(np.sum(error[used] ** 2 - FLOOR**2))
-    here = used & inside
-    if not np.any(here):
-        return MapCell(label, low, high, 0.0, 0.0, np.nan, np.nan)
-    part = float(np.sum(error[here] ** 2 - FLOOR**2)) / excess if excess > FLOOR**2 * used.sum() else np.nan
-    before, after = (
-        _level(signals.measured[here] - force[here], _rows(signals, here)).rms / FLOOR
-        for force in (signals.reidentified, signals.explained)
-    )
-    return MapCell(label, low, high, float(here.sum() / used.sum()), part, before, after)
-
-
-def _rows(signals: Signals, rows: np.ndarray) -> Signals:
-    return Signals(*(getattr(signals, name)[rows] for name in Signals.__dataclass_fields__))
 
 
 def _effects(kind: str, gap: Gap) -> tuple[FoundEffect, ...]:
@@ -304,7 +205,7 @@ def _parameters(kind: str) -> tuple[ParameterChange, ...]:
         ("Fvm", "N*s/m", 60.0, 41.3, 3.2, 88.2, 1.9),
         ("Fsm", "N", 130.0, 158.8, 0.9, 146.3, 0.5),
     )
-    absorbed = {"Fvs", "Fvm", "Fsm"} if kind in _FOUND else set()
+    absorbed = {"Fvs", "Fvm", "Fsm"} if kind in FOUND else set()
     return tuple(
         ParameterChange(
             name,
@@ -318,16 +219,3 @@ def _parameters(kind: str) -> tuple[ParameterChange, ...]:
         )
         for name, unit, nominal, value, std, after, after_std in values
     )
-
-
-def _spectrum(signals: Signals) -> Spectrum:
-    window, size = np.hanning(4096), 4096
-    density = []
-    for force in (signals.reidentified, signals.explained):
-        error = signals.measured - force
-        parts = np.lib.stride_tricks.sliding_window_view(error, size)[:: size // 2] * window
-        power = np.mean(np.abs(np.fft.rfft(parts, axis=1)) ** 2, axis=0)
-        density.append(np.sqrt(2 * power / (_RATE * np.sum(window**2))))
-    frequency = np.fft.rfftfreq(size, 1 / _RATE)
-    noise = np.full(frequency.size, FLOOR * np.sqrt(2 / _RATE))
-    return Spectrum(frequency, density[0], density[1], noise)
