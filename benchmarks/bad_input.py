@@ -16,13 +16,13 @@ import contextlib
 import sys
 import tempfile
 import time
-from collections import Counter
 from pathlib import Path
 
-from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import given
 
 from benchmarks.bad.cases import Case, cases
-from benchmarks.bad.outcome import Outcome, good_folder, outcome_in_a_copy
+from benchmarks.bad.outcome import good_folder, outcome_in_a_copy
+from benchmarks.commands import Outcome, drawn, table
 
 
 def examined(examples: int, number: int) -> dict[Case, Outcome]:
@@ -32,15 +32,7 @@ def examined(examples: int, number: int) -> dict[Case, Outcome]:
     with tempfile.TemporaryDirectory() as good:
         texts = good_folder(Path(good))
 
-        @seed(number)
-        @settings(
-            max_examples=examples,
-            deadline=None,
-            database=None,
-            derandomize=False,
-            phases=[Phase.generate],
-            suppress_health_check=list(HealthCheck),
-        )
+        @drawn(examples, number)
         @given(cases(texts))
         def look(case: Case) -> None:
             if case in found:
@@ -63,17 +55,6 @@ def _place(outcome: Outcome) -> str:
     return outcome.verdict + (lines[-1] if lines else outcome.detail[:80])
 
 
-def table(found: dict[Case, Outcome]) -> str:
-    """Counts by command and outcome."""
-    verdicts = sorted({outcome.verdict for outcome in found.values()})
-    lines = [" ".join(["command".ljust(10), *(verdict.rjust(max(len(verdict), 5)) for verdict in verdicts)])]
-    for command in [*sorted({case.arguments[0] for case in found}), None]:
-        counts = Counter(o.verdict for c, o in found.items() if command in (c.arguments[0], None))
-        cells = (str(counts[v] or "-").rjust(max(len(v), 5)) for v in verdicts)
-        lines.append(" ".join([(command or "all").ljust(10), *cells]))
-    return "\n".join(lines)
-
-
 def main() -> int:
     """Print the table; failures are told as they are found."""
     parser = argparse.ArgumentParser(
@@ -85,7 +66,7 @@ def main() -> int:
     begin = time.perf_counter()
     found = examined(options.examples, options.seed)
     failures = sum(outcome.is_failure for outcome in found.values())
-    print(table(found))
+    print(table(((case.arguments[0], outcome) for case, outcome in found.items()), "command", 10))
     print(f"{len(found)} cases, {failures} failures, {time.perf_counter() - begin:.0f} s")
     return int(bool(failures))
 

@@ -16,26 +16,18 @@ import argparse
 import contextlib
 import sys
 import time
-from collections import Counter
 
-from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import given
 
-from benchmarks.damage.outcome import Damage, Outcome, damages, outcome_of
+from benchmarks.commands import Outcome, drawn, table
+from benchmarks.damage.outcome import Damage, damages, outcome_of
 
 
 def examined(examples: int, number: int) -> dict[Damage, Outcome]:
     """Outcomes of so many damaged logs, or of those until Ctrl-C; failures are told at once."""
     found: dict[Damage, Outcome] = {}
 
-    @seed(number)
-    @settings(
-        max_examples=examples,
-        deadline=None,
-        database=None,
-        derandomize=False,
-        phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck),
-    )
+    @drawn(examples, number)
     @given(damages)
     def look(damage: Damage) -> None:
         if damage not in found:
@@ -46,17 +38,6 @@ def examined(examples: int, number: int) -> dict[Damage, Outcome]:
     with contextlib.suppress(KeyboardInterrupt):
         look()
     return found
-
-
-def table(found: dict[Damage, Outcome]) -> str:
-    """Counts by kind and verdict."""
-    verdicts = list(Counter(outcome.verdict for outcome in found.values()))
-    lines = [" ".join(["kind".ljust(18), *(verdict.rjust(max(len(verdict), 4)) for verdict in verdicts)])]
-    for kind in [*sorted({damage.kind for damage in found}), None]:
-        counts = Counter(o.verdict for d, o in found.items() if kind in (d.kind, None))
-        cells = (str(counts[v] or "-").rjust(max(len(v), 4)) for v in verdicts)
-        lines.append(" ".join([(kind or "all").ljust(18), *cells]))
-    return "\n".join(lines)
 
 
 def main() -> int:
@@ -74,7 +55,7 @@ def main() -> int:
         return int(outcome.is_failure)
     begin = time.perf_counter()
     found = examined(given_.examples, given_.seed)
-    print(table(found))
+    print(table(((damage.kind, outcome) for damage, outcome in found.items()), "kind", 18))
     failures = {damage: outcome for damage, outcome in found.items() if outcome.is_failure}
     for damage, outcome in sorted(failures.items()):
         last = (

@@ -3,41 +3,22 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import json
 import os
 import shutil
 import tempfile
-import traceback
-import warnings
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import polars as pl
 
 from benchmarks.bad.cases import Case
-from benchmarks.patience import Hangs, limited
-from symid.cli import main
+from benchmarks.commands import Outcome, run_command
 
-PATIENCE = 60
 AXIS = """from symid import Axis, Body, Drive, Position, ViscousFriction
 body = Body("body", mass="M")
 axis = Axis("own_axis", (body, ViscousFriction(body, "Fv")), Drive("F", body), (Position("q", body),))
 """
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a case: "done", "refused", or what must not be."""
-
-    verdict: str
-    detail: str
-
-    @property
-    def is_failure(self) -> bool:
-        """Whether this must not be."""
-        return self.verdict not in ("done", "refused")
 
 
 def good_folder(folder: Path) -> dict[str, str]:
@@ -88,30 +69,18 @@ def outcome_in_a_copy(case: Case, good: Path) -> Outcome:
 
 def outcome_of(case: Case, folder: Path) -> Outcome:
     """Run a command in a folder, in this process."""
-    out, err = io.StringIO(), io.StringIO()
-    code: object = None
-    with contextlib.chdir(folder), warnings.catch_warnings(record=True) as warned, limited(PATIENCE):
-        warnings.simplefilter("always")
+    with contextlib.chdir(folder):
         os.environ["SYMID_TRACE"] = "1"
         try:
-            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                main(list(case.arguments))
-        except SystemExit as stop:
-            code = stop.code
-        except Hangs:
-            return Outcome("hang", f"more than {PATIENCE} s")
-        except KeyboardInterrupt:
-            raise
-        except BaseException:  # noqa: BLE001  # whatever comes through is what is looked for
-            return Outcome("traceback", traceback.format_exc())
+            ended = run_command(case.arguments)
         finally:
             del os.environ["SYMID_TRACE"]
-    if warned:
-        return Outcome("warning", f"{warned[0].message} in {warned[0].filename}:{warned[0].lineno}")
-    if "\x1b" in out.getvalue() + err.getvalue():
-        return Outcome("escape", out.getvalue() + err.getvalue())
-    if code in (0, None, 1):
-        return Outcome("done", out.getvalue())
-    lines = err.getvalue().splitlines()
-    fine = code == 2 and len(lines) >= 1 and lines[-1].startswith("symid: ")
-    return Outcome("refused" if fine else "several lines", f"exit code {code}: {err.getvalue()}")
+    if isinstance(ended, Outcome):
+        return ended
+    if "\x1b" in ended.out + ended.err:
+        return Outcome("escape", ended.out + ended.err)
+    if ended.code in (0, None, 1):
+        return Outcome("done", ended.out)
+    lines = ended.err.splitlines()
+    fine = ended.code == 2 and len(lines) >= 1 and lines[-1].startswith("symid: ")
+    return Outcome("refused" if fine else "several lines", f"exit code {ended.code}: {ended.err}")

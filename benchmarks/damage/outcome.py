@@ -1,37 +1,28 @@
-"""What `symid identify` says of a damaged log, and whether that may be."""
+"""Results of `symid identify` of damaged logs, judged against the truth."""
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
 import tempfile
-import traceback
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from hypothesis import strategies as st
 
+from benchmarks.commands import Outcome, run_command
 from benchmarks.damage.kinds import OF_BYTES, OF_COLUMNS, OF_FRAME, OF_TEXT
 from benchmarks.damage.log import AXIS, FORMS, TRUTH, as_bytes, good_log, write
-from benchmarks.patience import Hangs, limited
-from symid.cli import main
 
 KINDS = ("none", *OF_COLUMNS, *OF_BYTES, *OF_TEXT, *OF_FRAME, "wrong_suffix")
 
 UNTOLD = ("wrong_unit",)
 """Damage that no log tells of: a channel that is scaled as a whole leaves a log of another axis."""
 
-PATIENCE = 60
-"""Seconds after which a command hangs."""
-
 TOLERANCE = 0.05
 DEVIATIONS = 6.0
 """A parameter is right within 5 % of the truth, or within 6 corrected standard deviations."""
-
-FAILURES = ("traceback", "hang", "warning", "several lines", "wrong")
 
 
 @dataclass(frozen=True, order=True)
@@ -96,58 +87,17 @@ damages = st.builds(
 )
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a damaged log.
-
-    Parameters
-    ----------
-    verdict : str
-        "refused" (one line, exit code 2), a status, "ok" with right parameters, "untold" (wrong parameters that nothing
-        in the log speaks against), or one of `FAILURES`.
-    detail : str
-        What was said, or the parameters.
-    """
-
-    verdict: str
-    detail: str
-
-    @property
-    def is_failure(self) -> bool:
-        """Whether this must not be."""
-        return self.verdict in FAILURES
-
-
 def outcome_of(damage: Damage) -> Outcome:
-    """Write the log, identify it in this process, and judge what is said."""
-    out, err = io.StringIO(), io.StringIO()
+    """Write the log, identify it in this process, and judge the result.
+
+    Verdicts are those of `Outcome`, "ok" with right parameters, and "untold": wrong parameters that nothing in the log
+    contradicts.
+    """
     with tempfile.TemporaryDirectory() as folder:
         file = damage.file(Path(folder))
-        arguments = [
-            "identify",
-            AXIS,
-            str(file),
-            "--json",
-            "-",
-            *(["--memory", "1kB"] if damage.blocks else []),
-        ]
-        code: object = None
-        with warnings.catch_warnings(record=True) as warned, limited(PATIENCE):
-            warnings.simplefilter("always")
-            try:
-                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                    main(arguments)
-            except SystemExit as stop:
-                code = stop.code
-            except Hangs:
-                return Outcome("hang", f"more than {PATIENCE} s")
-            except KeyboardInterrupt:
-                raise
-            except BaseException:  # noqa: BLE001  # whatever comes through is what is looked for
-                return Outcome("traceback", traceback.format_exc())
-    if warned:
-        return Outcome("warning", f"{warned[0].message} in {warned[0].filename}:{warned[0].lineno}")
-    return _judged(damage, code, out.getvalue(), err.getvalue())
+        blocks = ["--memory", "1kB"] if damage.blocks else []
+        ended = run_command(["identify", AXIS, str(file), "--json", "-", *blocks])
+    return ended if isinstance(ended, Outcome) else _judged(damage, ended.code, ended.out, ended.err)
 
 
 def _judged(damage: Damage, code: object, out: str, err: str) -> Outcome:

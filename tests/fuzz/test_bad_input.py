@@ -35,6 +35,6 @@ def test_a_traceback_and_a_loss_would_be_seen(
             raise ValueError
         Path("run.csv").unlink()
 
-    monkeypatch.setattr("benchmarks.bad.outcome.main", broken)
+    monkeypatch.setattr("benchmarks.commands.main", broken)
     assert outcome_in_a_copy(Case(("fail",)), folder).verdict == "traceback"
     assert outcome_in_a_copy(Case(("lose",)), folder).verdict == "lost"

@@ -3,8 +3,9 @@
 import pytest
 from hypothesis import given, settings
 
+from benchmarks.commands import FAILURES, Outcome
 from benchmarks.damage.log import FORMS
-from benchmarks.damage.outcome import FAILURES, KINDS, Damage, Outcome, damages, outcome_of
+from benchmarks.damage.outcome import KINDS, Damage, damages, outcome_of
 
 FOUND_BY_FUZZING = (
     "denormal:mat:blocks:0.35836626032870417:1978297227",
