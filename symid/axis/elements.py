@@ -97,20 +97,33 @@ class Body(Parametrised):
         Name of the physical parameter, or its value where it is known: exactly one of the two.
     on : Body
         The body that carries it; its coordinate is relative to that body. The ground by default.
-    geared : Geared, optional
-        Rigid transmission from another body. A geared body has no coordinate.
+    geared : Geared or tuple of Geared, optional
+        Rigid transmission from another body, or from several, whose contributions add up. A geared body has no
+        coordinate of its own.
 
     Examples
     --------
     >>> structure = Body("structure", mass="Ms")
     >>> motor = Body("motor", mass="Mm", on=structure)
+
+    A beam between two carriages moves by their mean.
+
+    >>> left, right = Body("left", mass="M1"), Body("right", mass="M2")
+    >>> beam = Body("beam", mass="Mb", geared=(Geared(to=left, ratio=0.5), Geared(to=right, ratio=0.5)))
     """
 
     name: str
     mass: Parameter | None = None
     inertia: Parameter | None = None
     on: Body | Ground = GROUND
-    geared: Geared | None = None
+    geared: Geared | tuple[Geared, ...] | None = None
+
+    @property
+    def gears(self) -> tuple[Geared, ...]:
+        """Its transmissions; none of a body with a coordinate of its own."""
+        if self.geared is None:
+            return ()
+        return self.geared if isinstance(self.geared, tuple) else (self.geared,)
 
     @property
     def turns(self) -> bool:

@@ -246,7 +246,7 @@ def _in_order(bodies: tuple[Body, ...]) -> list[Body]:
     ordered: dict[Body, None] = {}
 
     def place(body: Body) -> None:
-        for other in (body.on, body.geared.to if body.geared else None):
+        for other in (body.on, *(gear.to for gear in body.gears)):
             if isinstance(other, Body):
                 place(other)
         ordered.setdefault(body)

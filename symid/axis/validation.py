@@ -117,9 +117,11 @@ def _field_faults(element: object) -> Iterator[str]:
         for term in element.terms():
             if not isinstance(term.parameter, str):
                 yield f"{label}: parameter {term.parameter!r} must be a name, with its value in known= of the axis"
-    geared = getattr(element, "geared", None)
-    if geared is not None and not (isinstance(geared, Geared) and isinstance(geared.to, Body)):
-        yield f"{label}: geared={geared!r} must be Geared(to=BODY, ratio=NUMBER)"
+    gears = element.gears if isinstance(element, Body) else ()
+    is_empty = getattr(element, "geared", None) == ()
+    if is_empty or not all(isinstance(gear, Geared) and isinstance(gear.to, Body) for gear in gears):
+        geared = getattr(element, "geared", None)
+        yield f"{label}: geared={geared!r} must be Geared(to=BODY, ratio=NUMBER), or a tuple of these"
 
 
 def _name_faults(
@@ -182,8 +184,11 @@ def _body_faults(bodies: Sequence[Body]) -> Iterator[str]:
             yield f"body {body.name!r} needs either mass= (it slides) or inertia= (it turns)"
         elif isinstance(body.on, Body) and body.on.turns and not body.turns:
             yield f"body {body.name!r} slides on {body.on.name!r}, which turns: put it on the ground and gear it"
-        if body.geared is not None and body.geared.to == body:
+        drivers = [gear.to for gear in body.gears]
+        if body in drivers:
             yield f"body {body.name!r} is geared to itself: gear it to another body"
+        for name in _repeated(driver.name for driver in drivers):
+            yield f"body {body.name!r} is geared to {name!r} more than once: add up the ratios"
 
 
 def _reference_faults(bodies: Sequence[Body], holders: Sequence[object]) -> Iterator[str]:
@@ -199,7 +204,7 @@ def _reference_faults(bodies: Sequence[Body], holders: Sequence[object]) -> Iter
 def _bodies_of(holder: object) -> Iterator[Body]:
     """Bodies that an element refers to."""
     if isinstance(holder, Body):
-        candidates: tuple[object, ...] = (holder.on, holder.geared.to if holder.geared else None)
+        candidates: tuple[object, ...] = (holder.on, *(gear.to for gear in holder.gears))
     else:
         at = getattr(holder, "at", None)
         ends = (at.first, at.second) if isinstance(at, Between) else (at,)
@@ -212,11 +217,11 @@ def _number_faults(
 ) -> Iterator[str]:
     numbers: list[tuple[str, object]] = []
     for holder in (*elements, *drives):
-        at, geared = getattr(holder, "at", None), getattr(holder, "geared", None)
+        at = getattr(holder, "at", None)
         if isinstance(at, Between):
             numbers.append((f"{_label(holder)}: ratio", at.ratio))
-        if isinstance(geared, Geared):
-            numbers.append((f"{_label(holder)}: ratio", geared.ratio))
+        if isinstance(holder, Body):
+            numbers += [(f"{_label(holder)}: ratio", gear.ratio) for gear in holder.gears]
         if isinstance(holder, (Weight, PendulumWeight)):
             numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
         if isinstance(holder, (Law, Imperfection)):
@@ -301,7 +306,7 @@ def _connection_faults(
 ) -> Iterator[str]:
     """Bodies that no drive can move: no spring, damper, law, gear or common carrier leads to them."""
     links = [_ends(getattr(holder, "at", None)) for holder in (*elements, *drives)]
-    links += [(body.name, body.geared.to.name) for body in bodies if body.geared]
+    links += [(body.name, gear.to.name) for body in bodies for gear in body.gears]
     # The inertia force of a body acts on what it is on only through its coordinate, which a law or a spring must hold.
     reached = {name for drive in drives for name in _ends(drive.at)} - {"ground"}
     while True:

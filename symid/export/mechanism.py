@@ -142,8 +142,8 @@ def _parent(body: Body) -> Body | None:
 
 def _parent_in_tree(body: Body) -> Body | None:
     """The free body under which a body is nested: what carries it, or what turns the geared body that carries it."""
-    geared = body.on.geared if isinstance(body.on, Body) else None
-    return _parent(body) if geared is None else geared.to
+    gears = body.on.gears if isinstance(body.on, Body) else ()
+    return gears[0].to if gears else _parent(body)
 
 
 class _Collector:

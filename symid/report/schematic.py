@@ -129,9 +129,11 @@ def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
 def _links(axis: Axis) -> Iterator[_Link]:
     """Everything that acts in a joint, in the order of the declaration; the drives last."""
     for body in axis.bodies:
-        if body.geared is not None:
-            name = f"gear of {body.name}"
-            yield _Link(body.geared.to.name, body.name, symbols.gear, f"× {body.geared.ratio:.4g}", name)
+        for gear in body.gears:
+            name = (
+                f"gear of {body.name}" if len(body.gears) == 1 else f"gear of {body.name} to {gear.to.name}"
+            )
+            yield _Link(gear.to.name, body.name, symbols.gear, f"× {gear.ratio:.4g}", name)
     for element in axis.elements:
         match element:
             case Spring():

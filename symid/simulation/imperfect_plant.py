@@ -207,7 +207,8 @@ def direction_of(axis: Axis, joint: Joint) -> FloatArray:
             return np.zeros(len(free))
         if body.geared is None:
             return np.asarray([float(body == other) for other in free])
-        return np.asarray(body.geared.ratio * within(body.geared.to) + displacement_of_parent(body))
+        moved = sum((gear.ratio * within(gear.to) for gear in body.gears), start=displacement_of_parent(body))
+        return np.asarray(moved)
 
     def displacement_of_parent(body: Body) -> FloatArray:
         carried = isinstance(body.on, Body) and body.on.turns == body.turns

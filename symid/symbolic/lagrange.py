@@ -143,8 +143,15 @@ class Kinematics:
             return sp.expand(self.absolute(joint.second) - ratio * self.absolute(joint.first))
         if joint.geared is None:
             return self.symbol(joint)
-        ratio = self.constant(f"ratio_{joint.geared.to.name}_{joint.name}", joint.geared.ratio)
-        return sp.expand(ratio * self.displacement(joint.geared.to))
+        return sp.expand(
+            sp.Add(
+                *(
+                    self.constant(f"ratio_{gear.to.name}_{joint.name}", gear.ratio)
+                    * self.displacement(gear.to)
+                    for gear in joint.gears
+                )
+            )
+        )
 
     def absolute(self, body: Body | Ground) -> sp.Expr:
         """Displacement of a body against the ground; a turning body on a sliding one turns by its own coordinate."""
@@ -161,7 +168,7 @@ class Kinematics:
 
     def metres_per_radian(self, axis: Axis) -> sp.Expr:
         """A known ratio in metres per radian; 1 where the axis has none."""
-        pairs = [(body.geared.to, body, body.geared.ratio) for body in axis.bodies if body.geared]
+        pairs = [(gear.to, body, gear.ratio) for body in axis.bodies for gear in body.gears]
         joints = [getattr(element, "at", None) for element in (*axis.elements, *axis.drives)]
         pairs += [
             (joint.first, joint.second, joint.ratio)
