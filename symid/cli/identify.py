@@ -126,17 +126,18 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if options["known"]:
         _by_known_values(known, runs, signals, options)
         return
-    model = model_of(known if fixed else axis, signals)
-    constraints = constraints_of(options, known, model)
     found: Identification | OutputErrorIdentification
     validation: Prediction | OutputErrorPrediction | None
     if options["method"] == "oe":
-        if constraints:
+        if options["bounds"] or options["prior"]:
             raise SettingError(
                 "--bounds and --prior are not possible with --method oe: take wls, ols or iv, or --fix"
             )
-        found, validation, record = _by_output_error(known, model, runs, validating, options)
+        # a module is found by the name of the axis; hidden laws need the declaration
+        found, validation, record = _by_output_error(known, signals, runs, validating, options)
     else:
+        model = model_of(known if fixed else axis, signals)
+        constraints = constraints_of(options, known, model)
         # estimate without the given values, for comparison
         alone = _identified(declared, model_of(axis, signals), runs, options) if fixed else None
         found = _identified(known, model, runs, options, constraints)
@@ -201,7 +202,7 @@ def _require_page(options: dict[str, Any]) -> None:
 
 def _by_output_error(
     declared: Axis,
-    model: GeneratedModel,
+    signals: Sequence[str],
     runs: Sequence[AnyLog],
     validating: Log | None,
     options: dict[str, Any],
@@ -216,7 +217,7 @@ def _by_output_error(
     with working("searching the parameters"):
         found = identify_output_error(
             declared,
-            model,
+            signals,
             _in_memory(runs),
             loop=_closed_loop(declared, options) if options["gains"] else None,
             preparation=Preparation(

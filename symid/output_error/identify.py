@@ -14,6 +14,7 @@ from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
 from symid.output_error.comparison import ErrorModel
 from symid.output_error.estimate import LikelihoodFit
+from symid.output_error.hidden_laws import Models, models_of
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.output_error.result import OutputErrorIdentification
 from symid.output_error.starts import plausible, rigid_start, spread, with_heavy_bodies
@@ -23,7 +24,7 @@ from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
 
 def identify_output_error(
     axis: Axis,
-    model: GeneratedModel,
+    model: GeneratedModel | Sequence[str],
     logs: Log | Sequence[Log],
     *,
     held: bool | None = None,
@@ -37,8 +38,9 @@ def identify_output_error(
     ----------
     axis : Axis
         The declared axis.
-    model : GeneratedModel
-        For the sensors to use.
+    model : GeneratedModel or sequence of str
+        The model of the axis for the sensors to use, or these sensors. Nonlinear laws, such as Coulomb friction, may
+        then act at bodies that no sensor sees.
     logs : Log or sequence of Log
         Runs of one axis.
     held : bool, optional
@@ -83,14 +85,15 @@ def identify_output_error(
     if loop is not None:
         for log in runs:
             loop.check(log)
+    whole, visible = Models(model, model) if isinstance(model, GeneratedModel) else models_of(axis, model)
     held = prepared.held if held is None else held
     if held is None:
         held = axis.only_drive.held or (False if axis.only_drive.signal in prepared.late else None)
-    comparisons = _comparisons(model, forward_dynamics(axis), prepared, held, loop)
+    comparisons = _comparisons(whole, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
         to_begin_with = replace(prepared, held=bool(held))
-        regression = _least_squares(model, runs, to_begin_with, nominal)
-        starts = _starts(model, comparisons[0].dynamics, runs, regression, nominal)
+        regression = _least_squares(visible, runs, to_begin_with, nominal)
+        starts = _starts(whole, comparisons[0].dynamics, runs, regression, nominal)
         fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
         for comparison in comparisons:
             alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []
@@ -102,7 +105,7 @@ def identify_output_error(
     fit, comparison, own = min(fits, key=lambda one: one[0].cost, default=(None, comparisons[0], []))
     found = OutputErrorIdentification(
         axis=axis,
-        model=model,
+        model=whole,
         logs=runs,
         comparison=comparison,
         fit=fit,
@@ -110,7 +113,11 @@ def identify_output_error(
         message="",
         notes=tuple(note for log in runs for note in log.notes),
     )
-    status, message = verdict_of(found, regression, own)
+    status, message = verdict_of(found, regression if visible is whole else None, own)
+    if status == "not_converged" and visible is not whole and loop is None:
+        message = (
+            "predictions do not tell friction at hidden bodies: give the controller with --controller-gain"
+        )
     return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
 
 

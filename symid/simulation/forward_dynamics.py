@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
-from symid.arrays import FloatArray, read_only
+from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis, derivative_order
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
@@ -81,7 +81,7 @@ class ForwardDynamics:
     generators : tuple of str
         Unknown and known ones, in the order of the exponents of polynomials.
     bodies : tuple of str
-        Free bodies.
+        Free bodies that have a mass.
     motion : tuple of matrices of Polynomial
         Stiffness, damping and mass.
     drives : tuple of tuple of Polynomial
@@ -137,12 +137,14 @@ class ForwardDynamics:
         every = {**parameters, **self._known}
         values = np.array([float(every[name]) for name in self.generators])
         stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
-        if not np.all(np.linalg.eigvalsh(mass) > 0):
+        names = tuple(body.name for body in self.axis.free_bodies)
+        heavy = [name in self.bodies for name in names]
+        if not np.all(np.linalg.eigvalsh(mass[np.ix_(heavy, heavy)]) > 0):
             raise SettingError(
                 f"the masses of axis {self.axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
             )
-        return Plant(
-            bodies=self.bodies,
+        plant = Plant(
+            bodies=names,
             mass=mass,
             damping=damping,
             stiffness=stiffness,
@@ -154,6 +156,46 @@ class ForwardDynamics:
             ),
             sensors=self.sensors,
         )
+        return plant if all(heavy) else _without_nodes(plant, np.array(heavy))
+
+
+def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
+    """The plant without massless bodies, which are where the springs beside them balance: x = T x_heavy.
+
+    Raises
+    ------
+    SettingError
+        If anything else acts on such a body, so that the springs alone do not determine its displacement.
+    """
+    nodes = ~heavy
+    springs = plant.stiffness[np.ix_(nodes, nodes)]
+    other = [plant.damping[nodes], plant.drives[nodes], plant.constant[nodes]]
+    if any(forces.any() for forces in other) or any(law.direction[nodes].any() for law in plant.laws):
+        raise SettingError(
+            f"{_named(plant, nodes)} without mass carry more than springs: give each a mass to simulate"
+        )
+    if np.linalg.matrix_rank(springs) < len(springs):
+        raise SettingError(
+            f"{_named(plant, nodes)} without mass are held by no spring: give each a mass, or a spring"
+        )
+    T = np.zeros((heavy.size, int(heavy.sum())))
+    T[heavy] = np.eye(T.shape[1])
+    T[nodes] = -np.linalg.solve(springs, plant.stiffness[np.ix_(nodes, heavy)])
+    return replace(
+        plant,
+        bodies=tuple(name for name, has_mass in zip(plant.bodies, heavy, strict=True) if has_mass),
+        mass=T.T @ plant.mass @ T,
+        damping=T.T @ plant.damping @ T,
+        stiffness=T.T @ plant.stiffness @ T,
+        drives=T.T @ plant.drives,
+        constant=T.T @ plant.constant,
+        laws=tuple(replace(law, direction=law.direction @ T) for law in plant.laws),
+        sensors={name: SensorRow(row @ T, order) for name, (row, order) in plant.sensors.items()},
+    )
+
+
+def _named(plant: Plant, chosen: BoolArray) -> str:
+    return f"bodies {', '.join(n for n, one in zip(plant.bodies, chosen, strict=True) if one)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +272,7 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
         axis=axis,
         parameters=tuple(axis.physical_parameters),
         generators=tuple(map(str, operators.ring.symbols[1:])),
-        bodies=bodies,
+        bodies=tuple(b for b, row in zip(bodies, powers, strict=True) if any(entry.get(2) for entry in row)),
         motion=tuple(
             tuple(tuple(numbers.polynomial(p.get(order)) for p in row) for row in powers)
             for order in range(3)

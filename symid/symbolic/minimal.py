@@ -62,7 +62,8 @@ class ParameterFunction:
         shared = tuple(
             min(powers) for powers in zip(*numerator.itermonoms(), *denominator.itermonoms(), strict=True)
         )
-        scale = 1 / (denominator.LC if denominator.is_term else ring.domain.one)
+        sign = ring.domain.one if ring.domain.is_positive(denominator.LC) else -ring.domain.one
+        scale = 1 / (denominator.LC if denominator.is_term else sign)
         if not any(shared) and scale == ring.domain.one:
             return cls(numerator, denominator)
         return cls(_over_monomial(numerator, shared, scale), _over_monomial(denominator, shared, scale))

@@ -1,0 +1,98 @@
+"""Models of axes with nonlinear laws, such as Coulomb friction, at bodies whose motion no sensor determines.
+
+No regressor has a column for such a law: it cannot be eliminated. Output error needs none, because it simulates. It
+takes names and maps from the model of the axis without these laws; their parameters are minimal ones themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.axis import Axis, PendulumWeight
+from symid.codegen import GeneratedModel, model_of
+from symid.errors import EliminationError
+from symid.simulation import forward_dynamics
+
+
+class Models(NamedTuple):
+    """Models of an axis.
+
+    Parameters
+    ----------
+    whole : GeneratedModel
+        With all parameters; its regressor is that of `visible`.
+    visible : GeneratedModel
+        Of the axis without laws at hidden bodies; `whole` itself where there are none.
+    """
+
+    whole: GeneratedModel
+    visible: GeneratedModel
+
+
+def models_of(axis: Axis, measured: Sequence[str]) -> Models:
+    """Models of an axis for output error.
+
+    Raises
+    ------
+    EliminationError
+        If the axis cannot be derived without the hidden laws either.
+
+    Examples
+    --------
+    >>> from symid.axis import CoulombFriction, load_axis
+    >>> axis = load_axis("ballscrew_2m1s")
+    >>> hidden = axis.with_effect(CoulombFriction(axis.bodies[1], "Fsl"))
+    >>> list(models_of(hidden, ("qm",)).whole.minimal_units)[-2:]
+    ['X7', 'Fsl']
+    """
+    try:
+        model = model_of(axis, measured)
+        return Models(model, model)
+    except EliminationError:
+        names = _at_hidden_joints(axis, measured)
+        if not names:
+            raise
+    laws = [
+        law for law in axis.laws if names.intersection(t.parameter for t in law.terms() if not t.is_linear)
+    ]
+    weights = [e for e in axis.elements if isinstance(e, PendulumWeight) and e.named("moment") in names]
+    visible = model_of(axis.without(*laws, *weights), measured)
+    every = {name: str(unit) for name, unit in axis.physical_parameters.items()}
+    own = [i for i, name in enumerate(every) if name in visible.physical_units]
+    others = {name: unit for name, unit in every.items() if name not in visible.physical_units}
+
+    def minimal_parameters(*physical: float) -> FloatArray:
+        seen = visible.minimal_parameters(*(physical[i] for i in own))
+        return np.append(seen, [x for i, x in enumerate(physical) if i not in own])
+
+    whole = replace(
+        visible,
+        signature=axis.signature,
+        minimal_units={**visible.minimal_units, **others},
+        physical_units=every,
+        signed=axis.signed_parameters,
+        per_log=(*visible.per_log, *(name for name in others if name in axis.log_parameters)),
+        minimal_parameters=minimal_parameters,
+        physical_parameters=None,
+        assumptions=(*visible.assumptions, f"{', '.join(others)} act on hidden motion, which is simulated"),
+    )
+    return Models(whole, visible)
+
+
+def _at_hidden_joints(axis: Axis, measured: Sequence[str]) -> set[str]:
+    """Parameters of nonlinear laws in joints whose motion is no combination of measured positions and velocities."""
+    dynamics = forward_dynamics(axis)
+    rows = np.stack(
+        [row for name, (row, order) in dynamics.sensors.items() if name in measured and order < 2]
+    )
+    found: set[str] = set()
+    for direction, terms in dynamics.laws:
+        shares = np.linalg.lstsq(rows.T, direction, rcond=None)[0]
+        if not np.allclose(shares @ rows, direction):
+            found = found.union(*(dynamics.names(term.parameter) for term in terms))
+    return found

@@ -1,0 +1,88 @@
+"""Springs in series with a massless node, beside series stiffness by hand and an own integration."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+
+from symid import Axis, Between, Body, Damper, Drive, Position, Spring, ViscousFriction, derive, identify
+from symid.axis import Element
+from symid.codegen.generate import compiled
+from symid.errors import SettingError
+from symid.report.schematic import schematic
+from symid.simulation import Cascade, plant_of, simulate, trapezoids
+
+MOTOR, NODE, LOAD = Body("motor", mass="Mm"), Body("node", mass=0.0), Body("load", mass="Ml")
+SCREW = Spring("screw", Between(first=MOTOR, second=NODE), stiffness="K1")
+NUT = Spring("nut", Between(first=NODE, second=LOAD), stiffness="K2")
+TRUE = {"Mm": 10.0, "Fv": 50.0, "K1": 1e5, "K2": 2e5, "Ml": 20.0}
+SERIES = 1e5 * 2e5 / 3e5
+PATH = trapezoids([0.2, 0.1], 0.4, acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
+LOOP = Cascade("qm", position_gain=20.0, velocity_gain=800.0, integral_gain=5.0)
+
+
+def axis_with(*elements: Element) -> Axis:
+    sensors = (Position("qm", MOTOR), Position("qn", NODE), Position("ql", LOAD))
+    own = (MOTOR, NODE, LOAD, ViscousFriction(MOTOR, "Fv"), SCREW, NUT, *elements)
+    return Axis("series", own, Drive("F", MOTOR, held=True), sensors)
+
+
+def test_the_plant_has_the_series_stiffness() -> None:
+    plant = plant_of(axis_with(), TRUE)
+    assert plant.bodies == ("motor", "load")
+    assert np.allclose(plant.mass, np.diag([10.0, 20.0]))
+    assert np.allclose(plant.stiffness, SERIES * np.array([[1, -1], [-1, 1]]))
+    assert np.allclose(plant.sensors["qn"].row, [1 / 3, 2 / 3])  # K1 x_m + K2 x_l over K1 + K2
+
+
+def test_the_simulated_motion_is_that_of_an_own_integration() -> None:
+    log = simulate(axis_with(), TRUE, PATH, LOOP).log
+    # state xm, xl, vm, vl and the force that is held for a sample
+    A = np.zeros((5, 5))
+    A[:2, 2:4] = np.eye(2)
+    A[2, [0, 1, 2, 4]] = -SERIES / 10, SERIES / 10, -50.0 / 10, 1 / 10
+    A[3, [0, 1]] = SERIES / 20, -SERIES / 20
+    step = scipy.linalg.expm(A * log.sampling_period)
+    state, found = np.zeros(5), []
+    for force in log["F"]:
+        found.append(state[:2])
+        state = step @ np.append(state[:4], force)
+    motor, load = np.array(found).T
+    assert np.ptp(load) > 0.1
+    assert np.allclose(log["ql"], load, atol=1e-9)
+    assert np.allclose(log["qn"], (motor + 2 * load) / 3, atol=1e-9)
+
+
+def test_the_equations_hold_for_the_response_by_hand() -> None:
+    model = compiled(derive(axis_with(), ("qm",)))
+    X = model.minimal_parameters(*(TRUE[name] for name in model.physical_units))
+    s = 25j
+    Z = np.array([[10 * s**2 + 50 * s + SERIES, -SERIES], [-SERIES, 20 * s**2 + SERIES]])
+    x = np.linalg.solve(Z, [1.0, 0.0])
+    t = np.linspace(0, 0.2, 5)
+    flat = {}
+    for name in model.signals:
+        base, _, order = name.partition("_d")
+        flat[name] = (s ** int(order or 0) * {"F": 1.0, "qm": x[0]}[base] * np.exp(s * t)).real
+    W, y = model.sample(flat)
+    assert np.allclose(W[0] @ X, y[0], rtol=0, atol=1e-9 * np.abs(W[0] * X).sum(axis=1).max())
+
+
+def test_a_sensor_at_the_node_tells_the_springs_apart() -> None:
+    axis = axis_with()
+    log = simulate(axis, TRUE, PATH, LOOP).log
+    found = identify(axis, log, examine=False)
+    assert found.physical_parameters == pytest.approx(TRUE, rel=0.02)
+    alone = identify(axis, log, measured=("qm", "ql"))
+    assert alone.status == "no_physical_parameters"
+    assert alone.minimal_parameters["X1"] == pytest.approx(SERIES, rel=0.01)
+    assert identify(axis, log, measured=("qm", "ql"), fixed={"K2": 2e5}).physical_parameters[
+        "K1"
+    ] == pytest.approx(1e5, rel=0.02)
+
+
+def test_what_a_node_cannot_carry_is_refused() -> None:
+    with pytest.raises(SettingError, match="bodies node without mass carry more than springs"):
+        plant_of(axis_with(Damper("oil", NODE, damping="D")), TRUE | {"D": 3.0})
+    schematic(axis_with())
