@@ -18,11 +18,11 @@ from symid import (
     ViscousFriction,
     load_axis,
 )
-from symid.diagnosis.effects import Placed, effects_of
+from symid.diagnosis.effects import ActuatorLag, EncoderRipple, Placed, effects_of
 from symid.diagnosis.effects.forces import FlexibleMode
 from symid.diagnosis.effects.friction import LoadDependentFriction, dahl_state
 from symid.diagnosis.fitting.sensitivity import derivatives, parameter_columns
-from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.response import response_of
@@ -228,3 +228,25 @@ def test_derivatives_by_amplitude_and_shape_are_finite_differences() -> None:
     ):
         difference = (high.change(state.prediction) - low.change(state.prediction)) / step
         assert np.abs(column - difference).max() < 2e-3 * np.abs(difference).max()
+
+
+def test_a_lag_passes_on_the_ripple_of_the_encoder() -> None:
+    state, weighting = first_state(rigid_record(), {"M": 20.0, "Fv": 15.0, "Fs": 20.0})
+    lag = Placed(ActuatorLag(), "actuator", (), (0.002,))
+    ripple = Placed(EncoderRipple(), "q", (0.01,), (1e-5, 2e-5))
+    omega = state.prediction.record.omega
+
+    def outputs(*placed: Placed) -> np.ndarray:
+        return state.prediction.record.measured - with_effects(state, weighting, placed).errors
+
+    assert np.allclose(outputs(lag, ripple), (1 + 0.002j * omega) * outputs(ripple))
+    columns = derivatives(with_effects(state, weighting, (lag, ripple)))
+    for at, (moved, step) in enumerate(
+        [
+            ((replace(lag, amplitudes=(0.0021,)), ripple), 1e-4),
+            ((lag, replace(ripple, amplitudes=(1.1e-5, 2e-5))), 1e-6),
+            ((lag, replace(ripple, amplitudes=(1e-5, 2.1e-5))), 1e-6),
+        ]
+    ):
+        by_difference = (outputs(*moved) - outputs(lag, ripple)) / step
+        assert np.allclose(columns[3 + at], by_difference, atol=1e-6 * np.abs(by_difference).max())

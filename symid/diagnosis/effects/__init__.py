@@ -27,6 +27,7 @@ from symid.diagnosis.effects.signals import (
     GainNonlinearity,
     Saturation,
     SensorDelay,
+    TransferEffect,
 )
 
 LIBRARY: tuple[Effect, ...] = (
@@ -73,5 +74,6 @@ __all__ = [
     "Placed",
     "Saturation",
     "Shape",
+    "TransferEffect",
     "effects_of",
 ]

@@ -78,6 +78,11 @@ class Effect(ABC):
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Change of the predicted outputs for unit amplitudes, of shape (n_amplitudes, n_outputs, n_bins)."""
 
+    @property
+    def is_of_command(self) -> bool:
+        """Whether the drive makes it of its command, before any delay or lag."""
+        return False
+
     def passed_on(self, prediction: Prediction, placed: Placed, outputs: ComplexArray) -> ComplexArray | None:
         """Its change of small changes of the predicted outputs, (..., n_outputs, n_bins); None if it leaves them."""
         return None

@@ -31,6 +31,10 @@ class DriveEffect(Effect):
     def places(self, prediction: Prediction) -> Iterable[str]:
         return (ACTUATOR,)
 
+    @property
+    def is_of_command(self) -> bool:
+        return True
+
     def _force(self, prediction: Prediction, *changes: ComplexArray) -> ComplexArray:
         """Changes of the predicted force, none of the further readings."""
         columns = np.zeros((len(changes), *prediction.record.measured.shape), dtype=complex)
@@ -40,6 +44,10 @@ class DriveEffect(Effect):
 
 class TransferEffect(Effect):
     """An effect that adds to one predicted output that output under a transfer function."""
+
+    @property
+    def is_of_command(self) -> bool:
+        return False
 
     @abstractmethod
     def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fitting.state import State, predicted
+from symid.diagnosis.fitting.state import State, as_read, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
 
@@ -23,13 +23,23 @@ def derivatives(state: State) -> ComplexArray:
     """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
     if any(item.integrated for item in state.placed):
         return _by_differences(state)
-    prediction = state.prediction
-    found = [_by_parameters(prediction, state.placed)]
-    for item in state.placed:
+    prediction, placed = state.prediction, state.placed
+    found = [_by_parameters(prediction, placed)]
+    for item in placed:
         if not item.effect.fixed:
-            found.append(item.effect.columns(prediction, item.at, item.shape))
-        found.append(_shape_columns(prediction, item))
+            found.append(_columns(prediction, placed, item))
+        found.append(_shape_columns(prediction, placed, item))
     return np.concatenate(found)
+
+
+def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
+    """Derivatives by the amplitudes of an effect: delays and lags pass its change on, or are it."""
+    unit = replace(item, amplitudes=(1.0,))
+    own = item.effect.passed_on(prediction, unit, as_read(prediction, placed))
+    if own is not None:
+        return own[None]
+    columns = item.effect.columns(prediction, item.at, item.shape)
+    return columns if item.effect.is_of_command else passed_on(prediction, placed, columns)
 
 
 def _by_differences(state: State) -> ComplexArray:
@@ -74,17 +84,16 @@ def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexA
     """Derivatives by the physical parameters; what effects make of the outputs depends on these parameters too."""
     misread = [e for item in placed if (e := item.effect.misreading(prediction, item)) is not None]
     columns = parameter_columns(prediction, np.sum(misread, axis=0) if misread else None)
-    changes = (item.effect.passed_on(prediction, item, columns) for item in placed)
-    return sum((change for change in changes if change is not None), start=columns)
+    return passed_on(prediction, placed, columns)
 
 
-def _shape_columns(prediction: Prediction, item: Placed) -> ComplexArray:
+def _shape_columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
     columns = np.zeros((len(item.shape), *prediction.record.measured.shape), dtype=complex)
-    before = item.change(prediction) if item.shape else 0.0
+    before = _columns(prediction, placed, item) if item.shape else 0.0
     for i, value in enumerate(item.shape):
         step = _SHAPE_STEP * abs(value)
-        shape = (*item.shape[:i], value + step, *item.shape[i + 1 :])
-        columns[i] = (replace(item, shape=shape).change(prediction) - before) / step
+        moved = replace(item, shape=(*item.shape[:i], value + step, *item.shape[i + 1 :]))
+        columns[i] = np.tensordot(item.amplitudes, _columns(prediction, placed, moved) - before, 1) / step
     return columns
 
 

@@ -6,13 +6,13 @@ no sensor sees is evaluated at the motion that the model itself implies.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.diagnosis.effects import JointEffect, LinearEffect, Placed
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
@@ -155,11 +155,28 @@ def predicted(
     if any(item.effect.implicit and not item.integrated for item in placed):
         for _ in range(_BALANCED):
             prediction = _acted_on(prediction, parameters, placed, nearby=nearby)
-    errors = prediction.record.measured - prediction.outputs
+    outputs = passed_on(prediction, placed, as_read(prediction, placed))
     for item in placed:
-        if not isinstance(item.effect, JointEffect):
-            errors = errors - item.change(prediction)
-    return prediction, errors
+        if item.effect.is_of_command:
+            outputs = outputs + item.change(prediction)
+    return prediction, prediction.record.measured - outputs
+
+
+def as_read(prediction: Prediction, placed: Iterable[Placed]) -> ComplexArray:
+    """Outputs with errors of the readings and changes of masses in them, before delays and lags."""
+    others = (JointEffect, TransferEffect)
+    changes = (
+        item.change(prediction)
+        for item in placed
+        if not (item.effect.is_of_command or isinstance(item.effect, others))
+    )
+    return sum(changes, start=prediction.outputs)
+
+
+def passed_on(prediction: Prediction, placed: Iterable[Placed], outputs: ComplexArray) -> ComplexArray:
+    """Outputs, or small changes of them, as delays and lags pass them on, of shape (..., n_outputs, n_bins)."""
+    changes = (item.effect.passed_on(prediction, item, outputs) for item in placed)
+    return sum((change for change in changes if change is not None), start=outputs)
 
 
 def _acted_on(

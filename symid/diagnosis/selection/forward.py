@@ -16,6 +16,7 @@ from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import LEAST_INERTIA, Fit, fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, can_integrate, from_other_places, of_grid
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.credibility import is_credible
 from symid.diagnosis.selection.priors import DOUBT, prior, temperature
 from symid.diagnosis.selection.screening import PENALTY, Candidate, screened
@@ -46,6 +47,8 @@ _HARDLY = 0.05
 """With more of the mean square left, no candidate has explained it."""
 _BESIDE_BEST = 0.2
 """Share of the gain of the best candidate from which on another is accepted in its place."""
+_OTHER_TIMING = 0.3
+"""Share of the gain of a delay from which on a lag in its place is followed too, and the other way round."""
 _HOPELESS = 4.0
 """Multiple of the mean square that the best candidate leaves from which on another is not fitted to the end."""
 _TIE = 2.0
@@ -151,6 +154,22 @@ class SelectionStep:
         others = (own for own in self.confirmed if own is not found[0])
         return replace(self, confirmed=(found[0], *others))
 
+    def other_timing(self) -> tuple[SelectionStep, ...]:
+        """The same with the lag accepted in place of the delay, or the other way round, if it explains as much or less.
+
+        Which of the two it is shows at high frequencies, where what is not yet modelled may decide wrongly: a lag
+        makes more of a ripple of the encoder than a delay does.
+        """
+        if not self.accepts or self.confirmed[0].effect.name not in LATE_FORCES:
+            return ()
+        least = _OTHER_TIMING * self.confirmed[0].penalised_gain
+        others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES]
+        return tuple(
+            replace(self, confirmed=(own, *(c for c in self.confirmed if c is not own)))
+            for own in others
+            if own.penalised_gain > least and self._accepts(own)
+        )
+
     def justifies_another(self, first: Fit) -> bool:
         """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
         if not self.accepts:
@@ -187,23 +206,36 @@ def forward_selection(
     nominal : Fit, optional
         The model before re-identification, another start for effects that led the parameters astray.
     """
-    steps: list[SelectionStep] = []
-    current = fit = replace(fit, state=fit.state.with_least(1 / LEAST_INERTIA, fit.nominal))
+    fit = replace(fit, state=fit.state.with_least(1 / LEAST_INERTIA, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
-    for _ in range(_MOST_EFFECTS):
-        step = _selection_step(current, library, None if steps else nominal)
-        step = step if steps else step.with_acceptable()
-        if steps and not step.justifies_another(fit):
-            break
-        steps.append(step)
-        if not step.accepts:
-            break
-        current = refitted(settled(step.confirmed[0].fit)).after(fit)
+    first = _selection_step(fit, library, nominal).with_acceptable()
+    branches = [_continued(fit, begun, library) for begun in (first, *first.other_timing())]
+    return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
+
+
+def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tuple[SelectionStep, ...]:
+    """A first step and those that accept their best candidate after it."""
+    steps, last = [first], first
+    while last.accepts and len(steps) < _MOST_EFFECTS:
+        current = refitted(settled(last.confirmed[0].fit)).after(fit)
         if current.mean_square - max(_LEAST_POWER, _LEAST_OF_FIRST * float(fit.squares.min())) < _NOISE:
             break
         if current.state.placed[-1].effect.name in LATE_FORCES:
             library = [effect for effect in library if effect.name not in LATE_FORCES]
+        last = _selection_step(current, library, None)
+        if not last.justifies_another(fit):
+            break
+        steps.append(last)
     return tuple(steps)
+
+
+def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
+    """Logarithm of the likelihood with which the last model predicts blocks left out, less the penalties."""
+    if not steps[-1].confirmed:
+        return -math.inf
+    state = steps[-1].confirmed[0].fit.state
+    added = state.placed[len(steps[0].before.state.placed) :]
+    return Fit(state.weighted(weighting), weighting).predicted - PENALTY * sum(item.n_free for item in added)
 
 
 def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:

@@ -11,6 +11,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects import Effect, Placed, Shape
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import passed_on
 from symid.diagnosis.prediction.weighting import Autoregression, autoregression, unweighted
 
 PENALTY = 4.5
@@ -124,10 +125,13 @@ def _best_shapes(
 ) -> list[Candidate]:
     """Candidates with the best shape under either noise model."""
     found: list[Candidate] = []
+    prediction = fit.state.prediction
     many = max(1, _BATCH // (max(len(effect.amplitudes), 1) * fit.state.rows.size))
     for first in range(0, len(shapes), many):
         some = shapes[first : first + many]
-        columns = np.stack([effect.columns(fit.state.prediction, place, shape) for shape in some])
+        columns = np.stack([effect.columns(prediction, place, shape) for shape in some])
+        if not effect.is_of_command:
+            columns = passed_on(prediction, fit.state.placed, columns)
         rows = fit.weighting.rows(columns)
         plain, white = (p.gains(rows, fixed=effect.fixed) for p in projections)
         for shape, (gain, amplitudes), (white_gain, _) in zip(some, plain, white, strict=True):
