@@ -55,8 +55,12 @@ from symid.identification import (
     with_fixed,
 )
 from symid.report.colours import palette_of
-from symid.report.identification import identification_record, print_identification
-from symid.report.shared_identification import print_shared, shared_record
+from symid.report.identification import (
+    identification_record,
+    print_identification,
+    print_shared,
+    shared_record,
+)
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification, OutputErrorPrediction

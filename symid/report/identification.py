@@ -1,4 +1,4 @@
-"""An identification as a JSON record and as a table."""
+"""An identification, and one of groups of logs, as JSON records and as tables."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rich.console import Console
 
 from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
-from symid.identification import Bias, EquationResidual, Identification, Prediction
+from symid.identification import Bias, EquationResidual, Identification, Prediction, SharedIdentification
 from symid.report.console import TextTable, report_console
 from symid.report.number_text import MISSING, significant
 
@@ -182,6 +182,60 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         console.print(f"note: {line}", markup=False)
     if record["status"] != "ok":
         console.print(f"[bold]{record['status']}[/bold]: {record['message']}")
+
+
+def shared_record(found: SharedIdentification) -> dict[str, Any]:
+    """Record of `symid identify --known ... --json`: the physical parameters, and each group of logs."""
+    first = found.groups[0]
+    return {
+        "axis": found.axis,
+        "measured": list(first.model.measured),
+        "method": first.fit.method,
+        "log": [log for group in found.groups for log in group.logs],
+        "status": found.status,
+        "message": found.message,
+        "physical": {
+            name: {
+                "value": value,
+                "std": std,
+                "std_corrected": std,
+                "relative_std_percent": 100 * std / abs(value) if value else None,
+                "unit": unit,
+            }
+            for (name, unit), value, std in zip(
+                found.physical_units.items(),
+                found.parameters.tolist(),
+                found.standard_deviations.tolist(),
+                strict=True,
+            )
+        },
+        "relations": {
+            "number": found.relations,
+            "disagreement": found.disagreement,
+            "probability": found.probability,
+        },
+        "groups": [
+            {**identification_record(group), "known": dict(known)}
+            for group, known in zip(found.groups, found.known, strict=True)
+        ],
+    }
+
+
+def print_shared(record: dict[str, Any], console: Console | None = None) -> None:
+    """Print the record of `shared_record`."""
+    console = console or report_console()
+    console.print(f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}", end="")
+    console.print(f", {len(record['groups'])} groups of logs: {record['status']}", markup=False)
+    if record["message"]:
+        console.print(record["message"], markup=False)
+    for group in record["groups"]:
+        given = ", ".join(f"{name} = {value:.6g}" for name, value in group["known"].items())
+        console.print(f"  {given}: {', '.join(group['log'])}", markup=False)
+    table = TextTable("", "parameter", "value", "std", "%", "unit")
+    for name, one in record["physical"].items():
+        share = "" if one["relative_std_percent"] is None else f"{one['relative_std_percent']:.2g}"
+        table.add(name, f"{one['value']:.6g}", f"{one['std']:.2g}", share, one["unit"])
+    console.print(table)
 
 
 def _settings_line(record: dict[str, Any]) -> str:

@@ -25,13 +25,17 @@ from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.drawn import Drawn, svg_of
 from symid.report.fleet_page import write_fleet_html
 from symid.report.html import html_path, page_templates, write_html
-from symid.report.identification import identification_record, print_identification
+from symid.report.identification import (
+    identification_record,
+    print_identification,
+    print_shared,
+    shared_record,
+)
 from symid.report.identification_page import write_identification_html
 from symid.report.output_error import output_error_record
 from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
 from symid.report.plots import identification_figure
 from symid.report.schematic import schematic
-from symid.report.shared_identification import print_shared, shared_record
 from symid.report.tuning import print_total_tuning, print_tuning, total_tuning_figure, tuning_figure
 from symid.shown import Shown
 from symid.symbolic import DerivedModel

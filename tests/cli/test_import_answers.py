@@ -1,0 +1,108 @@
+"""`symid import` with options and answers for what a file does not hold."""
+
+import io
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import run
+from recorded_run import PERIOD, TRUE, recorded_run, table
+
+from symid.data import Log
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Log:
+    return recorded_run()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def counted(recorded, folder: Path) -> str:
+    """A trace in counts, with a torque in percent, for which a mapping needs three answers."""
+    columns = {
+        "Zeit": 1e3 * recorded.time,
+        "Lage [Inkr]": np.round(5e6 * recorded["q"]),
+        "Moment %": recorded["F"] / 4,
+    }
+    (folder / "trace.csv").write_text(table(columns, ";", comma=True), encoding="utf-8")
+    return "trace.csv"
+
+
+def test_options_say_what_a_file_does_not(recorded, folder: Path) -> None:
+    file = counted(recorded, folder)
+    given = ("--column", "q=Lage", "--unit", "q=5000 counts/mm", "--unit", "t=ms", "--rated", "400")
+    assert run("import", file, "--axis", "rigid_1m", *given, "-o", "m.json") == 0
+    mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    assert mapping["missing"] == []
+    assert mapping["units"] == {"t": "ms", "q": "5000 counts/mm", "F": "N"}
+    assert not any(guess.startswith("q is") for guess in mapping["guesses"])
+    assert run("identify", "rigid_1m", file, "--mapping", "m.json", "--held", "F", "--json", "f.json") == 0
+    found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
+    assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=0.02)
+
+
+def test_answers_say_what_a_file_does_not(
+    recorded, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = counted(recorded, folder)
+    (folder / "taken.json").write_text("{}")
+    answers = ["", "ms", "Leistung", "2", "5000", "5000 counts/mm", "", "4e2x", "400", "taken.json", ""]
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(answers) + "\n"))
+    assert run("import", file, "--axis", "rigid_1m", "--ask") == 0
+    out = capsys.readouterr().out
+    for words in (
+        "there is no column 'Leistung'",
+        "unit '5000'",
+        "'4e2x'",
+        "taken.json is there",
+        "q, the position",
+    ):
+        assert words in out
+    mapping = json.loads((folder / f"{file}.mapping.json").read_text(encoding="utf-8"))
+    assert (mapping["units"], mapping["gains"]) == ({"t": "ms", "q": "5000 counts/mm", "F": "N"}, {"F": 4.0})
+    assert (folder / "taken.json").read_text() == "{}"
+
+
+def test_a_rate_is_asked_for_where_there_is_no_time(
+    recorded, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "a.csv").write_text(table({"Lage [m]": recorded["q"], "Kraft [N]": recorded["F"]}, ";"))
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n\n\n1000\n"))
+    assert run("import", "a.csv", "--axis", "rigid_1m", "--ask", "-o", "m.json") == 0
+    assert json.loads((folder / "m.json").read_text())["sampling_period"] == PERIOD
+
+
+def test_answers_that_end_early_write_nothing(
+    recorded, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n"))
+    assert run("import", counted(recorded, folder), "--axis", "rigid_1m", "--ask", "-o", "m.json") == 130
+    assert not (folder / "m.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("--column q=Weg", "no column of numbers 'Weg' for q"),
+        ("--column w=Lage", "names 'w', which axis 'rigid_1m' does not have"),
+        ("--unit q=Inkr", "Inkr"),
+        ("--unit q=kg", "measures no signal"),
+    ],
+)
+def test_what_is_given_wrong_is_one_line(
+    arguments: str, words: str, recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "a.csv").write_text(
+        table({"t [s]": recorded.time, "Lage [m]": recorded["q"], "F": recorded["F"]}, ";")
+    )
+    assert run("import", "a.csv", "--axis", "rigid_1m", *arguments.split()) == 2
+    err = capsys.readouterr().err
+    assert words in err
+    assert err.count("\n") == 1
