@@ -9,8 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import click
 import polars as pl
 from hypothesis import strategies as st
+
+from symid.cli import group
 
 WORDS = (
     "", " ", "0", "-0", "-1", "1", "2", "1e-9", "1e9", "1e300", "1e-300", "1e400", "nan", "inf", "-inf", "²", "½", "١٢",
@@ -19,7 +22,8 @@ WORDS = (
     "Kpp=-1", "Kxx=1", "M", "q,ddq", "1e300GB", "1kB", "1e-9MB", "-5GB", "nanGB", "run.csv", "P.json", "M.json",
     "R.json", "nowhere.csv", ".", "..", "/dev/null", "/dev/zero", "pipe", "../x", "a/b", "a" * 300, "\x1b[2J",
     "caf\udce9", "\x00", "[/bold]", "$x_{$", "None", "lambda: 0", "wls", "oe", "all", "motion", "trapezoids", "chirp",
-    "multisine", "0.5,20", "20,0.5", "0,0", "nan,1", "1,1e9", "speed=0.1", "speed=-1", "lowest=nan", "ok,biased",
+    "multisine", "0.5,20", "20,0.5", "0,0", "nan,1", "1,1e9", "M=5", "M=-5", "M=nan",
+    "M=0,1", "Fv=3+-1", "M=1..9", "M=5kg", "M=5N", "jerk=0", "speed=0.1", "speed=-1", "lowest=nan", "ok,biased",
 )  # fmt: skip
 VALUES: tuple[Any, ...] = (
     None, True, False, 0, -1, 1, 1e308, -1e308, 1e-320, 10**400, "", "12", "x", [], [1], {}, {"value": 1},
@@ -27,35 +31,38 @@ VALUES: tuple[Any, ...] = (
     "9**9**9**9", {"q": 5}, [None], float("nan"), float("inf"), "[" * 2000,
 )  # fmt: skip
 
-OPTIONS: dict[str, tuple[str, ...]] = {
-    "identify rigid_1m run.csv": (
-        "--method", "--measured", "--column", "--unit", "--gain", "--mapping", "--cutoff", "--order", "--filter",
-        "--decimation", "--trim", "--standstill", "--held", "--late", "--controller-gain", "--rate", "--ddof",
-        "--nominal", "--memory", "--validation", "--plot", "--report", "--resample", "--json",
-    ),
-    "compare R.json P.json": ("--json",),
-    "import foreign.csv --axis rigid_1m": ("--axis", "--rate", "--gain", "--rated", "--output", "--plot", "--json"),
-    "simulate rigid_1m --parameters P.json --rate 500 --output out/s.csv --overwrite": (
-        "--parameters", "--trajectory", "--seconds", "--band", "--amplitude-of", "--travel", "--speed",
-        "--acceleration",
-        "--jerk", "--dwell", "--rate", "--bandwidth", "--controller-gain", "--force-limit", "--open-loop", "--log-rate",
-        "--noise", "--resolution", "--delay", "--seed", "--output", "--json",
-    ),
-    "export rigid_1m --parameters R.json --to json": ("--parameters", "--to", "--measured", "--output", "--json"),
-    "export rigid_1m --parameters P.json --to c": ("--parameters", "--measured", "--output"),
-    "export rigid_1m --parameters P.json --to mjcf": ("--parameters", "--measured", "--output"),
-    "batch rigid_1m run.csv --output out/r.parquet --jobs 1": (
-        "--also", "--jobs", "--memory", "--timeout", "--report", "--method", "--measured", "--column", "--unit",
-        "--gain", "--mapping", "--cutoff", "--order", "--decimation", "--trim", "--standstill", "--late", "--ddof",
-        "--nominal", "--resample", "--output", "--json",
-    ),
-    "fleet results.parquet": ("--by", "--order", "--status", "--without", "--joint", "--axis", "--report", "--json"),
-    "show rigid_1m": ("--measured", "--plot", "--json"),
-    "new own": ("--bodies", "--springs", "--encoder", "--accelerometer", "--json"),
-    "generate own_axis.py": ("--measured", "--json"),
-}  # fmt: skip
-"""Commands that work and are quick, and the options that are made strange."""
-FLAGS = ("--joint",)
+BASES = (
+    "identify rigid_1m run.csv",
+    "compare R.json P.json",
+    "import foreign.csv --axis rigid_1m",
+    "simulate rigid_1m --parameters P.json --rate 500 --output out/s.csv --overwrite",
+    "export rigid_1m --parameters R.json --to json",
+    "export rigid_1m --parameters P.json --to c",
+    "export rigid_1m --parameters P.json --to mjcf",
+    "export rigid_1m --parameters P.json --to st",
+    "batch rigid_1m run.csv --output out/r.parquet --jobs 1",
+    "fleet results.parquet",
+    "show rigid_1m",
+    "new own",
+    "generate own_axis.py",
+    "tune rigid_1m --parameters P.json",
+)
+"""Commands that work and are quick."""
+_LEFT_OUT = ("--help", "--scheduler", "--dark", "--light")
+
+
+def _options_of(base: str) -> tuple[tuple[str, bool], ...]:
+    """Every option of a command, and whether it is a flag."""
+    command = group.get_command(click.Context(group), base.split()[0])
+    assert command is not None
+    found = [
+        (name, bool(getattr(parameter, "is_flag", False)))
+        for parameter in command.params
+        for name in (*parameter.opts, *parameter.secondary_opts)
+    ]
+    return tuple((name, flag) for name, flag in found if name.startswith("--") and name not in _LEFT_OUT)
+
+
 READ_BY = {
     "P.json": ("export rigid_1m --parameters P.json --to json", "simulate rigid_1m --parameters P.json --rate 500 "
                "--travel 0.01 --output out/s.csv --overwrite", "identify rigid_1m run.csv --nominal P.json",
@@ -127,11 +134,11 @@ def _change_table(file: Path, column: str, value: str) -> None:
 
 @st.composite
 def _options(draw: st.DrawFn) -> Case:
-    base = draw(st.sampled_from(sorted(OPTIONS)))
+    base = draw(st.sampled_from(BASES))
     arguments = base.split()
-    for option in draw(st.lists(st.sampled_from(OPTIONS[base]), min_size=1, max_size=3)):
+    for option, flag in draw(st.lists(st.sampled_from(_options_of(base)), min_size=1, max_size=3)):
         word = draw(st.sampled_from(WORDS) | st.text(max_size=12))
-        arguments += [option] if option in FLAGS else [option, word]
+        arguments += [option] if flag else [option, word]
     if draw(st.integers(0, 9)) == 0:
         arguments[draw(st.integers(1, len(base.split()) - 1))] = draw(st.sampled_from(WORDS))
     return Case(tuple(arguments))

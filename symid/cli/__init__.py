@@ -24,7 +24,7 @@ COMMANDS = {
     "diagnose": "Why simulation and machine differ: where, which effect, how far it shrinks.",
     "compare": "Two results side by side: which parameters differ, and by how many deviations.",
     "fleet": "Review a batch: spread between runs, changes over time, outliers.",
-    "export": "An identified axis as C, MuJoCo model, FMU or JSON, and what it loses there.",
+    "export": "An identified axis as C, MuJoCo model, FMU, Structured Text or JSON, and what it loses there.",
     "tune": "Cutoff frequency and sampling period of an axis.",
 }
 

@@ -5,5 +5,6 @@ from symid.export.exported import Exported
 from symid.export.fmu import write_fmu
 from symid.export.mjcf import mjcf
 from symid.export.parameters import parameter_record
+from symid.export.structured_text import structured_text
 
-__all__ = ["Exported", "c_source", "mjcf", "parameter_record", "write_fmu"]
+__all__ = ["Exported", "c_source", "mjcf", "parameter_record", "structured_text", "write_fmu"]

@@ -14,12 +14,14 @@ import sympy as sp
 from symid.axis import Axis
 from symid.codegen.lowering import minimal_parameter_code, signal_names
 from symid.codegen.module import model_signals
+from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_motion import derivative, lines, members, readings, renamed
 from symid.export.c_step import step_function
 from symid.export.c_way import SHORTEST_STEP, way_words
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals
+from symid.export.feedforward import feedforward
 from symid.simulation import plant_of
 from symid.symbolic.pipeline import DerivedModel
 
@@ -32,6 +34,9 @@ _HEADER = """\
  */
 #ifndef {guard}
 #define {guard}
+#ifdef __cplusplus
+extern "C" {{
+#endif
 
 enum {{
     {name}_bodies = {bodies},         /* displacements in a state x: all displacements, then all velocities */
@@ -68,7 +73,11 @@ void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}
 /* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
 
-{way_header}#endif
+{feedforward_header}{way_header}
+#ifdef __cplusplus
+}}
+#endif
+#endif
 """
 
 _SOURCE = """\
@@ -121,7 +130,22 @@ void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], doubl
 {{
 {readings}
 }}
-{way_source}"""
+{feedforward_source}{way_source}"""
+
+_FEEDFORWARD_HEADER = """\
+/* Force that a motion of the drive needs: no feedback, no deflection of springs. Give it the reference. */
+double {name}_feedforward(const {name}_parameters *p, double position_, double velocity_, double acceleration_);
+
+"""
+
+_FEEDFORWARD_SOURCE = """\
+
+double {name}_feedforward(const {name}_parameters *p, double position_, double velocity_, double acceleration_)
+{{
+    (void)p, (void)position_, (void)velocity_, (void)acceleration_;
+{body}
+}}
+"""
 
 _REST = (
     "Friction at rest: the derivative takes sign(0) = 0 and seeks no event, so that a fixed-step solver chatters "
@@ -206,7 +230,22 @@ def _words(
         "derivative": derivative(dynamics),
         "step": step_function(dynamics),
         "readings": readings(dynamics),
+        **_feedforward_words(axis),
         **way_words(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
+    }
+
+
+def _feedforward_words(axis: Axis) -> dict[str, str]:
+    """What a feed-forward adds to header and source; nothing where an axis has none."""
+    try:
+        force = feedforward(axis).force
+    except SettingError:
+        return {"feedforward_header": "", "feedforward_source": ""}
+    used = [name for name in axis.physical_parameters if sp.Symbol(name) in force.free_symbols]
+    body = lines([*members(used), f"return {c_code(renamed(force))};"])
+    return {
+        "feedforward_header": _FEEDFORWARD_HEADER.format(name=axis.name),
+        "feedforward_source": _FEEDFORWARD_SOURCE.format(name=axis.name, body=body),
     }
 
 

@@ -1,0 +1,251 @@
+"""IEC 61131-3 Structured Text: feed-forward and friction compensation of an axis as a function block."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+from symid.axis import Axis, Between, Body
+from symid.errors import SettingError
+from symid.export.exported import Exported
+from symid.export.feedforward import ACCELERATION, POSITION, SPEED, feedforward
+
+_BLOCK = """\
+(* Feed-forward of axis {name}, exported by symid:
+{notes} *)
+FUNCTION_BLOCK FB_{name}_Feedforward
+VAR_INPUT
+{inputs}
+END_VAR
+VAR_OUTPUT
+{outputs}
+END_VAR
+VAR
+    direction : LREAL;
+END_VAR
+
+IF ABS(velocity) < rest_speed THEN
+    direction := velocity / rest_speed;
+ELSE
+    direction := SEL(velocity > 0.0, -1.0, 1.0);
+END_IF
+friction := {friction};
+force := {force};{command}
+END_FUNCTION_BLOCK
+"""
+_LONGEST = 10**6
+"""Numerator or denominator of a fraction that is written as one."""
+_FUNCTIONS = {
+    "Abs": "ABS",
+    "sin": "SIN",
+    "cos": "COS",
+    "tan": "TAN",
+    "exp": "EXP",
+    "log": "LN",
+    "atan": "ATAN",
+}
+_TAKEN = {
+    *("position", "velocity", "acceleration", "force", "friction", "command", "direction", "rest_speed"),
+    *(
+        "abs",
+        "sqrt",
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "exp",
+        "ln",
+        "log",
+        "expt",
+        "sel",
+        "mod",
+        "trunc",
+    ),
+    *(
+        "and",
+        "or",
+        "xor",
+        "not",
+        "if",
+        "then",
+        "else",
+        "elsif",
+        "end_if",
+        "case",
+        "of",
+        "for",
+        "to",
+        "by",
+        "do",
+    ),
+    *(
+        "while",
+        "repeat",
+        "until",
+        "exit",
+        "return",
+        "at",
+        "true",
+        "false",
+        "t",
+        "s",
+        "r",
+        "s1",
+        "r1",
+        "n",
+        "l",
+        "d",
+    ),
+    *(
+        "p",
+        "ton",
+        "tof",
+        "tp",
+        "date",
+        "time",
+        "tod",
+        "dt",
+        "int",
+        "dint",
+        "real",
+        "lreal",
+        "bool",
+        "byte",
+        "word",
+    ),
+    *("en", "eno", "on", "var", "task", "type", "with", "step", "action", "array", "struct", "string", "pi"),
+}
+"""Words of the language and of the block; letters of case do not matter there."""
+
+
+class _Printer(StrPrinter):  # type: ignore[misc]  # sympy has no types
+    """All numbers are LREAL; powers are products or EXPT."""
+
+    def _print_Integer(self, expression: Any) -> str:
+        return f"{int(expression)}.0"
+
+    def _print_Rational(self, expression: Any) -> str:
+        return self._print_Float(sp.Float(expression, 17))
+
+    def _print_Float(self, expression: Any) -> str:
+        text = repr(float(expression))
+        mantissa, exponent, power = text.partition("e")
+        return (mantissa if "." in mantissa else f"{mantissa}.0") + exponent.upper() + power
+
+    def _print_Pow(self, expression: Any, rational: bool = False) -> str:
+        base, power = expression.args
+        if power.is_Integer and 2 <= power <= 4 and base.is_Symbol:
+            return "(" + "*".join([self._print(base)] * int(power)) + ")"
+        if power == sp.S.Half:
+            return f"SQRT({self._print(base)})"
+        if power == -1:
+            return f"(1.0/({self._print(base)}))"
+        return f"EXPT({self._print(base)}, {self._print(power)})"
+
+    def _print_Function(self, expression: Any) -> str:
+        name = _FUNCTIONS.get(str(expression.func))
+        if name is None or len(expression.args) != 1:
+            raise SettingError(f"Structured Text has no function {str(expression.func)!r}: use --to c")
+        return f"{name}({self._print(expression.args[0])})"
+
+    def _print_Abs(self, expression: Any) -> str:
+        return self._print_Function(expression)
+
+
+def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
+    """Feed-forward and friction compensation of an axis as a function block.
+
+    The axis moves as one, without the deflection of its springs. `friction` is the part of `force` that depends on the
+    speed; within `rest_speed` of standstill its steps are straight lines.
+
+    Parameters
+    ----------
+    axis : Axis
+        Without imperfections that have memory.
+    values : mapping of str to float
+        Physical parameters, SI: the initial values of inputs.
+
+    Raises
+    ------
+    SettingError
+        If the axis has no single motion without deflection, or a law that the language cannot express.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> exported = structured_text(load_axis("rigid_1m"), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
+    >>> [line for line in exported.text.splitlines() if line.startswith("friction")]
+    ['friction := Fs*direction + Fv*velocity;']
+    """
+    found, drive = feedforward(axis), axis.only_drive
+    named = {name: _name(name, axis.physical_parameters) for name in axis.physical_parameters}
+    at = drive.at.second if isinstance(drive.at, Between) else drive.at
+    length = "rad" if isinstance(at, Body) and at.inertia else "m"
+    unit = axis.signal_units[drive.signal]
+    used = sorted(
+        found.force.free_symbols & set(map(sp.Symbol, named)), key=lambda one: list(named).index(str(one))
+    )
+    inputs = [
+        f"    position : LREAL; (* reference of the drive, {length} *)",
+        f"    velocity : LREAL; (* {length}/s *)",
+        f"    acceleration : LREAL; (* {length}/s^2 *)",
+        f"    rest_speed : LREAL := 0.0001; (* {length}/s *)",
+        *(
+            f"    {named[str(p)]} : LREAL := {_Printer().doprint(sp.Float(values[str(p)], 17))}; "
+            f"(* {axis.physical_parameters[str(p)] or '1'} *)"
+            for p in used
+        ),
+    ]
+    outputs = [
+        f"    force : LREAL; (* {unit} *)",
+        f"    friction : LREAL; (* its part that depends on the speed, {unit} *)",
+    ]
+    command = ""
+    if drive.command:
+        outputs.append(f"    command : LREAL; (* {drive.command}, what the drive takes for this force *)")
+        command = f"\ncommand := force / {_Printer().doprint(sp.Float(drive.factor, 17))};"
+    losses = []
+    if len(axis.bodies) > 1:
+        losses.append("Deflection of springs: the force is that of the axis as one rigid motion.")
+    notes = [
+        "force = what the motion needs, without feedback; friction = its part that depends on the speed.",
+        *(f"Lost: {loss}" for loss in losses),
+    ]
+    text = _BLOCK.format(
+        name=axis.name,
+        notes="\n".join(
+            part
+            for note in notes
+            for part in textwrap.wrap(note, 100, initial_indent="   ", subsequent_indent="   ")
+        ),
+        inputs="\n".join(inputs),
+        outputs="\n".join(outputs),
+        friction=_statement(found.friction, named),
+        force=_statement(found.force - found.friction, named, "friction"),
+        command=command,
+    )
+    return Exported({".st": text}, tuple(losses))
+
+
+def _name(name: str, names: Collection[str]) -> str:
+    """A name that the language leaves free; it does not tell small from capital letters."""
+    same = [other for other in names if other.lower() == name.lower()]
+    suffix = f"_{same.index(name) + 1}" if len(same) > 1 else "_p" if name.lower() in _TAKEN else ""
+    return f"{name}{suffix}"
+
+
+def _statement(expression: sp.Expr, named: Mapping[str, str], *more: str) -> str:
+    """An expression in the names of the block."""
+    exact = sp.expand_mul(expression)
+    long = {r: sp.Float(r, 17) for r in exact.atoms(sp.Rational) if max(abs(r.p), r.q) > _LONGEST}
+    written = exact.xreplace(long).subs({sp.sign(SPEED): sp.Symbol("direction")})
+    words = {POSITION: "position", SPEED: "velocity", ACCELERATION: "acceleration"}
+    names = {**{sp.Symbol(a): b for a, b in named.items()}, **words}
+    text = _Printer().doprint(written.xreplace({a: sp.Symbol(b) for a, b in names.items()}))
+    return " + ".join([*more, text]) if text != "0.0" or not more else more[0]

@@ -1,0 +1,158 @@
+"""Feed-forward in C and Structured Text against forces written by hand."""
+
+import ctypes
+import math
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from axes.catalogue import cases, derived
+from axes.shipped import VALUES, write_parameters
+from blark.parse import parse_source_code
+from command_line import run
+from export.compiler import compiler
+
+from symid import load_axis
+from symid.errors import SettingError
+from symid.export import c_source, structured_text
+from symid.symbolic import derive
+
+G = 9.80665
+BY_HAND = {
+    "direct_2m1s": lambda p, q, v, a: p["Mm"] * a + p["Fvm"] * v + p["Fsm"] * np.sign(v),
+    "ballscrew_2m1s": lambda p, q, v, a: (
+        (p["Mm"] + p["Ml"]) * a + (p["Fvm"] + p["Fvl"]) * v + p["Fsm"] * np.sign(v)
+    ),
+    "emps": lambda p, q, v, a: p["M"] * a + p["Fv"] * v + p["Fc"] * np.sign(v) + p["OF"],
+    "emps_asymmetric": lambda p, q, v, a: (
+        p["M"] * a + (p["Fcp"] + p["Fvp"] * v if v > 0 else -p["Fcn"] + p["Fvn"] * v)
+    ),
+    "reduction_gear": lambda p, q, v, a: (
+        (p["Jm"] + p["Mt"] / 25) * a + (p["Fvm"] + p["Fvt"] / 25) * v + (p["Fsm"] + p["Fst"] / 5) * np.sign(v)
+    ),
+    "vertical_2m1s": lambda p, q, v, a: (p["Mm"] + p["Ml"]) * (a + G) + p["Fvm"] * v + p["Fsm"] * np.sign(v),
+    "flexible_pendulum": lambda p, q, v, a: (
+        (p["Jm"] + p["Ja"] / 2500) * a
+        + (p["Fvm"] + p["Fva"] / 2500) * v
+        + p["ml"] * G * math.sin(q / 50) / 50
+    ),
+    "ripple_and_drag": lambda p, q, v, a: (
+        p["Mm"] * a
+        + p["c"] * v * abs(v)
+        + p["As"] * math.sin(4 * math.pi * q)
+        + p["Ac"] * math.cos(4 * math.pi * q)
+    ),
+}
+MOTIONS = [(0.3, 0.2, 1.5), (-0.1, -0.4, -2.0), (1.7, -0.05, 0.5)]
+
+
+def executed(text: str, **inputs: float) -> dict[str, float]:
+    """Values of a block after one call, its statements read as those of Python."""
+    declared = re.findall(r"^    (\w+) : LREAL(?: := ([-+\d.E]+))?;", text, re.MULTILINE)
+    values = {name: float(value) if value else 0.0 for name, value in declared} | inputs
+    body = text.partition("END_VAR\n\nIF")[2].partition("END_FUNCTION_BLOCK")[0]
+    for st, python in (
+        ("IF ", "if "),
+        (" THEN", ":"),
+        ("ELSE", "else:"),
+        ("END_IF", ""),
+        (";", ""),
+        (":=", "="),
+    ):
+        body = body.replace(st, python)
+    functions = {
+        "ABS": abs,
+        "SIN": math.sin,
+        "COS": math.cos,
+        "EXPT": pow,
+        "SEL": lambda which, first, second: second if which else first,
+    }
+    exec("if" + body, functions, values)
+    return values
+
+
+@pytest.mark.parametrize("name", list(BY_HAND))
+def test_the_block_gives_the_force_that_a_motion_needs(name: str) -> None:
+    case = cases()[name]
+    text = structured_text(case.declared, case.values).text
+    assert parse_source_code(text) is not None  # a parser of TwinCAT's Structured Text
+    for q, v, a in MOTIONS:
+        found = executed(text, position=q, velocity=v, acceleration=a)
+        wanted = BY_HAND[name](case.values, q, v, a)
+        assert found["force"] == pytest.approx(wanted, rel=1e-12)
+        resting = BY_HAND[name](case.values, q, v, 0.0) - executed(text, position=q, velocity=0.0)["force"]
+        if name not in ("emps_asymmetric",):  # whose friction has a mean of both directions at rest
+            assert found["friction"] == pytest.approx(resting, rel=1e-12)
+        if (gain := case.declared.drive.factor) != 1.0:
+            assert found["command"] == pytest.approx(wanted / gain, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", list(BY_HAND))
+def test_the_c_function_gives_the_force_that_a_motion_needs(name: str, tmp_path: Path) -> None:
+    case = cases()[name]
+    library = _built(c_source(derived(name, case.sensor_sets[0]), case.values).files, name, tmp_path)
+    function = library[f"{name}_feedforward"]
+    function.restype = ctypes.c_double
+    parameters = np.array([float(value) for value in case.values.values()])
+    for motion in MOTIONS:
+        found = function(parameters.ctypes, *map(ctypes.c_double, motion))
+        assert found == pytest.approx(BY_HAND[name](case.values, *motion), rel=1e-12)
+
+
+def _built(files: Mapping[str, str], name: str, folder: Path) -> ctypes.CDLL:
+    for suffix, text in files.items():
+        (folder / f"{name}{suffix}").write_text(text)
+    strict = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
+    command = [compiler(), *strict, f"{name}.c", "-lm", "-o", "axis.so"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return ctypes.CDLL(str(folder / "axis.so"))
+
+
+def test_cpp_calls_what_c_has_compiled(tmp_path: Path) -> None:
+    axis = load_axis("rigid_1m")
+    _built(c_source(derive(axis), VALUES["rigid_1m"], "rigid_1m").files, "rigid_1m", tmp_path)
+    (tmp_path / "main.cpp").write_text(
+        '#include "rigid_1m.h"\n#include <cstdio>\n'
+        'int main() { std::printf("%.17g", rigid_1m_feedforward(&rigid_1m_values, 0.0, 0.5, 2.0)); }\n'
+    )
+    cpp = next((path for one in ("c++", "g++", "clang++") if (path := shutil.which(one))), None)
+    assert cpp, "no C++ compiler on the path: install one (apt-get install g++)"
+    command = [cpp, "-Wall", "-Werror", "main.cpp", "./axis.so", "-o", "main"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    said = subprocess.run(
+        [tmp_path / "main"], check=True, capture_output=True, text=True, cwd=tmp_path
+    ).stdout
+    p = VALUES["rigid_1m"]
+    assert float(said) == pytest.approx(2.0 * p["M"] + 0.5 * p["Fv"] + p["Fs"], rel=1e-12)
+
+
+def test_friction_is_a_line_at_rest_and_words_of_the_language_are_free() -> None:
+    text = structured_text(load_axis("emps"), VALUES["emps"]).text
+    p = VALUES["emps"]
+    assert "OF_p : LREAL" in text
+    half = executed(text, velocity=5e-5)
+    assert half["friction"] == pytest.approx(0.5 * p["Fc"] + 5e-5 * p["Fv"])
+    assert executed(text, velocity=-0.1, rest_speed=0.0)["friction"] == pytest.approx(
+        -p["Fc"] - 0.1 * p["Fv"]
+    )
+
+
+def test_an_axis_without_a_motion_of_its_own_is_refused() -> None:
+    case = cases()["chain_2m2s_1"]
+    with pytest.raises(SettingError, match="0 motions in which no spring deflects"):
+        structured_text(case.declared, case.values)
+
+
+def test_the_command_writes_a_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_parameters(tmp_path)
+    for _ in range(2):  # its own kind is replaced
+        assert run("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "st", "-o", "axis.st") == 0
+    assert "FUNCTION_BLOCK FB_rigid_1m_Feedforward" in Path("axis.st").read_text()
+    Path("own.st").write_text("FUNCTION_BLOCK own\nEND_FUNCTION_BLOCK\n")
+    assert run("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "st", "-o", "own.st") == 2
