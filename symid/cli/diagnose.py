@@ -108,7 +108,8 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     limits = _limits(options["limits"])
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
     if options["report"]:
-        from symid.report.html import html_path, write_html  # jinja2 is loaded only where a page is written
+        from symid.report.diagnosis_page import write_html  # jinja2 is loaded only where a page is written
+        from symid.report.pages import html_path
 
         page = html_path(options["report"])
     with working("diagnosing"):

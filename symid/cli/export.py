@@ -54,7 +54,7 @@ FORMATS = ("c", "mjcf", "fmu", "st", "json")
 )
 @json_option
 def command(axis: str, **options: Any) -> None:
-    """Write AXIS with its parameters for another program, and say what that program cannot express."""
+    """Write AXIS with its parameters for another program, and name what that program cannot express."""
     declared = load_axis(axis)
     values = parameter_file(options["parameters"], declared)
     exported = _exported(declared, values, options)

@@ -96,7 +96,7 @@ def command(results: str, **options: Any) -> None:
 
 def page_of(file: str | None) -> Path | None:
     """Path of a page, checked before any work is done."""
-    from symid.report.html import html_path
+    from symid.report.pages import html_path
 
     return html_path(file) if file else None
 

@@ -197,7 +197,7 @@ def _by_known_values(
 
 def _require_page(options: dict[str, Any]) -> None:
     """Refuse a page that cannot be written before any work is done."""
-    from symid.report.html import html_path
+    from symid.report.pages import html_path
 
     html_path(options["report"])
     if options["method"] == "oe":

@@ -16,9 +16,9 @@ from symid.codegen.lowering import minimal_parameter_code, signal_names
 from symid.codegen.module import model_signals
 from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
+from symid.export.c_delays import SHORTEST_STEP, delay_fields
 from symid.export.c_motion import derivative, lines, members, readings, renamed
 from symid.export.c_step import step_function
-from symid.export.c_way import SHORTEST_STEP, way_words
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals
 from symid.export.feedforward import feedforward
@@ -231,12 +231,12 @@ def _words(
         "step": step_function(dynamics),
         "readings": readings(dynamics),
         **_feedforward_words(axis),
-        **way_words(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
+        **delay_fields(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
     }
 
 
 def _feedforward_words(axis: Axis) -> dict[str, str]:
-    """What a feed-forward adds to header and source; nothing where an axis has none."""
+    """Fields that a feed-forward adds to header and source; empty where an axis has none."""
     try:
         force = feedforward(axis).force
     except SettingError:

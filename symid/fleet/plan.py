@@ -156,7 +156,7 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
     Parameters
     ----------
     logs : path-like or iterable of path-like
-        Files, folders or glob patterns. A file that is not there stays, for a row that says so.
+        Files, folders or glob patterns. A missing file stays and becomes a row with its error.
     exclude : iterable of path-like
         Files that are not logs, such as earlier results in the same folder.
 
@@ -182,7 +182,7 @@ def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] =
 
 
 def _expanded(item: str) -> list[str]:
-    """Files that an item stands for, and the folders in it that cannot be read, for rows that say so."""
+    """Files that an item stands for, and the folders in it that cannot be read, which become rows with errors."""
     if os.path.isdir(item):
         return sorted(_logs_in(item))
     if has_magic(item) and not os.path.exists(item):

@@ -19,7 +19,7 @@ from symid.fleet.results import numbers, parameter_names
 from symid.report import control_chart
 from symid.report.control_chart import ChartShapes, DistributionShapes, chart_shapes, distribution_shapes
 from symid.report.fleet import fleet_record
-from symid.report.html import html_path, page_templates
+from symid.report.pages import html_path, page_templates
 
 _MOST_OPEN = 6
 """Number of axes that are open at first; the others open on a click."""

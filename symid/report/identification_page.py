@@ -21,8 +21,8 @@ from symid.files import write_whole
 from symid.identification import Identification, Prediction
 from symid.identification.observation import Observation
 from symid.report.drawn import Drawn, apart, svg_of
-from symid.report.html import html_path, page_templates
 from symid.report.identification import identification_record
+from symid.report.pages import html_path, page_templates
 from symid.report.plots import identification_figure
 from symid.report.residual_correlation import correlation_figure, residual_correlations
 

@@ -127,7 +127,7 @@ def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
 
 
 def _links(axis: Axis) -> Iterator[_Link]:
-    """Everything that acts in a joint, in the order of the declaration; the drives last."""
+    """All elements that act in a joint, in the order of the declaration; the drives last."""
     for body in axis.bodies:
         for gear in body.gears:
             name = (

@@ -22,9 +22,9 @@ from symid.report.batch import print_batch
 from symid.report.console import ReportConsole
 from symid.report.derivation import print_derivation
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.diagnosis_page import write_html
 from symid.report.drawn import Drawn, svg_of
 from symid.report.fleet_page import write_fleet_html
-from symid.report.html import html_path, page_templates, write_html
 from symid.report.identification import (
     identification_record,
     print_identification,
@@ -34,6 +34,7 @@ from symid.report.identification import (
 from symid.report.identification_page import write_identification_html
 from symid.report.output_error import output_error_record
 from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
+from symid.report.pages import html_path, page_templates
 from symid.report.plots import identification_figure
 from symid.report.schematic import schematic
 from symid.report.tuning import print_total_tuning, print_tuning, total_tuning_figure, tuning_figure

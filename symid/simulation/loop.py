@@ -105,7 +105,7 @@ class Loop:
 
     @property
     def n_drives(self) -> int:
-        """Number of drives."""
+        """Number of drives of the axis."""
         return len(self.controllers)
 
     @cached_property

@@ -171,7 +171,7 @@ def tune(
     -------
     Tuning
         The lowest cutoff and the lowest sampling frequency that meet the bounds: the least noise and the cheapest
-        data. Where none does, the status says so.
+        data. Its status states where none does.
 
     Raises
     ------

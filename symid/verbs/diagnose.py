@@ -53,7 +53,7 @@ def diagnose(
     Raises
     ------
     LogError, SettingError
-        If a log cannot be used, or there are no nominal values and none can be identified to begin with.
+        If a log cannot be used, or there are neither nominal nor identified values to begin with.
     """
     declared = axis_of(axis)
     machine = log_of(declared, log, measured, **columns)

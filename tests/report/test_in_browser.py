@@ -12,7 +12,7 @@ from diagnosis_page import page_of, written
 
 from benchmarks.pictures import photograph
 from symid.report.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
-from symid.report.html import write_html
+from symid.report.diagnosis_page import write_html
 
 pytestmark = pytest.mark.browser
 

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jinja2
-
 from symid import __version__
-from symid.diagnosis.findings.result import Diagnosis
-from symid.errors import SettingError
+from symid.diagnosis import Diagnosis
 from symid.files import write_whole
-from symid.report import colours
-from symid.report import number_text as numbers
-from symid.report.diagnosis import diagnosis_record, removes
-from symid.report.motion_gap import motion_line, motion_rows
+from symid.report.diagnosis import diagnosis_record
+from symid.report.pages import html_path, page_templates
 from symid.report.waterfall import scale_of
 
 VERDICTS = {
@@ -36,22 +31,6 @@ MAPS = {
 
 _MOST_SHOWN = 8
 """Number of alternatives that are shown at first; accepted effects always are."""
-
-
-def html_path(file: str | Path) -> Path:
-    """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist.
-
-    Examples
-    --------
-    >>> html_path("report.html").name
-    'report.html'
-    """
-    path = Path(file)
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise SettingError(f"report {path.name!r} is of no known kind: end its name with .html")
-    if not path.parent.is_dir():
-        raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
-    return path
 
 
 def write_html(found: Diagnosis, file: str | Path) -> None:
@@ -92,34 +71,3 @@ def write_html(found: Diagnosis, file: str | Path) -> None:
         version=__version__,
     )
     write_whole(path, text)
-
-
-def page_templates() -> jinja2.Environment:
-    """Templates that escape all text and know how reports write numbers."""
-    templates = jinja2.Environment(
-        loader=jinja2.PackageLoader("symid.report"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    for write in (
-        motion_line,
-        motion_rows,
-        removes,
-        numbers.significant,
-        numbers.with_deviation,
-        numbers.multiple,
-        numbers.times,
-        numbers.percent,
-        numbers.share,
-        numbers.probability,
-        numbers.band,
-        numbers.change,
-        numbers.words,
-        numbers.capitalize_first,
-    ):
-        templates.filters[write.__name__] = write
-    templates.filters["in_dark"] = colours.in_dark
-    templates.globals.update(colours=colours)
-    return templates

@@ -73,7 +73,7 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 """
 
 
-def way_words(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> dict[str, str]:
+def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> dict[str, str]:
     """Fields that delays add to header and source; empty without delays.
 
     Parameters

@@ -1,0 +1,60 @@
+"""Pages of reports: their files and their templates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jinja2
+
+from symid.errors import SettingError
+from symid.report import colours
+from symid.report import number_text as numbers
+from symid.report.diagnosis import removes
+from symid.report.motion_gap import motion_line, motion_rows
+
+
+def html_path(file: str | Path) -> Path:
+    """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist.
+
+    Examples
+    --------
+    >>> html_path("report.html").name
+    'report.html'
+    """
+    path = Path(file)
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise SettingError(f"report {path.name!r} is of no known kind: end its name with .html")
+    if not path.parent.is_dir():
+        raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
+    return path
+
+
+def page_templates() -> jinja2.Environment:
+    """Templates that escape all text and know how reports write numbers."""
+    templates = jinja2.Environment(
+        loader=jinja2.PackageLoader("symid.report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    for write in (
+        motion_line,
+        motion_rows,
+        removes,
+        numbers.significant,
+        numbers.with_deviation,
+        numbers.multiple,
+        numbers.times,
+        numbers.percent,
+        numbers.share,
+        numbers.probability,
+        numbers.band,
+        numbers.change,
+        numbers.words,
+        numbers.capitalize_first,
+    ):
+        templates.filters[write.__name__] = write
+    templates.filters["in_dark"] = colours.in_dark
+    templates.globals.update(colours=colours)
+    return templates
