@@ -40,8 +40,8 @@ from symid.diagnosis.prediction.joined import joined
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import backward_elimination
-from symid.diagnosis.selection.forward import LEAST_PENALISED_GAIN, forward_selection
-from symid.diagnosis.selection.screening import PENALTY
+from symid.diagnosis.selection.forward import forward_selection
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.simulation import Cascade
 
 _DIFFERS_DEVIATIONS = 4.0
@@ -166,7 +166,7 @@ def _machine(state: State, weighting: Weighting) -> Fit:
         others = tuple(other for other in model.state.placed if other.key != item.key)
         without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)
         gain = model.predicted - without.predicted
-        if gain - PENALTY * item.n_free < LEAST_PENALISED_GAIN:
+        if gain - THRESHOLDS.penalty * item.n_free < THRESHOLDS.least_penalised_gain:
             model = without
     return model
 

@@ -17,7 +17,7 @@ from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.faults import damage
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.start import NOISE_ALONE, fitted_axis, starting_parameters
+from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
@@ -25,6 +25,7 @@ from symid.diagnosis.prediction.record import Record, record_of, signals_of
 from symid.diagnosis.selection.backward import backward_elimination, without
 from symid.diagnosis.selection.forward import SelectionStep, forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.settings import with_hold
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
@@ -165,7 +166,7 @@ def _shows_in_validation(found: Diagnosis) -> bool:
         return False
     own = found.search[0].before.mean_square
     other = (found.gap.reidentified.rms / found.gap.noise_floor.rms) ** 2
-    return own < NOISE_ALONE or other > _ELSEWHERE * own
+    return own < THRESHOLDS.fit_of_noise or other > _ELSEWHERE * own
 
 
 def _diagnosed(

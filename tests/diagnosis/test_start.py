@@ -9,6 +9,7 @@ from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.fitting import start
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.thresholds import THRESHOLDS
 
 TRUE = {"Ms": 3030.0, "Fvs": 32800.0, "Ks": 2.18e8, "Mm": 242.0, "Fvm": 74.0, "Fsm": 112.0}
 FAR = {"Ms": 2490.0, "Fvs": 37900.0, "Ks": 2.55e8, "Mm": 167.0, "Fvm": 96.0, "Fsm": 90.0}
@@ -40,10 +41,10 @@ def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyP
     data = data_of(load_axis("direct_2m1s"), (joined([flexible_log(1)]), None), Recorded({}, None))
     begin = first_state(data.record, FAR, data.training)
     found = start.fitted_axis(*begin)
-    assert found.mean_square < start.NOISE_ALONE
+    assert found.mean_square < THRESHOLDS.fit_of_noise
     for name, value in TRUE.items():
         assert found.parameters[name] == pytest.approx(value, rel=0.01)
     monkeypatch.setattr(start, "_STIFFNESSES", ())
     alone = start.fitted_axis(*begin)
-    assert alone.mean_square > 2 * start.NOISE_ALONE
+    assert alone.mean_square > 2 * THRESHOLDS.fit_of_noise
     assert alone.parameters["Ms"] > 5 * FAR["Ms"]

@@ -25,10 +25,10 @@ from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.diagnosis.selection.evidence import INDISTINGUISHABLE, Key
+from symid.diagnosis.selection.evidence import Key
 from symid.diagnosis.selection.forward import Confirmed, SelectionStep
 from symid.diagnosis.selection.priors import temperature
-from symid.diagnosis.selection.screening import PENALTY
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError
 from symid.simulation import Trajectory
 
@@ -63,7 +63,7 @@ class Rivals:
     @property
     def remains(self) -> bool:
         """Whether the log leaves doubt."""
-        return self.chance >= INDISTINGUISHABLE
+        return self.chance >= THRESHOLDS.indistinguishable
 
     @property
     def record(self) -> Record:
@@ -264,7 +264,9 @@ def _fitted(model: State, truth: State, weighting: Weighting) -> float:
 
 def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -> float:
     own, other = (rivals.pair[i].placed.n_free for i in (right, 1 - right))
-    return (over_other - PENALTY * (own - other)) / temperature(over_none - PENALTY * own)
+    return (over_other - THRESHOLDS.penalty * (own - other)) / temperature(
+        over_none - THRESHOLDS.penalty * own
+    )
 
 
 def simulated_trials(rivals: Rivals, trials: Sequence[Trial]) -> list[Trial]:

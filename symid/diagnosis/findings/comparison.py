@@ -19,15 +19,12 @@ from symid.diagnosis.prediction.density import power_density
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.thresholds import THRESHOLDS
 
 _SEGMENT = 1024
 _USED = 0.65
 _UNEVEN = 2.0
 _FEW = 8
-_NO_EXCESS = 0.05
-"""Excess relative to the square of the floor below which there is nothing to explain."""
-_FALLS = 0.995
-"""An error that falls by less on data that took no part in the fit speaks against the effect."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +58,7 @@ class Comparison:
     def upheld(self) -> int:
         """How many of the effects hold on these data: what follows makes the error grow, or may do so."""
         errors = [self._misfit(model) for model in range(1, len(self.states))]
-        held = [n for n in range(1, len(errors)) if errors[n] <= _FALLS * min(errors[:n])]
+        held = [n for n in range(1, len(errors)) if errors[n] <= THRESHOLDS.falls * min(errors[:n])]
         last = max(held, default=0)
         while last > 1 and not self.removed(last, last + 1).low > 0:
             last -= 1
@@ -163,7 +160,7 @@ class Comparison:
         """Share of the re-identified model's excess that stays, see `removed`; nan if it has none."""
         output = self._output_of(2) if len(self.states) > 2 else 0
         before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
-        least = _NO_EXCESS * float(self.floors[output]) ** 2
+        least = THRESHOLDS.no_excess * float(self.floors[output]) ** 2
         return min(left / before, 1.0) if before > least else float("nan")
 
     @cached_property

@@ -23,24 +23,11 @@ from symid.diagnosis.findings.wording import next_experiment, sentence
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.selection.evidence import (
-    INDISTINGUISHABLE,
-    NOISE_ALONE,
-    Errors,
-    Key,
-    Outcome,
-    Verdict,
-    is_there,
-    outcome,
-    probabilities,
-)
+from symid.diagnosis.selection.evidence import Errors, Key, Outcome, Verdict, is_there, outcome, probabilities
 from symid.diagnosis.selection.forward import LATE_FORCES, SelectionStep
+from symid.diagnosis.thresholds import THRESHOLDS
 
-_ABSORBED_DEVIATIONS = 3.0
-_ABSORBED_SHARE = 0.01
 _LISTED = 20
-_ALL_OF_IT = 0.1
-"""Share of the gap that may stay where the effects found explain it."""
 
 
 def concluded(
@@ -127,7 +114,11 @@ def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
     if damaged and verdict not in ("no_gap", "parameters"):
         return "recording"
     floor = gap.noise_floor.rms
-    if verdict == "effect" and gap.explained.rms > NOISE_ALONE * floor and gap.unexplained_share > _ALL_OF_IT:
+    if (
+        verdict == "effect"
+        and gap.explained.rms > THRESHOLDS.noise_alone * floor
+        and gap.unexplained_share > THRESHOLDS.all_of_it
+    ):
         return "partly"
     return verdict
 
@@ -150,7 +141,7 @@ def _effects(
         item = last.state.placed[known + i]
         best = item.key
         chance = _beside(named - {best}, best, probabilities(step, driven(comparison.record)))
-        rivals = [k for k, p in chance.items() if p >= INDISTINGUISHABLE and k != best]
+        rivals = [k for k, p in chance.items() if p >= THRESHOLDS.indistinguishable and k != best]
         there = chances.effect if i == 0 else is_there(step)
         found.append(
             FoundEffect(
@@ -229,7 +220,7 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
     found = []
     for i, name in enumerate(base.parameters):
         old, new = base.parameters[name], last.parameters[name]
-        limit = max(_ABSORBED_DEVIATIONS * before[i], _ABSORBED_SHARE * abs(new))
+        limit = max(THRESHOLDS.absorbed_deviations * before[i], THRESHOLDS.absorbed_share * abs(new))
         found.append(
             ParameterChange(
                 name=name,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from symid.diagnosis.effects import LIBRARY, LawEffect
 from symid.diagnosis.findings.gap import Gap, Motion
 from symid.diagnosis.findings.result import Alternative, Diagnosis, FoundEffect, Simulator
-from symid.diagnosis.selection.evidence import WHITE, Verdict
+from symid.diagnosis.selection.evidence import Verdict
+from symid.diagnosis.thresholds import THRESHOLDS
 
 _ADVICE = {
     "delay": "excite more above 50 Hz (multisine), so that a delay and a first-order lag part",
@@ -51,7 +52,7 @@ def sentence(
         return f"There is no gap: the model leaves {before}."
     if verdict == "parameters":
         nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
-        if gap.reidentified.rms > WHITE * gap.noise_floor.rms:
+        if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
             rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
         values = "The structure is right and only parameter values were off"

@@ -16,6 +16,7 @@ from symid.diagnosis.fitting.blocks import Blocks, blocks_of, log_likelihood
 from symid.diagnosis.fitting.sensitivity import derivatives
 from symid.diagnosis.fitting.state import State, evaluated, leveled
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
 _LARGEST_SHAPE_STEP = 0.3
@@ -30,8 +31,6 @@ ITERATIONS = 10
 """Of a fit that may begin far off, at most."""
 _ALLOWED_ERROR = 0.1
 """Share of the error left that the weights take for error of the model."""
-LEAST_INERTIA = 2.0
-"""Factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +200,7 @@ def keeps_inertia(found: State, *plain: float, doubt: float = 0.0) -> bool:
     doubt : float
         Relative deviation that it may have because the log does not determine it.
     """
-    low, high = min(plain) / LEAST_INERTIA, max(plain) * LEAST_INERTIA
+    low, high = min(plain) / THRESHOLDS.least_inertia, max(plain) * THRESHOLDS.least_inertia
     return low / (1 + doubt) < found.inertia < high * (1 + doubt)
 
 

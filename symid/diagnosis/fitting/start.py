@@ -12,6 +12,7 @@ from symid.diagnosis.fitting.fit import Fit, converged, fitted, stiffnesses
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
 from symid.identification import identify
 
@@ -38,15 +39,9 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     return {name: float(found[name]) for name in axis.physical_parameters}
 
 
-NOISE_ALONE = 1.5
-"""Mean square of weighted rows up to which noise is what is left."""
 _STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
 _FEW = 3
 """Iterations after which a fit from another stiffness that leaves more than the first is given up."""
-_CLEARLY = 0.1
-"""Share of the mean square, up to which a fit from another stiffness is the better one: it found the resonance."""
-_RUN_AWAY = 5.0
-"""Factor by which a mass, an inertia or a stiffness that is fitted has left where it began."""
 
 
 def fitted_axis(state: State, weighting: Weighting) -> Fit:
@@ -65,7 +60,7 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     """
     first = converged(state, weighting)
     springs, values = stiffnesses(state.prediction.axis), state.prediction.parameters
-    if not springs or first.mean_square < NOISE_ALONE:
+    if not springs or first.mean_square < THRESHOLDS.fit_of_noise:
         return first
     astray, others = _ran_away(first, values), []
     for factor in _STIFFNESSES:
@@ -75,7 +70,7 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
             others.append(converged(*begun))
     tame = [fit for fit in others if not _ran_away(fit, values)]
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
-    clearly = best.mean_square < max(NOISE_ALONE, _CLEARLY * first.mean_square)
+    clearly = best.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
     return best if clearly or astray else first
 
 
@@ -83,7 +78,7 @@ def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
     axis = fit.state.prediction.axis
     inertias = [body.inertial for body in axis.free_bodies if body.inertial in axis.physical_parameters]
     for name in (*stiffnesses(axis), *inertias):
-        low, high = sorted((start[name] / _RUN_AWAY, start[name] * _RUN_AWAY))
+        low, high = sorted((start[name] / THRESHOLDS.ran_away, start[name] * THRESHOLDS.ran_away))
         if not low < fit.parameters[name] < high:
             return True
     return False

@@ -21,7 +21,6 @@ from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.forward import (
     LATE_FORCES,
     LATE_READING,
-    LEAST_PENALISED_GAIN,
     Confirmed,
     SelectionStep,
     confirmed_from,
@@ -31,16 +30,11 @@ from symid.diagnosis.selection.forward import (
 )
 from symid.diagnosis.selection.priors import prior
 from symid.diagnosis.selection.screening import screened
+from symid.diagnosis.thresholds import THRESHOLDS
 
 _ITERATIONS = 3
 _RIVALS = 3
 """Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
-_REFINED = 0.05
-"""Share of the gain of an effect by which its refinement must gain more, to take its place by errors alone."""
-_MOST = 0.5
-"""Share of what an effect takes away that another one in its place takes too."""
-_AS_GOOD = 1.1
-"""In another order the fit may end elsewhere: it must leave as little."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +90,7 @@ def backward_elimination(
         sorted(members, key=lambda member: -member.taken),
         members,
     )
-    chains = (_chain(order, first, _AS_GOOD * whole.mean_square) for order in orders)
+    chains = (_chain(order, first, THRESHOLDS.as_good * whole.mean_square) for order in orders)
     return next((chain for chain in chains if chain is not None), tuple(steps))
 
 
@@ -150,7 +144,7 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
 def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
     """Whether an effect takes away most of what the one at its place does."""
     taken = before.mean_square - found.confirmed[0].fit.mean_square
-    return taken > _MOST * (before.mean_square - whole.mean_square)
+    return taken > THRESHOLDS.stands_in * (before.mean_square - whole.mean_square)
 
 
 def _chosen(
@@ -185,11 +179,11 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     A refinement of it, as presliding is one of Coulomb friction, takes its place only where more than errors speaks
     for it, or where it gains much more.
     """
-    least = max(LEAST_PENALISED_GAIN, deviation(own.squares, best.squares, own.fit.n_rows))
+    least = max(THRESHOLDS.least_penalised_gain, deviation(own.squares, best.squares, own.fit.n_rows))
     if best.placed.contains(own.key):
         if prior(best.fit.state, first.nominal) > prior(own.fit.state, first.nominal):
             return True
-        least = max(least, _REFINED * own.penalised_gain)
+        least = max(least, THRESHOLDS.refined * own.penalised_gain)
     return best.penalised_gain - own.penalised_gain > least
 
 

@@ -9,21 +9,9 @@ import numpy as np
 from symid.diagnosis.effects import DriveEffect, JointEffect, LinearEffect, Placed
 from symid.diagnosis.fitting.blocks import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
+from symid.diagnosis.thresholds import THRESHOLDS
 
-_SEEN = 1e-8
-"""Share of a column, squared, that others must leave of it."""
-_DEVIATIONS = 2.0
-"""A value within so many deviations of nothing is no finding."""
-_LARGEST_FORCE = 5.0
-"""Rms of a missing force, relative to the largest force of the drive: a spring that holds it may carry more."""
 _OF_MASSES = ("flexible_mode", "payload_change")
-_RUN_AWAY = 1e4
-"""Factor by which a stiffness is beyond what any effect had hidden of it."""
-_LEAST_ACTING = 0.5
-"""Share of the logged force that must act on the axis: with less, the drive has been explained away."""
-_EXPLAINED = 0.01
-"""Share of the mean square, up to which what is left says that the drive does keep most of a command back: one that an
-integrator winds up behind a limit is many times the force."""
 
 
 def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
@@ -35,16 +23,18 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
-    if _springs_ran_away(fit, found) or force_share(found) > _LARGEST_FORCE:
+    if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
-    explains = found.mean_square < _EXPLAINED * fit.mean_square
-    return is_determined(item, blocks) and (explains or acting_share(found) > _LEAST_ACTING)
+    explains = found.mean_square < THRESHOLDS.keeps_back * fit.mean_square
+    return is_determined(item, blocks) and (explains or acting_share(found) > THRESHOLDS.least_acting)
 
 
 def _springs_ran_away(fit: Fit, found: Fit) -> bool:
     """Whether a stiffness has left the one without the effect by far: the spring has become rigid, or nothing."""
     names = stiffnesses(fit.state.prediction.axis)
-    return any(abs(found.parameters[n]) > _RUN_AWAY * abs(fit.parameters[n]) > 0 for n in names)
+    return any(
+        abs(found.parameters[n]) > THRESHOLDS.spring_ran_away * abs(fit.parameters[n]) > 0 for n in names
+    )
 
 
 def force_share(fit: Fit) -> float:
@@ -65,14 +55,16 @@ def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
     masses = found.state.prediction.record.dynamics.parameters_of("mass")
     least = min(s for name, s in zip(found.parameters, spread, strict=True) if name in masses)
-    return keeps_inertia(found.state, *plain, doubt=min(_DEVIATIONS * float(least) / max(plain), 1.0))
+    return keeps_inertia(
+        found.state, *plain, doubt=min(THRESHOLDS.deviations * float(least) / max(plain), 1.0)
+    )
 
 
 def is_determined(item: Placed, blocks: Blocks) -> bool:
     """Whether the log tells the last effect from the others, and its values exceed their deviations."""
     if not item.n_free:
         return True
-    if blocks.least_seen(item.n_free) < _SEEN:
+    if blocks.least_seen(item.n_free) < THRESHOLDS.seen:
         return False
     covariance = blocks.covariance[-item.n_free :, -item.n_free :]
     n = item.n_free - len(item.shape)
@@ -83,7 +75,7 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
     if not n:
         return True
     strength = amplitudes @ np.linalg.pinv(covariance[:n, :n], hermitian=True) @ amplitudes
-    return bool(strength > _DEVIATIONS**2)
+    return bool(strength > THRESHOLDS.deviations**2)
 
 
 def acting_share(fit: Fit) -> float:

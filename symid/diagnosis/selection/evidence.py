@@ -15,33 +15,11 @@ from typing import Literal
 import numpy as np
 
 from symid.diagnosis.fitting.blocks import deviation
-from symid.diagnosis.selection.forward import LEAST_PENALISED_GAIN, SelectionStep
-from symid.diagnosis.selection.priors import DOUBT, prior, temperature
-from symid.diagnosis.selection.screening import PENALTY
+from symid.diagnosis.selection.forward import SelectionStep
+from symid.diagnosis.selection.priors import prior, temperature
+from symid.diagnosis.thresholds import THRESHOLDS
 
-_DRIVEN_BONUS = 0.3
-_LEAST_REMOVED = 0.1
-_REMOVED_WIDTH = 0.02
-_COVERED = 0.5
-_COVERED_WIDTH = 0.12
-_NEARLY_ALL = 0.8
-_NEARLY_WIDTH = 0.05
-"""The same of a gap hardly above the floor, whose level is not known better: only a cause takes all of it away."""
 _HALF = 0.5
-_UNLIKELY = 0.1
-"""Probability, at most, of an effect that the validation data do not show."""
-WHITE = 1.6
-_COLOURED = 6.0
-"""Errors, in multiples of the floor, that noise may leave: the floor is that of white noise, as the signals show it at
-high frequencies, and a wandering record has several times of it at low ones."""
-_NEGLIGIBLE = 0.0015
-"""Error, relative to the force, that a model may leave whatever the noise: the instants of reversals, on which friction
-jumps, are known to a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force)."""
-NOISE_ALONE = 1.25
-"""Error, in multiples of the floor, up to which nothing but noise is left."""
-_NOMINAL_IS_GOOD = 1.1
-INDISTINGUISHABLE = 0.15
-"""Probability from which on a candidate counts as not told apart from the best."""
 
 Key = tuple[str, str]
 """Names of an effect and of its place."""
@@ -71,7 +49,7 @@ def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
     likelier = {c.key: prior(c.fit.state, step.before.nominal) for c in step.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
-        + _DRIVEN_BONUS * (key[1] == driven)
+        + THRESHOLDS.driven_bonus * (key[1] == driven)
         + likelier.get(key, 0.0)
         for key, value in gains.items()
     }
@@ -90,7 +68,7 @@ def _penalised_gains(step: SelectionStep) -> dict[Key, float]:
         for other in step.confirmed:
             if not own.placed.shape and own.placed.contains(other.key):
                 further = own.placed.n_free - other.placed.n_free
-                gains[own.key] = max(gains[own.key], other.penalised_gain - PENALTY * further)
+                gains[own.key] = max(gains[own.key], other.penalised_gain - THRESHOLDS.penalty * further)
     return gains
 
 
@@ -100,14 +78,14 @@ def _doubts(step: SelectionStep) -> dict[Key, float]:
         return {}
     best = max(step.confirmed, key=lambda c: c.penalised_gain)
     n = step.before.n_rows
-    return {c.key: DOUBT * deviation(best.squares, c.squares, n) for c in step.confirmed}
+    return {c.key: THRESHOLDS.doubt * deviation(best.squares, c.squares, n) for c in step.confirmed}
 
 
 def is_there(step: SelectionStep) -> float:
     """Probability that the best candidate of a step is more than noise."""
     if not step.confirmed:
         return 0.0
-    return _logistic((step.confirmed[0].penalised_gain - LEAST_PENALISED_GAIN) / 4)
+    return _logistic((step.confirmed[0].penalised_gain - THRESHOLDS.least_penalised_gain) / 4)
 
 
 @dataclass(frozen=True)
@@ -195,18 +173,18 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(steps[0]) if steps else 0.0
-    if not upheld or errors.largest <= NOISE_ALONE:
-        there = min(there, _UNLIKELY)
-    if errors.largest < (_COLOURED if errors.stationary else WHITE):
+    if not upheld or errors.largest <= THRESHOLDS.noise_alone:
+        there = min(there, THRESHOLDS.unlikely)
+    if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
         there *= _covers(errors)  # of noise, and of instants of reversals, some effect explains a part
     holds = there * (1 - _in_vain(errors))
     causes = holds * _covers(errors)
     good = 1.0
     if errors.nominal is not None:
         worse = errors.nominal / min(errors.reidentified, errors.nominal)
-        good = _logistic((math.log(_NOMINAL_IS_GOOD) - math.log(worse)) / 0.03)
-    most = _COLOURED if errors.stationary else WHITE
-    excess = min(errors.reidentified / most, errors.relative / _NEGLIGIBLE)
+        good = _logistic((math.log(THRESHOLDS.nominal_is_good) - math.log(worse)) / 0.03)
+    most = THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white
+    excess = min(errors.reidentified / most, errors.relative / THRESHOLDS.negligible)
     fits = _logistic(-math.log(max(excess, 1e-9)) / 0.08)
     # What was found and does not hold says nothing against a model that leaves hardly more than noise.
     plain = (1 - holds) * fits
@@ -223,18 +201,18 @@ def _covers(errors: Errors) -> float:
     """Probability that what takes away a share of the gap is what it is called, and stands for nothing else."""
     if not np.isfinite(errors.left):
         return 1.0
-    if errors.largest < WHITE:
-        return _logistic((1 - errors.left - _NEARLY_ALL) / _NEARLY_WIDTH)
-    if errors.explained <= NOISE_ALONE:
+    if errors.largest < THRESHOLDS.white:
+        return _logistic((1 - errors.left - THRESHOLDS.nearly_all) / THRESHOLDS.nearly_width)
+    if errors.explained <= THRESHOLDS.noise_alone:
         return 1.0
-    return _logistic((1 - errors.left - _COVERED) / _COVERED_WIDTH)
+    return _logistic((1 - errors.left - THRESHOLDS.covered) / THRESHOLDS.covered_width)
 
 
 def _in_vain(errors: Errors) -> float:
     """Probability that what was found is no cause of the gap, but lies near to one: it takes too little of it away."""
-    if errors.explained <= NOISE_ALONE or not np.isfinite(errors.left):
+    if errors.explained <= THRESHOLDS.noise_alone or not np.isfinite(errors.left):
         return 0.02
-    return 0.02 + 0.96 * _logistic((_LEAST_REMOVED - (1 - errors.left)) / _REMOVED_WIDTH)
+    return 0.02 + 0.96 * _logistic((THRESHOLDS.least_removed - (1 - errors.left)) / THRESHOLDS.removed_width)
 
 
 def _logistic(x: float) -> float:

@@ -13,55 +13,22 @@ from symid.arrays import FloatArray
 from symid.diagnosis.effects import Effect, LawEffect, Placed
 from symid.diagnosis.fitting.blocks import certainty, deviation, log_likelihood
 from symid.diagnosis.fitting.deviations import standard_deviations
-from symid.diagnosis.fitting.fit import LEAST_INERTIA, Fit, fitted, refitted, settled
+from symid.diagnosis.fitting.fit import Fit, fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, can_integrate, from_other_places, of_grid
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.credibility import is_credible
-from symid.diagnosis.selection.priors import DOUBT, prior, temperature
-from symid.diagnosis.selection.screening import PENALTY, Candidate, screened
+from symid.diagnosis.selection.priors import prior, temperature
+from symid.diagnosis.selection.screening import Candidate, screened
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
-LEAST_PENALISED_GAIN = 30.0
-"""Gain of the log-likelihood, less its penalty, that an effect must bring: the best of all places and shapes
-brings less in noise alone."""
-LEAST_SHARE = 0.006
-"""Share of the mean square that it must take away."""
-LEAST_CERTAINTY = 0.95
-_LEAST_POWER = 0.06
-_LEAST_OF_FIRST = 0.006
-"""Share of the mean square of the first model that a further effect must take away."""
-_EXPLAINED = 1.4
 _INTEGRATED = 2
 _OTHER_PLACES = 3
 _COULOMB = "coulomb_friction"
 LATE_FORCES = ("delay", "actuator_lag")
 """Nearly the same: beside each other they tell nothing."""
-_PROMISING = 0.15
-"""Share of the best candidate's gain by projection from which on another is fitted."""
-_HARDLY_MORE = 0.03
-"""Share of its worth by which what contains Coulomb friction must exceed it: robot joints without any in their model
-showed 2 % more for presliding friction, whose reach the log told badly."""
-_VARIES = 0.4
-_HARDLY = 0.05
-"""With more of the mean square left, no candidate has explained it."""
-_BESIDE_BEST = 0.2
-"""Share of the gain of the best candidate from which on another is accepted in its place."""
-_OTHER_TIMING = 0.3
-"""Share of the gain of a delay from which on a lag in its place is followed too, and the other way round."""
-_HOPELESS = 4.0
-"""Multiple of the mean square that the best candidate leaves from which on another is not fitted to the end."""
-_TIE = 2.0
-_TIMING_FIRST = 0.6
-"""Share of the best gain from which on a reading that is late goes first: readings that do not belong together look
-like play, friction or compliance, and what there is of these is found after it."""
 LATE_READING = "sensor_delay"
-_SPOILED = 1.5
-"""Factor by which the mean square of an output grows, and exceeds noise, where a candidate goes after those that spoil
-none."""
-_NOISE = 0.8
-"""Mean square below which no effect takes a model: that of noise, whose level is known to some percent."""
-_MOST_EFFECTS = 4
 _DIRECT = (4, 4, 3)
 _INTEGRATION = (4, 8, 8)
 """Iterations at most: before a hopeless fit is given up, after that, and with the weights of the values found."""
@@ -94,7 +61,7 @@ class Confirmed:
     @property
     def penalised_gain(self) -> float:
         """The gain, less what its free values would gain in noise."""
-        return self.gain - PENALTY * self.placed.n_free
+        return self.gain - THRESHOLDS.penalty * self.placed.n_free
 
     @property
     def placed(self) -> Placed:
@@ -137,8 +104,8 @@ class SelectionStep:
 
     def _accepts(self, own: Confirmed) -> bool:
         closed = _taken(self.before, own.fit, self.before)
-        gains = own.penalised_gain > LEAST_PENALISED_GAIN and closed > LEAST_SHARE
-        return gains and own.certainty > LEAST_CERTAINTY
+        gains = own.penalised_gain > THRESHOLDS.least_penalised_gain and closed > THRESHOLDS.least_share
+        return gains and own.certainty > THRESHOLDS.least_certainty
 
     def with_acceptable(self) -> SelectionStep:
         """The same, where the best candidate is not accepted with the next one first that is, if it gains enough.
@@ -147,7 +114,7 @@ class SelectionStep:
         """
         if self.accepts or not self.confirmed:
             return self
-        least = _BESIDE_BEST * self.confirmed[0].penalised_gain
+        least = THRESHOLDS.beside_best * self.confirmed[0].penalised_gain
         found = [own for own in self.confirmed if own.penalised_gain > least and self._accepts(own)]
         if not found:
             return self
@@ -162,7 +129,7 @@ class SelectionStep:
         """
         if not self.accepts or self.confirmed[0].effect.name not in LATE_FORCES:
             return ()
-        least = _OTHER_TIMING * self.confirmed[0].penalised_gain
+        least = THRESHOLDS.other_timing * self.confirmed[0].penalised_gain
         others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES]
         return tuple(
             replace(self, confirmed=(own, *(c for c in self.confirmed if c is not own)))
@@ -180,7 +147,7 @@ class SelectionStep:
 def takes(before: Fit, after: Fit, first: Fit) -> bool:
     """Whether an effect beside others takes away what counts, where `first` was to be explained."""
     most = float(np.max(before.squares - after.squares)) / before.squares.size
-    return most > _LEAST_POWER and _taken(before, after, first) > _LEAST_OF_FIRST
+    return most > THRESHOLDS.least_power and _taken(before, after, first) > THRESHOLDS.least_of_first
 
 
 def _taken(before: Fit, after: Fit, first: Fit) -> float:
@@ -206,7 +173,7 @@ def forward_selection(
     nominal : Fit, optional
         The model before re-identification, another start for effects that led the parameters astray.
     """
-    fit = replace(fit, state=fit.state.with_least(1 / LEAST_INERTIA, fit.nominal))
+    fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
     first = _selection_step(fit, library, nominal).with_acceptable()
     branches = [_continued(fit, begun, library) for begun in (first, *first.other_timing())]
@@ -216,9 +183,13 @@ def forward_selection(
 def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tuple[SelectionStep, ...]:
     """A first step and those that accept their best candidate after it."""
     steps, last = [first], first
-    while last.accepts and len(steps) < _MOST_EFFECTS:
+    while last.accepts and len(steps) < THRESHOLDS.most_effects:
         current = refitted(settled(last.confirmed[0].fit)).after(fit)
-        if current.mean_square - max(_LEAST_POWER, _LEAST_OF_FIRST * float(fit.squares.min())) < _NOISE:
+        if (
+            current.mean_square
+            - max(THRESHOLDS.least_power, THRESHOLDS.least_of_first * float(fit.squares.min()))
+            < THRESHOLDS.noise
+        ):
             break
         if current.state.placed[-1].effect.name in LATE_FORCES:
             library = [effect for effect in library if effect.name not in LATE_FORCES]
@@ -235,7 +206,9 @@ def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
         return -math.inf
     state = steps[-1].confirmed[0].fit.state
     added = state.placed[len(steps[0].before.state.placed) :]
-    return Fit(state.weighted(weighting), weighting).predicted - PENALTY * sum(item.n_free for item in added)
+    return Fit(state.weighted(weighting), weighting).predicted - THRESHOLDS.penalty * sum(
+        item.n_free for item in added
+    )
 
 
 def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:
@@ -245,7 +218,7 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     for stage in _stages(fit, found, library, nominal, confirmed):
         _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
-        if best is not None and best.fit.mean_square < _EXPLAINED:
+        if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
     _confirm(fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
     prefer_coulomb(confirmed)
@@ -263,8 +236,8 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     most = max((c.penalised_gain for c in candidates), default=0.0)
 
     def order(own: Confirmed) -> tuple[bool, bool, float]:
-        timing = own.key[0] == LATE_READING and own.penalised_gain > _TIMING_FIRST * most
-        return own.spoils, not timing, -own.penalised_gain - _TIE * (own.key[1] == driven)
+        timing = own.key[0] == LATE_READING and own.penalised_gain > THRESHOLDS.timing_first * most
+        return own.spoils, not timing, -own.penalised_gain - THRESHOLDS.tie * (own.key[1] == driven)
 
     found = sorted(candidates, key=order)
     while found and not _is_certain(found[0].fit):
@@ -276,7 +249,9 @@ def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     """Whether what contains the best candidate and explains as much is likelier than it by what else is known."""
     if not own.placed.contains(best.key):
         return False
-    doubt = temperature(best.penalised_gain) + DOUBT * deviation(best.squares, own.squares, before.n_rows)
+    doubt = temperature(best.penalised_gain) + THRESHOLDS.doubt * deviation(
+        best.squares, own.squares, before.n_rows
+    )
     odds = prior(own.fit.state, before.nominal) - prior(best.fit.state, before.nominal)
     return odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
 
@@ -293,7 +268,7 @@ def _is_certain(fit: Fit) -> bool:
 def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]) -> None:
     """Fit candidates; each keeps the best of its fits."""
     for start in starts:
-        own = confirmed_from(fit, start, _HOPELESS * _least_left(confirmed))
+        own = confirmed_from(fit, start, THRESHOLDS.hopeless * _least_left(confirmed))
         if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
             confirmed[own.key] = own
 
@@ -310,7 +285,9 @@ def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
         if plain is None or not more.placed.contains(plain.key):
             continue
         doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
-        clearly = more.penalised_gain - plain.penalised_gain > max(_HARDLY_MORE * plain.penalised_gain, doubt)
+        clearly = more.penalised_gain - plain.penalised_gain > max(
+            THRESHOLDS.hardly_more * plain.penalised_gain, doubt
+        )
         clearly = clearly and more.fit.mean_square < plain.fit.mean_square
         if not clearly or _is_nearly_constant(more.fit.state.prediction, more.placed):
             del confirmed[name, place]
@@ -323,7 +300,7 @@ def _is_nearly_constant(prediction: Prediction, item: Placed) -> bool:
         return False
     level = effect.level(prediction.joints[item.at], item.shape, item.amplitudes)
     course = level[prediction.record.in_log]
-    return bool(np.ptp(course) / 2 < _VARIES * abs(course.mean()))
+    return bool(np.ptp(course) / 2 < THRESHOLDS.varies * abs(course.mean()))
 
 
 def _stages(
@@ -335,23 +312,23 @@ def _stages(
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
     best_gain = max((max(c.penalised_gain, c.white_penalised_gain) for c in found), default=0.0)
-    least = max(LEAST_PENALISED_GAIN / 2, _PROMISING * best_gain)
+    least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * best_gain)
     promising = [c for c in found if max(c.penalised_gain, c.white_penalised_gain) > least]
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
-    if nominal is None or _least_left(confirmed) < _HARDLY * fit.mean_square:
+    if nominal is None or _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
-    if _least_left(confirmed) < _HARDLY * fit.mean_square:
+    if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         return
     hidden = [replace(s, placed=replace(s.placed, integrated=True)) for s in other]
     yield [s for s in hidden if can_integrate(nominal.state.prediction, s.placed)][:_INTEGRATED]
     best = sorted(confirmed.values(), key=lambda c: -c.penalised_gain)
     yield islice(from_other_places(fit, [c.fit for c in best]), _OTHER_PLACES)
-    if _least_left(confirmed) > _HARDLY * fit.mean_square:
+    if _least_left(confirmed) > THRESHOLDS.hardly * fit.mean_square:
         yield of_grid(fit, nominal, library)
 
 
@@ -403,6 +380,6 @@ def _judged(fit: Fit, found: Fit) -> Confirmed | None:
         return None
     n = found.n_rows
     own, before = blocks.squares, fit.blocks.squares
-    grown = (own.sum(axis=1) > _SPOILED * before.sum(axis=1)) & (found.squares > _SPOILED)
+    grown = (own.sum(axis=1) > THRESHOLDS.spoiled * before.sum(axis=1)) & (found.squares > THRESHOLDS.spoiled)
     gain = log_likelihood(own, n) - log_likelihood(before, n)
     return Confirmed(found.released(), gain, certainty(before, own, n), own, spoils=bool(grown.any()))

@@ -5,25 +5,23 @@ from __future__ import annotations
 from symid.diagnosis.effects import ACTUATOR, Delay, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.selection.forward import (
-    LATE_FORCES,
-    LEAST_CERTAINTY,
-    LEAST_PENALISED_GAIN,
-    confirmed_from,
-)
+from symid.diagnosis.selection.forward import LATE_FORCES, confirmed_from
+from symid.diagnosis.thresholds import THRESHOLDS
 
 HELD = (
     "{} is held from each sample to the next: it acts half a sample after its record, which is accounted for."
 )
-_NEAR = 0.12
-"""Samples by which the time found may differ from half a sample."""
 
 
 def shows_hold(fit: Fit) -> bool:
     """Whether a delay of the force by half a sample explains a part of what a model leaves."""
     period = fit.state.prediction.record.log.sampling_period
     found = confirmed_from(fit, Start.of(fit, Placed(Delay(), ACTUATOR, (period / 2,), (1.0,))))
-    if found is None or found.penalised_gain < LEAST_PENALISED_GAIN or found.certainty < LEAST_CERTAINTY:
+    if (
+        found is None
+        or found.penalised_gain < THRESHOLDS.least_penalised_gain
+        or found.certainty < THRESHOLDS.least_certainty
+    ):
         return False
     return is_held(found.fit)
 
@@ -34,4 +32,4 @@ def is_held(fit: Fit) -> bool:
     if item.effect.name not in LATE_FORCES:
         return False
     (time,) = item.shape or item.amplitudes
-    return abs(time / fit.state.prediction.record.log.sampling_period - 0.5) < _NEAR
+    return abs(time / fit.state.prediction.record.log.sampling_period - 0.5) < THRESHOLDS.half_sample

@@ -13,15 +13,7 @@ from collections.abc import Mapping
 from symid.axis import CoulombFriction
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.state import State
-
-TEMPERED_SHARE = 0.004
-"""By this share of the largest gain all gains are tempered: laws differ a little from those of a real axis."""
-DOUBT = 0.5
-"""Share of the deviation of a difference in gain by which differences are tempered."""
-_LEVEL_SPREAD = 0.08
-"""Deviation of a friction level from its nominal value, relative to it."""
-_ELSEWHERE = 0.05
-"""Likelihood, relative to its peak, of a level that has changed for other reasons."""
+from symid.diagnosis.thresholds import THRESHOLDS
 
 
 def temperature(best: float) -> float:
@@ -32,7 +24,7 @@ def temperature(best: float) -> float:
     >>> temperature(1000.0)
     5.0
     """
-    return 1 + TEMPERED_SHARE * max(best, 0.0)
+    return 1 + THRESHOLDS.tempered_share * max(best, 0.0)
 
 
 def prior(state: State, nominal: Mapping[str, float]) -> float:
@@ -57,7 +49,7 @@ def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> 
         sum(values.get(name, 0.0) for name in levels) for values in (nominal, state.prediction.parameters)
     )
     after += sum(p.amplitudes[0] for p in state.placed if p.key == ("coulomb_friction", item.at))
-    scale = _LEVEL_SPREAD * max(abs(before), abs(after))
+    scale = THRESHOLDS.level_spread * max(abs(before), abs(after))
     if not scale or any(name not in nominal for name in levels):
         return 0.0
     return _likelihood((after - before - abs(item.amplitudes[0])) / scale) - _likelihood(
@@ -67,4 +59,4 @@ def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> 
 
 def _likelihood(deviations: float) -> float:
     """Logarithm of the likelihood of a level; far off, either story leaves it unexplained."""
-    return math.log(math.exp(-(deviations**2) / 2) + _ELSEWHERE)
+    return math.log(math.exp(-(deviations**2) / 2) + THRESHOLDS.level_elsewhere)

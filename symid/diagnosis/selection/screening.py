@@ -13,9 +13,8 @@ from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import passed_on
 from symid.diagnosis.prediction.weighting import Autoregression, autoregression, unweighted
+from symid.diagnosis.thresholds import THRESHOLDS
 
-PENALTY = 4.5
-"""Price of a free value, of the logarithm of the likelihood: half the logarithm of 8000 rows (Schwarz)."""
 _BATCH = 1_000_000
 """Values of the columns of shapes that are tried at a time."""
 _BLIND = 1e-4
@@ -42,12 +41,12 @@ class Candidate:
     @property
     def penalised_gain(self) -> float:
         """The gain, less what its free values would gain in noise."""
-        return self.gain - PENALTY * self.placed.n_free
+        return self.gain - THRESHOLDS.penalty * self.placed.n_free
 
     @property
     def white_penalised_gain(self) -> float:
         """The same after an autoregressive model."""
-        return self.white_gain - PENALTY * self.placed.n_free
+        return self.white_gain - THRESHOLDS.penalty * self.placed.n_free
 
 
 def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:

@@ -1,0 +1,185 @@
+"""Every number that decides on an effect, a probability or a verdict, with its unit, its reason and what fixed it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What a candidate, an effect and a verdict have to meet.
+
+    Gains are those of the logarithm of the likelihood on blocks left out. Errors are in multiples of the noise floor,
+    mean squares in multiples of its square. *Drawn* are cases of ``python -m benchmarks.blind draw`` whose labels are
+    open, *sealed* those of its published tables, *real* the logs of ``python -m benchmarks.diagnosis.real``.
+
+    Parameters
+    ----------
+    penalty : float
+        Penalty of a free value: half the logarithm of 8000 rows (Schwarz).
+    least_penalised_gain : float
+        Gain, less its penalty, that an effect must bring: the best of all places and shapes brings less in noise alone
+        (drawn cases without an effect).
+    least_share : float
+        Share of the mean square that the first effect must take away: mismatch of another simulator takes as much.
+    least_certainty : float
+        Share of draws of the blocks in which it must predict better: two sides of a test at 10 %.
+    least_power, least_of_first : float
+        Mean square, and share of the first model's, that a further effect must take away (second effects in drawn
+        cases with one).
+    noise : float
+        Mean square below which no effect takes a model: the level of the noise is known to some percent.
+    most_effects : int
+        Effects sought: a worldly case has four.
+    explained : float
+        Mean square at which no further starts are tried.
+    hardly : float
+        Share of the mean square; with more of it left, no candidate has explained it, and dearer starts are tried.
+    promising : float
+        Share of the best candidate's gain by projection from which on another is fitted.
+    hopeless : float
+        Multiple of the least mean square beyond which another candidate is not fitted to the end.
+    beside_best : float
+        Share of the best gain from which on another candidate is accepted in its place, where it is not certain.
+    other_timing : float
+        Share of the gain of a delay from which on a lag is followed to the end too, and the other way round.
+    timing_first : float
+        Share of the best gain from which on a late reading goes first: readings that do not belong together look like
+        play, friction or compliance (a robot's link encoder, real).
+    tie : float
+        Gain by which the driven body goes first where places cannot be told apart.
+    spoiled : float
+        Factor by which the mean square of an output grows where a candidate goes last.
+    hardly_more : float
+        Share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
+        their model showed 2 % more for presliding friction, whose reach the log told badly.
+    varies : float
+        Relative variation of a friction level along the stroke below which it is constant.
+    refined : float
+        Share of the gain of an effect by which its refinement must gain more to take its place beside others.
+    stands_in : float
+        Share of what an effect takes away that another in its place must take.
+    as_good : float
+        Factor on the mean square of the whole model that another order of its effects may leave.
+    least_inertia : float
+        Factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
+        (friction by the load explained servo motors away).
+    seen : float
+        Share of a column, squared, that the others must leave of it.
+    deviations : float
+        Standard deviations of nothing within which a value is no finding.
+    largest_force : float
+        Rms of a missing force relative to the largest of the drive: a spring that holds it may carry more.
+    spring_ran_away : float
+        Factor by which a stiffness is beyond what any effect had hidden of it.
+    least_acting : float
+        Share of the logged force that must act on the axis: with less, the drive has been explained away.
+    keeps_back : float
+        Share of the mean square up to which what is left says that the drive does keep most of a command back: an
+        integrator winds up to many times a limit.
+    fit_of_noise : float
+        Mean square of a fit that leaves noise alone.
+    other_stiffness : float
+        Share of the mean square up to which a fit from another stiffness is the better one: it found the resonance.
+    ran_away : float
+        Factor by which a mass or a stiffness that is fitted has left where it began.
+    half_sample : float
+        Samples by which a delay may differ from half a sample and count as a held force.
+    falls : float
+        Factor on its error to which an effect must lower that of data that took no part in the fit.
+    no_excess : float
+        Mean square above 1 below which there is nothing to explain.
+    tempered_share, doubt : float
+        Gains are divided by 1 + `tempered_share` times the largest, and by `doubt` deviations of their difference over
+        the blocks: laws differ a little from those of a real axis (reliability of drawn cases).
+    level_spread, level_elsewhere : float
+        Relative deviation of a friction level from its nominal value, and likelihood, relative to its peak, of one that
+        has changed for other reasons.
+    driven_bonus : float
+        Logarithm of the odds of the driven body.
+    indistinguishable : float
+        Probability from which on a candidate counts as not told apart from the best.
+    unlikely : float
+        Probability, at most, of an effect that the validation data do not show.
+    noise_alone : float
+        Error up to which nothing but noise is left.
+    white, coloured : float
+        Errors that white and wandering noise may leave: the floor is that of white noise, as the signals show it at
+        high frequencies, and a wandering record has several times of it at low ones.
+    negligible : float
+        Error, relative to the force, that a model may leave whatever the noise: the instants of reversals are known to
+        a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force).
+    nominal_is_good : float
+        Factor on the error of the re-identified model that nominal values may leave.
+    least_removed, removed_width : float
+        Share of the excess that an effect must remove to be a cause, and the width of that bound.
+    covered, covered_width : float
+        The same for it to be what it is called, and to stand for nothing else.
+    nearly_all, nearly_width : float
+        The same of a gap hardly above the floor, whose level is not known better: only a cause takes all of it away
+        (exact axes whose encoder noise passes through a controller).
+    all_of_it : float
+        Share of the gap that may stay where effects explain it and not a part of it.
+    absorbed_deviations, absorbed_share : float
+        Standard deviations and relative change from which on a parameter had absorbed an effect.
+    """
+
+    penalty: float = 4.5
+    least_penalised_gain: float = 30.0
+    least_share: float = 0.006
+    least_certainty: float = 0.95
+    least_power: float = 0.06
+    least_of_first: float = 0.006
+    noise: float = 0.8
+    most_effects: int = 4
+    explained: float = 1.4
+    hardly: float = 0.05
+    promising: float = 0.15
+    hopeless: float = 4.0
+    beside_best: float = 0.2
+    other_timing: float = 0.3
+    timing_first: float = 0.6
+    tie: float = 2.0
+    spoiled: float = 1.5
+    hardly_more: float = 0.03
+    varies: float = 0.4
+    refined: float = 0.05
+    stands_in: float = 0.5
+    as_good: float = 1.1
+    least_inertia: float = 2.0
+    seen: float = 1e-8
+    deviations: float = 2.0
+    largest_force: float = 5.0
+    spring_ran_away: float = 1e4
+    least_acting: float = 0.5
+    keeps_back: float = 0.01
+    fit_of_noise: float = 1.5
+    other_stiffness: float = 0.1
+    ran_away: float = 5.0
+    half_sample: float = 0.12
+    falls: float = 0.995
+    no_excess: float = 0.05
+    tempered_share: float = 0.004
+    doubt: float = 0.5
+    level_spread: float = 0.08
+    level_elsewhere: float = 0.05
+    driven_bonus: float = 0.3
+    indistinguishable: float = 0.15
+    unlikely: float = 0.1
+    noise_alone: float = 1.25
+    white: float = 1.6
+    coloured: float = 6.0
+    negligible: float = 0.0015
+    nominal_is_good: float = 1.1
+    least_removed: float = 0.1
+    removed_width: float = 0.02
+    covered: float = 0.5
+    covered_width: float = 0.12
+    nearly_all: float = 0.8
+    nearly_width: float = 0.05
+    all_of_it: float = 0.1
+    absorbed_deviations: float = 3.0
+    absorbed_share: float = 0.01
+
+
+THRESHOLDS = Thresholds()
