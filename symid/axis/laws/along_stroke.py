@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from symid.axis.elements import Parameter
+from symid.axis.elements import Body, Parameter
 from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.friction import CoulombFriction, ViscousFriction
 
@@ -16,6 +17,7 @@ __all__ = [
     "PositionDependentFriction",
     "PositionDependentViscousFriction",
     "PositionStiffness",
+    "Unbalance",
 ]
 
 _PHASE = f"{math.tau!r}*q/pitch"
@@ -82,6 +84,43 @@ class Cogging(Law):
         "move slowly at two speeds over the whole stroke: "
         "ripple of the stroke scales its frequency with speed"
     )
+
+
+@dataclass(frozen=True)
+class Unbalance(Law):
+    """The weight of a turning body whose centre of gravity is at an unknown angle: Gs sin(q) + Gc cos(q).
+
+    It is m g l sin(q + phase) with phase = atan2(Gc, Gs) and m g l = sqrt(Gs^2 + Gc^2): the body hangs at q = -phase.
+
+    Parameters
+    ----------
+    at : Body
+        A body that turns about a horizontal axis; what it is on does not turn.
+    sine, cosine : str
+        Parameters Gs and Gc in N m; both may be negative.
+
+    Examples
+    --------
+    >>> from symid import Body, Unbalance
+    >>> [term.expression for term in Unbalance(Body("table", inertia="J"), "Gs", "Gc").terms()]
+    ['sin(q)', 'cos(q)']
+    """
+
+    sine: Parameter
+    cosine: Parameter
+    formula: ClassVar = (
+        Term("sine", "sin(q)", signed=True),
+        Term("cosine", "cos(q)", signed=True),
+    )
+    moves_hidden: ClassVar = False
+
+    def faults(self) -> Iterator[str]:
+        """Faults of the joint, in which q has to be an angle against the ground."""
+        yield from super().faults()
+        if not (isinstance(self.at, Body) and self.at.turns):
+            yield "at must be a body that turns: use Weight where it slides"
+        elif isinstance(self.at.on, Body) and self.at.on.turns:
+            yield f"its angle is relative to {self.at.on.name!r}, which turns too: put the body on the ground"
 
 
 @dataclass(frozen=True)
