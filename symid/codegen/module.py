@@ -240,7 +240,10 @@ def _coulomb_at_drive(
     for entry in operators.source.inputs:
         if entry.expression != sp.sign(sp.Symbol("v")):
             continue
-        for generator, drive in product(operators.ring.gens[1:], model.axis.drives):
+        # Taken off a force that is a column too, it would change that column, which no law gives it back to.
+        columns = {symbol for row in model.minimal.regressor for e in row for symbol in e.free_symbols}
+        outputs = [drive for drive in model.axis.drives if sp.Symbol(drive.signal) not in columns]
+        for generator, drive in product(operators.ring.gens[1:], outputs):
             zero, signal = operators.ring.zero, drive.signal
             beside = [
                 row.get(str(entry.symbol), zero) + generator * operators.force[body].get(signal, zero)

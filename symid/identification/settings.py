@@ -121,20 +121,22 @@ def with_hold(
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """Windowed Fourier transforms of segments of a log (Welch), shape (n_segments, n_frequencies).
+    """Windowed Fourier transforms of segments of a log (Welch).
 
     Parameters
     ----------
     frequency : array of shape (n_frequencies,)
         In Hz.
-    force, motion : array
-        Of the force, and of the second derivative of the signal that is differentiated most.
+    forces : array of shape (n_drives, n_segments, n_frequencies)
+        Of the force of each drive.
+    motion : array of shape (n_segments, n_frequencies)
+        Of the second derivative of the signal that is differentiated most.
     power : array of shape (n_frequencies,)
         Of that signal itself, to a factor.
     """
 
     frequency: FloatArray
-    force: ComplexArray
+    forces: ComplexArray
     motion: ComplexArray
     power: FloatArray
 
@@ -144,26 +146,35 @@ class Spectra:
         recorded = _excerpts(log, model.most_differentiated)
         length = min(_segment(log), recorded.shape[1])
         bent = derivatives(recorded, log.sampling_period, 2)[1]
-        force, motion, itself = (
-            _transforms(x, length) for x in (_excerpts(log, model.force), bent, recorded)
-        )
+        forces = np.stack([_transforms(_excerpts(log, force), length) for force in model.forces])
+        motion, itself = (_transforms(x, length) for x in (bent, recorded))
         power = _power(itself)
         if length % 2 == 0:
             power[-1] *= 0.5  # every other line stands for its negative too
-        return cls(np.arange(power.size) / (length * log.sampling_period), force, motion, power)
+        return cls(np.arange(power.size) / (length * log.sampling_period), forces, motion, power)
+
+    @property
+    def coherence(self) -> FloatArray:
+        """Share of the motion's power that is linear in the forces: with several drives the multiple coherence."""
+        together = np.mean(self.forces.conj() * self.motion, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if len(self.forces) == 1:
+                explained = np.abs(together[0]) ** 2 / _power(self.forces[0])
+            else:
+                between = np.einsum("isf,jsf->fij", self.forces.conj(), self.forces) / self.forces.shape[1]
+                inverse = np.linalg.pinv(between, hermitian=True)
+                explained = np.einsum("if,fij,jf->f", together.conj(), inverse, together).real
+            return np.asarray(np.nan_to_num(explained / _power(self.motion), posinf=0.0))
 
 
 def coherent_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = None) -> float:
-    """Highest frequency at which force and motion are coherent, in Hz: above it a log holds only noise.
+    """Highest frequency at which forces and motion are coherent, in Hz: above it a log holds only noise.
 
     The magnitude-squared coherence is averaged over segments (Welch); a frequency counts where it exceeds 0.8, and
     the spectrum is smoothed over five lines so that lines of noise do not count.
     """
     seen = spectra or Spectra.of(log, model)
-    together = np.mean(seen.force.conj() * seen.motion, axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        coherent = np.abs(together) ** 2 / _power(seen.force) / _power(seen.motion)
-    smooth = np.convolve(np.nan_to_num(coherent, posinf=0.0), np.full(5, 0.2), mode="same")
+    smooth = np.convolve(seen.coherence, np.full(5, 0.2), mode="same")
     above = np.flatnonzero(smooth > _COHERENT)
     return float(seen.frequency[above[-1]]) if above.size else log.sampling_frequency / 20
 

@@ -220,7 +220,10 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     >>> print(minimal.parameters[4].function.expression)
     Fvm*Fvs/Ks + Mm
     """
-    drives = [drive.signal for drive in model.source.axis.drives]
+    differentiated = {signal for e in model.equations for order, signal in e.force if order}
+    drives = sorted(
+        (drive.signal for drive in model.source.axis.drives), key=lambda signal: signal not in differentiated
+    )
     rows = [_scaled(_with_output(equation, drives)) for equation in model.equations]
     known = _known_generators(model)
     basis, shares = _basis(model, [columns for _, columns in rows], known)
@@ -272,7 +275,8 @@ def _known_generators(model: InputOutputModel) -> dict[int, Any]:
 def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> tuple[sp.Expr, list[_Column]]:
     """Output of an equation and its columns, divided by the coefficient of the force of lowest derivative.
 
-    Of several drives whose forces enter so, one with a number for its coefficient goes first. Where this coefficient is
+    Of several forces that enter so, one with a number for its coefficient goes first, then one that another equation
+    differentiates: friction beside a drive is taken off its force where that is an output. Where this coefficient is
     a number, the sign of the equation is free: the highest derivative gets a positive one.
     """
     ring = equation.motion[0].coefficient.ring

@@ -188,6 +188,7 @@ def tune(
     >>> tuned.status, tuned.differences, tuned.left_out
     ('ok', 2, ('Fs',))
     """
+    axis.require_one_drive()
     for bound in (max_lowpass_error, max_sampling_error):
         if not 0.0 < bound < math.inf:
             raise SettingError(f"a bound of {bound:g} % is not possible: give a positive number of percent")

@@ -24,6 +24,7 @@ from symid import (
 from symid.codegen.generate import compiled
 from symid.errors import DeclarationError, LogError, SettingError
 from symid.identification import measured_signals, read_axis_log
+from symid.identification.settings import coherent_band
 
 SETS = (("q1", "q2", "qb"), ("q1", "q2"))
 
@@ -99,6 +100,32 @@ def test_tandem_drives_of_one_body_share_its_equation() -> None:
     signals = {"q": q, "F1": share * whole, "tau2": 0.03 * (1 - share) * whole}
     found = identify(derive(axis), Log("by hand", 0.0, 1 / 2000, signals)).minimal_parameters
     assert found == pytest.approx({"X1": 50.0, "X2": 30.0, "X3": 7.0}, rel=2e-3)
+
+
+def test_the_band_is_that_of_both_forces_together() -> None:
+    table = Body("table", mass="M")
+    axis = Axis("tandem", (table,), (Drive("F1", table), Drive("F2", table)), (Position("q", table),))
+    t, draw = np.arange(40_000) / 2000, np.random.default_rng(7)
+    lines = 2 * np.pi * np.arange(1.0, 60.0, 0.1)
+    amplitudes = draw.normal(size=(2, lines.size)) + 1j * draw.normal(size=(2, lines.size))
+    waves = np.exp(1j * np.outer(lines, t))
+    forces = np.real(amplitudes @ waves)
+    q = np.real((amplitudes.sum(axis=0) / (-50.0 * lines**2)) @ waves) + 1e-7 * draw.normal(size=t.size)
+    log = Log("by hand", 0.0, 1 / 2000, {"q": q, "F1": forces[0], "F2": forces[1]})
+    model = compiled(derive(axis))
+    assert coherent_band(log, model) == pytest.approx(60.0, abs=3.0)
+    assert identify(model, log).minimal_parameters["X1"] == pytest.approx(50.0, rel=5e-3)
+
+
+def test_friction_is_taken_off_the_force_of_its_own_drive() -> None:
+    mirrored = replace(AXIS, drive=AXIS.drives[::-1])
+    for axis in (AXIS, mirrored):
+        model = compiled(derive(axis, SETS[1]))
+        assert model.coulomb_drives == ("F1",)  # F2 is a column beside the output F1
+        found = identify(model, log())
+        assert found.status == "ok"
+        assert found.physical_parameters["Fs1"] == pytest.approx(TRUE["Fs1"], rel=0.02)
+        assert found.physical_parameters["Fs2"] == pytest.approx(TRUE["Fs2"], rel=0.02)
 
 
 def test_the_torque_constants_of_two_drives_are_unknown_but_for_their_ratio() -> None:

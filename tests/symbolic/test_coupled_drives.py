@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from symid import Axis, Body, CoulombFriction, Drive, Geared, Position, Spring, ViscousFriction, derive
+from symid import (
+    Axis,
+    Between,
+    Body,
+    CoulombFriction,
+    Drive,
+    Geared,
+    Position,
+    Spring,
+    ViscousFriction,
+    derive,
+)
 from symid.codegen.generate import compiled
 from symid.errors import DeclarationError
 from symid.report.schematic import schematic
@@ -108,3 +119,49 @@ def test_each_gear_is_drawn() -> None:
     names = {line.get_gid() for line in schematic(axis).axes[0].get_children()} - {None}
     assert {"drive F1", "drive F2"} <= {name for name in names if name.startswith("drive")}
     assert {f"gear of {body} to {to}" for body in ("beam", "yaw") for to in ("left", "right")} <= names
+
+
+RACK = {"J1": 4e-3, "F1": 0.05, "J2": 6e-3, "F2": 0.08, "M": 300.0, "Fv": 900.0}
+RACK |= {"K1": 3e7, "C1": 4e3, "K2": 5e7, "C2": 6e3}
+
+
+def tandem_rack() -> Axis:
+    """Two motors whose pinions move one table, each through a spring."""
+    one, two, table = Body("one", inertia="J1"), Body("two", inertia="J2"), Body("table", mass="M")
+    meshes = [
+        Spring(f"mesh{i}", Between(first=pinion, second=table, ratio=0.023), f"K{i}", f"C{i}")
+        for i, pinion in ((1, one), (2, two))
+    ]
+    rails = (ViscousFriction(one, "F1"), two, ViscousFriction(two, "F2"), table, ViscousFriction(table, "Fv"))
+    sensors = (Position("q1", one), Position("q2", two), Position("x", table))
+    return Axis("tandem", (one, *rails, *meshes), (Drive("T1", one), Drive("T2", two)), sensors)
+
+
+@pytest.mark.parametrize("measured", [("q1", "q2"), ("q1", "x"), ("q1",), ("q1", "q2", "x")], ids="_".join)
+def test_a_tandem_rack_is_that_by_hand_from_any_encoders(measured: tuple[str, ...]) -> None:
+    r, p = 0.023, RACK
+    s = 2j * np.pi * np.array([2.0, 11.0, 47.0, 90.0])
+    torques = np.random.default_rng(6).normal(size=(2, 4))
+    mesh = [p[f"K{i}"] + p[f"C{i}"] * s for i in (1, 2)]
+    zero = np.zeros_like(s)
+    dynamic = np.array(
+        [
+            [p["J1"] * s**2 + p["F1"] * s + r**2 * mesh[0], zero, -r * mesh[0]],
+            [zero, p["J2"] * s**2 + p["F2"] * s + r**2 * mesh[1], -r * mesh[1]],
+            [-r * mesh[0], -r * mesh[1], p["M"] * s**2 + p["Fv"] * s + mesh[0] + mesh[1]],
+        ]
+    )
+    loads = np.stack([*torques, zero])
+    motion = np.linalg.solve(np.moveaxis(dynamic, 2, 0), loads.T[..., None])[..., 0].T
+    waves = np.exp(np.outer(s, np.linspace(0.0, 0.5, 60)))
+    amplitudes = dict(zip(("T1", "T2", "q1", "q2", "x"), (*torques, *motion), strict=True))
+    model = compiled(derive(tandem_rack(), measured))
+    signals = {}
+    for name in model.signals:
+        signal, order = (*name.rsplit("_d", 1), "0")[:2]
+        signals[name] = np.real((amplitudes[signal] * s ** int(order)) @ waves)
+    W, y = model.sample(signals)
+    X = model.minimal_parameters(*(p[name] for name in model.physical_units))
+    for row, predicted, output in zip(W, W @ X, y, strict=True):
+        np.testing.assert_allclose(predicted, output, atol=1e-8 * np.abs(row * X).max())
+    assert len(y) == len(measured)
