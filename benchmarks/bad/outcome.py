@@ -15,6 +15,8 @@ import polars as pl
 from benchmarks.bad.cases import Case
 from benchmarks.commands import Outcome, run_command
 
+OWN = {("identify", "R.json"), ("import", "M.json")}
+"""Results of a command that it may replace by new ones where it is told to."""
 AXIS = """from symid import Axis, Body, Drive, Position, ViscousFriction
 body = Body("body", mass="M")
 axis = Axis("own_axis", (body, ViscousFriction(body, "Fv")), Drive("F", body), (Position("q", body),))
@@ -59,6 +61,8 @@ def outcome_in_a_copy(case: Case, good: Path) -> Outcome:
         if found.is_failure:
             return found
         for name, content in before.items():
+            if (case.arguments[0], name) in OWN and name in case.arguments:
+                continue
             if not (folder / name).is_file() or (folder / name).read_bytes() != content:
                 return Outcome("lost", name)
         strange = [path.name for path in Path(place).rglob("*") if path.name.startswith(".symid-")]

@@ -28,22 +28,23 @@ _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
 }
 """First bytes of files that a command may replace: its own kind. A log or axis file may be a user's work."""
 _RECORDS: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {
-    "json": (
-        ("axis", "measured"),
-        ("axis", "log"),
-        ("axis", "reference"),
-        ("axis", "to"),
-        ("axis", "file"),
-        ("log", "columns"),
-        ("logs", "status"),
-        ("logs", "sentence"),
-        ("files", "parameters"),
-        ("checked", "written"),
-        ("identification", "diagnosis"),
-    ),
+    "identify": (("axis", "method"),),
+    "diagnose": (("axis", "verdict"),),
+    "show": (("axis", "regressor"),),
+    "tune": (("axis", "first_sampling_hz"), ("axis", "noise")),
+    "simulate": (("axis", "largest_force"),),
+    "excite": (("axis", "tried"),),
+    "export": (("axis", "to"), ("axis", "signature")),
+    "new": (("axis", "file"),),
+    "import": (("log", "columns"),),
+    "batch": (("logs", "output"),),
+    "fleet": (("logs", "sentence"),),
+    "compare": (("files", "together"),),
+    "generate": (("checked", "written"),),
+    "demo": (("identification", "diagnosis"),),
     "mapping": (("columns", "guesses"),),
 }
-"""Names in the JSON that a command writes, of which one pair says that it did: other JSON may be a log or by hand."""
+"""Names in the JSON that a command writes, by which it knows its own: other JSON may be a log, by hand, or a result."""
 _BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "values"), "c": (".h", "c")}
 """Suffix and kind of a second file that is written beside one of some kind."""
 _LOOK: Final = 4096
@@ -114,7 +115,8 @@ def _wanted(command: click.Command, values: Mapping[str, Any]) -> Iterator[_Want
                 continue
             given, option = parameter.type.kind, parameter.opts[-1]
             kind = given if isinstance(given, str) else given(values)
-            yield _Wanted(option, Path(file), kind)
+            # A record is replaced only by one of the same command.
+            yield _Wanted(option, Path(file), command.name or kind if kind == "json" else kind)
             if kind in _BESIDE and Path(file).name:
                 suffix, other = _BESIDE[kind]
                 yield _Wanted(option, Path(file).with_suffix(suffix), other)

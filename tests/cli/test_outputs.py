@@ -29,6 +29,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("hard.json").hardlink_to("P.json")
     Path("log.json").write_text(json.dumps({"t": [0.0, 0.1], "q": [1.0, 2.0]}), encoding="utf-8")
     Path("mapping.json").write_text(json.dumps({"columns": {"t": "t"}, "guesses": []}), encoding="utf-8")
+    Path("derived.json").write_text(
+        json.dumps({"axis": "a", "measured": ["q"], "regressor": []}), encoding="utf-8"
+    )
     Path("broken.json").write_text("{", encoding="utf-8")
     return tmp_path
 
@@ -41,6 +44,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "identify rigid_1m in.csv --nominal P.json --json P.json",
         "identify rigid_1m in.csv --json P.json",
         "identify rigid_1m in.csv --json log.json",
+        "identify rigid_1m in.csv --json derived.json",
         "identify rigid_1m in.csv --json mapping.json",
         "identify rigid_1m in.csv --json broken.json",
         "diagnose rigid_1m in.csv --write-axis P.py",
