@@ -120,7 +120,7 @@ class Axis(Shown):
             signals = ", ".join(drive.signal for drive in self.drive)
             raise SettingError(
                 f"axis {self.name!r} has {len(self.drive)} drives ({signals}): diagnosis, tuning, excitation, export "
-                "and methods oe, pe and iv take an axis with one; identify it with method wls"
+                "and the methods oe and iv take an axis with one; identify it with method wls"
             )
 
     @cached_property
