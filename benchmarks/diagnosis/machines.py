@@ -1,0 +1,233 @@
+"""Machines of six kinds under their controllers, with an effect or none: python -m benchmarks.diagnosis.machines
+
+Servos, pendulums, robot joints, motors with an elastic load, slides and ball screws, drawn at random: inertias over two
+decades, encoders of 12 to 24 bits, 0.5 to 4 kHz, moves or a chirp. The noise of the encoder passes through the
+controller into the force, as on a machine. Nominal values are up to 15 % off; a smaller run is the validation log.
+symid simulates the machines itself, so that laws agree: what is tried is all that lies around them.
+
+An effect counts from twice the noise floor on: so much the re-identified axis without it errs. Right is the effect
+named first, or a stated tie; without an effect or with a smaller one, "no_gap" and "parameters" are right.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import count, islice
+
+import numpy as np
+
+from benchmarks.diagnosis.drawn_effects import EFFECTS, Scale, drawn_effect
+from symid import Axis, Body, CoulombFriction, Drive, Log, Position, Spring, SymidError, ViscousFriction
+from symid.axis import Between, Geared, PendulumWeight
+from symid.diagnosis import Diagnosis, diagnose
+from symid.simulation import Trajectory, plant_of, simulate, trapezoids, tuned_cascade
+from symid.simulation.excitation import chirp
+
+RATES = (500.0, 1000.0, 2000.0, 4000.0)
+CLEAR = 2.0
+"""Error of the re-identified axis without the effect, in multiples of the floor, from which on it counts."""
+_WOUND_UP = 15.0
+"""Force, in multiples of that of the acceleration, of a controller that suits no machine."""
+_VALIDATION = 0.7
+"""Size of the validation run."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """An axis with its values, and the sizes of its motion and force."""
+
+    kind: str
+    axis: Axis
+    values: dict[str, float]
+    scale: Scale
+
+
+@dataclass(frozen=True)
+class Case:
+    """Two logs of a machine with an effect."""
+
+    machine: Machine
+    effect: str
+    logs: tuple[Log, Log]
+    nominal: dict[str, float]
+
+
+def _between(rng: np.random.Generator, low: float, high: float) -> float:
+    """Uniform in the logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _friction(
+    body: Body, force: float, speed: float, rng: np.random.Generator
+) -> tuple[tuple, dict[str, float]]:
+    elements = ViscousFriction(body, "Fv"), CoulombFriction(body, "Fs")
+    return elements, {"Fv": force * _between(rng, 0.05, 0.4) / speed, "Fs": force * _between(rng, 0.1, 0.6)}
+
+
+def _machine(
+    kind: str, rng: np.random.Generator, inertia: float, acceleration: float, resolution: float
+) -> Machine:
+    """A machine with a driven body of an inertia, and what its kind has besides."""
+    speed = acceleration * _between(rng, 0.06, 0.25)
+    travel = speed**2 / acceleration * _between(rng, 3, 8)
+    if kind in ("pendulum", "robot joint") and travel > 3.0:
+        travel, speed = 3.0, min(speed, float(np.sqrt(1.5 * acceleration)))
+    body = Body("driven", mass="J") if kind == "slide" else Body("driven", inertia="J")
+    whole, elements, values = inertia, [body], {"J": inertia}
+    sensors = [Position("q", body, resolution=resolution, noise=0.3 * resolution)]
+    if kind == "ball screw":
+        ratio = float(rng.choice([5e-3, 1e-2, 2e-2])) / (2 * np.pi)
+        values["M"] = inertia / ratio**2 * _between(rng, 0.2, 1.5)
+        elements.append(Body("table", mass="M", geared=Geared(to=body, ratio=ratio)))
+        whole += values["M"] * ratio**2
+    if kind == "elastic load":
+        load, w = Body("load", inertia="Jl"), 2 * np.pi * _between(rng, 20, 90)
+        values["Jl"] = inertia * _between(rng, 0.3, 3)
+        whole += values["Jl"]
+        values["K"] = w**2 * inertia * values["Jl"] / whole
+        values |= {
+            "C": 0.04 * values["K"] / w,
+            "Fvl": whole * acceleration * _between(rng, 0.03, 0.2) / speed,
+        }
+        coupling = Spring("coupling", Between(first=body, second=load), stiffness="K", damping="C")
+        elements += [coupling, load, ViscousFriction(load, "Fvl")]
+        if rng.random() < 0.6:
+            sensors.append(Position("ql", load, resolution=resolution, noise=0.3 * resolution))
+    force = whole * acceleration
+    if kind in ("pendulum", "robot joint"):
+        elements.append(PendulumWeight(body, "mgl", 1.0))
+        values["mgl"] = force * _between(rng, 0.3, 2)
+    laws, levels = _friction(body, force, speed, rng)
+    noise = force * _between(rng, 0.003, 0.03)
+    drive = Drive("F", body, held=True, noise=noise, resolution=0.3 * noise)
+    axis = Axis("machine", elements=(*elements, *laws), drive=drive, sensors=tuple(sensors))
+    scale = Scale(body, force, acceleration, speed, travel, inertia, resolution, turns=kind != "slide")
+    return Machine(kind, axis, values | levels, scale)
+
+
+def _turning(bits: tuple[int, ...], rng: np.random.Generator) -> float:
+    return float(2 * np.pi / 2 ** rng.choice(bits))
+
+
+KINDS: dict[str, Callable[[np.random.Generator], Machine]] = {
+    kind: partial(
+        lambda rng, kind, inertia, acceleration, bits: _machine(
+            kind,
+            rng,
+            _between(rng, *inertia),
+            _between(rng, *acceleration),
+            _turning(bits, rng) if bits else float(rng.choice([1e-8, 1e-7, 1e-6])),
+        ),
+        kind=kind,
+        inertia=inertia,
+        acceleration=acceleration,
+        bits=bits,
+    )
+    for kind, inertia, acceleration, bits in (
+        ("servo", (1e-4, 5e-2), (100, 600), (12, 14, 17, 20)),
+        ("pendulum", (1e-4, 5e-2), (8, 40), (12, 14, 17, 20)),
+        ("robot joint", (0.5, 5), (8, 40), (20, 22, 24)),
+        ("elastic load", (1e-4, 1e-2), (100, 500), (14, 17, 20)),
+        ("slide", (5, 200), (2, 15), ()),
+        ("ball screw", (1e-3, 2e-2), (200, 1000), (14, 17, 20)),
+    )
+}
+"""Ranges of inertia (kg m^2, kg) and acceleration (rad/s^2, m/s^2), and bits of the encoder; scales of a slide."""
+
+
+def drawn(seed: int) -> Case | None:
+    """A case; None where the controller drawn suits no machine."""
+    rng = np.random.default_rng(seed)
+    machine = KINDS[str(rng.choice(list(KINDS)))](rng)
+    effect = str(rng.choice([*EFFECTS, "none", "none"]))
+    period = 1 / float(rng.choice(RATES))
+    added = (
+        drawn_effect(effect, machine.scale, float(rng.uniform(0.12, 0.35)), rng) if effect != "none" else None
+    )
+    axis = machine.axis.with_effect(added[0]) if added else machine.axis
+    values = machine.values | (added[1] if added else {})
+    bandwidth, moves = float(rng.uniform(10, 25)), rng.random() < 0.7
+    loop = tuned_cascade(plant_of(axis, values), "q", bandwidth_hz=bandwidth)
+    try:
+        logs = [
+            simulate(
+                axis, values, _reference(machine.scale, moves, size, period), loop, seed=2 * seed + i
+            ).log
+            for i, size in enumerate((1.0, _VALIDATION))
+        ]
+    except SymidError:
+        return None
+    largest = max(float(np.abs(log["F"]).max()) for log in logs)
+    if largest > _WOUND_UP * (machine.scale.force + machine.values.get("mgl", 0.0)):
+        return None
+    nominal = {name: x * float(rng.uniform(0.85, 1.15)) for name, x in machine.values.items()}
+    return Case(machine, effect, (logs[0], logs[1]), nominal)
+
+
+def _reference(scale: Scale, moves: bool, size: float, period: float) -> Trajectory:
+    if not moves:
+        highest = min(15.0, 1 / (30 * period))
+        return chirp(
+            0.5, highest, 8.0, size * min(0.4 * scale.travel, 0.3 * scale.speed), sampling_period=period
+        )
+    return trapezoids(
+        [size * scale.travel, 0.3 * scale.travel],
+        [0.2 * size * scale.speed, 0.5 * scale.speed, size * scale.speed],
+        acceleration=size * scale.acceleration,
+        jerk=30 * scale.acceleration,
+        dwell=0.1,
+        sampling_period=period,
+    )
+
+
+def strength(case: Case) -> float:
+    """Error of the re-identified axis without the effect, in multiples of the floor."""
+    axis, (log, other) = case.machine.axis, case.logs
+    gap = diagnose(axis, log, validation=other, nominal=case.machine.values, library=()).gap
+    return gap.reidentified.rms / gap.noise_floor.rms
+
+
+def is_right(case: Case, group: str, found: Diagnosis) -> bool:
+    """Whether the verdict is that of the case."""
+    if group != "clear" and found.verdict in ("no_gap", "parameters"):
+        return True
+    first = found.effects[:1]
+    return any(
+        case.effect in (one.effect, *(name for name, _ in one.indistinguishable_from)) for one in first
+    )
+
+
+def rows(first: int, number: int) -> Iterator[tuple[str, bool, str]]:
+    """Group, whether right, and a line for each of some cases, from a seed on."""
+    cases = ((seed, case) for seed in count(first) if (case := drawn(seed)) is not None)
+    for seed, case in islice(cases, number):
+        size = strength(case)
+        group = case.effect if case.effect == "none" else ("clear" if size > CLEAR else "below the floor")
+        found = diagnose(case.machine.axis, case.logs[0], validation=case.logs[1], nominal=case.nominal)
+        named = ", ".join(f"{one.effect} ({one.probability:.2f})" for one in found.effects)
+        right = is_right(case, group, found)
+        line = f"{seed:6} {case.machine.kind:12} {case.effect:24} {size:8.1f} floors -> {found.verdict:11} {named}"
+        yield group, right, f"{line} {'' if right else 'WRONG'}"
+
+
+def main() -> None:
+    """Print each case, then how many of each group are right."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cases", type=int, default=60)
+    given = parser.parse_args()
+    groups: dict[str, list[bool]] = {}
+    for group, right, line in rows(given.seed, given.cases):
+        print(line, flush=True)
+        groups.setdefault(group, []).append(right)
+    for group, rights in groups.items():
+        print(f"{group}: {sum(rights)} of {len(rights)} right")
+
+
+if __name__ == "__main__":
+    main()
