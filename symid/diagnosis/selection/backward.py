@@ -69,7 +69,7 @@ class Member:
 def backward_elimination(
     steps: Sequence[SelectionStep], library: Sequence[Effect]
 ) -> tuple[SelectionStep, ...]:
-    """Turns of the search in the order of what their effects take away; those that take nothing are left out.
+    """Steps in the order of what their effects take away; those that take nothing are left out.
 
     Parameters
     ----------
@@ -91,11 +91,20 @@ def backward_elimination(
         members,
     )
     chains = (_chain(order, first, THRESHOLDS.as_good * whole.mean_square) for order in orders)
-    return next((chain for chain in chains if chain is not None), tuple(steps))
+    return next((chain for chain in chains if chain is not None), _beside_others(accepted, members))
+
+
+def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
+    """Steps as they were, with the lead over rivals that their effects have beside all others."""
+    chosen = {member.placed.key: member.step for member in members}
+    return tuple(
+        _in_place_of(chosen.get(step.confirmed[0].key, step), step.before, step.confirmed[0])
+        for step in accepted
+    )
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
-    """Turns without the effect of one of them, those that remain fitted again; the same if one then explains nothing.
+    """Steps without the effect of one of them, those that remain fitted again; the same if one then explains nothing.
 
     Parameters
     ----------
