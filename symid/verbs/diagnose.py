@@ -11,7 +11,7 @@ from symid.codegen import model_of
 from symid.data import Log
 from symid.diagnosis import LIBRARY, Diagnosis, Effect
 from symid.diagnosis import diagnose as diagnose_axis
-from symid.errors import SymidError
+from symid.errors import SettingError, SymidError
 from symid.simulation import Cascade
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, log_of
@@ -61,7 +61,7 @@ def diagnose(
     if validation is not None:
         unseen = log_of(declared, validation, measured, **columns)
         other = unseen.window(0, unseen.n_samples)
-    derive_if_missing(declared, first)
+    require_model(declared, first)
     return diagnose_axis(
         declared,
         first,
@@ -74,8 +74,20 @@ def diagnose(
     )
 
 
-def derive_if_missing(axis: Axis, log: Log) -> None:
-    """Derive the model from which a diagnosis gets the values it begins with, where it was not generated."""
+def require_model(axis: Axis, log: Log) -> None:
+    """Derive the model from which a diagnosis gets the values it begins with, where it was not generated.
+
+    Raises
+    ------
+    SettingError
+        If a body has no mass: the motion of such nodes is not evaluated by a diagnosis.
+    """
+    nodes = [body.name for body in axis.free_bodies if axis.known_parameters.get(body.inertial) == 0]
+    if nodes:
+        raise SettingError(
+            f"axis {axis.name!r} has massless bodies ({', '.join(nodes)}), which a diagnosis cannot take: join the "
+            "springs at each into one of the stiffness K1 K2/(K1 + K2)"
+        )
     signals = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
     with contextlib.suppress(SymidError):  # reported by the diagnosis, which may be given nominal values
         model_of(axis, signals)

@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 import scipy
 
-from symid import Axis, Between, Body, Damper, Drive, Position, Spring, ViscousFriction, derive, identify
+from symid import (
+    Axis,
+    Between,
+    Body,
+    Damper,
+    Drive,
+    Position,
+    Spring,
+    ViscousFriction,
+    derive,
+    diagnose,
+    identify,
+)
 from symid.axis import Element
 from symid.codegen.generate import compiled
 from symid.errors import SettingError
@@ -80,6 +92,14 @@ def test_a_sensor_at_the_node_tells_the_springs_apart() -> None:
     assert identify(axis, log, measured=("qm", "ql"), fixed={"K2": 2e5}).physical_parameters[
         "K1"
     ] == pytest.approx(1e5, rel=0.02)
+
+
+def test_a_diagnosis_refuses_a_node() -> None:
+    log = simulate(axis_with(), TRUE, PATH, LOOP).log
+    with pytest.raises(
+        SettingError, match=r"massless bodies \(node\), which a diagnosis cannot take: join the"
+    ):
+        diagnose(axis_with(), log, nominal=TRUE)
 
 
 def test_what_a_node_cannot_carry_is_refused() -> None:
