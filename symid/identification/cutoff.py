@@ -148,7 +148,7 @@ class Estimation:
 
 
 def least_uncertain(
-    estimation: Estimation, first: Trial, biased: Callable[[Trial], Identification]
+    estimation: Estimation, first: Trial, widened: Callable[[Trial], Identification]
 ) -> Identification:
     """The identification of a trial, or of one at another cutoff where that determines the parameters better.
 
@@ -158,10 +158,10 @@ def least_uncertain(
         Its cutoff is left open for others to be tried.
     first : Trial
         At the cutoff to begin with.
-    biased : callable
-        Identification of a trial with its expected bias.
+    widened : callable
+        Identification of a trial with all that widens its deviations.
     """
-    best = biased(first)
+    best = widened(first)
     sizes = _relative_deviations(best)
     in_memory = all(isinstance(log, Log) for log in estimation.logs)
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
@@ -178,7 +178,7 @@ def least_uncertain(
             failed += 1
             if estimation.left(other) > most_left:
                 continue
-            found = biased(other)
+            found = widened(other)
             size = _gauge(_relative_deviations(found))
             if found.status == "ok" and size < _WORTH * lowest:
                 best, lowest, failed = found, size, 0

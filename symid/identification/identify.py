@@ -123,16 +123,17 @@ def identify(
             constraints=constraints,
         )
 
-    def biased(trial: Trial) -> Identification:
-        found = found_at(trial)
-        if trial.fit.status != "ok":
+    def widened(trial: Trial) -> Identification:
+        found, fit = found_at(trial), trial.fit
+        if fit.status != "ok":
             return found
-        return replace(found, bias=bias_of(model, excerpts(model, every, found.observations), trial.fit))
+        parts = excerpts(model, every, found.observations)
+        return replace(found, bias=bias_of(model, parts, fit), scatter=_scatter(segments(parts, fit), fit))
 
     trial = estimation.trial()
     if not examine or trial.fit.status != "ok":
         return judged(found_at(trial))
-    return distrusted(least_uncertain(estimation, trial, biased), every)
+    return distrusted(least_uncertain(estimation, trial, widened), every)
 
 
 def found_from(
@@ -199,9 +200,13 @@ def distrusted(
         whole = [log.window(0, log.n_samples) for log in logs]
         bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
     timing, sums = timing_of(model, parts, fit), segments(parts, fit)
-    share = sum(fit.rows) / max(sum(s.rows for s in sums), 1)
-    examined = replace(found, timing=timing, bias=bias, scatter=scatter(sums, fit) / share)
+    examined = replace(found, timing=timing, bias=bias, scatter=_scatter(sums, fit))
     return judged(distrust(examined, _faults(examined, parts, sums)))
+
+
+def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
+    """Covariance by the scatter between segments of excerpts, for all rows."""
+    return scatter(sums, fit) * (sum(s.rows for s in sums) / sum(fit.rows))
 
 
 def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
