@@ -7,7 +7,9 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -16,6 +18,8 @@ from symid.errors import SettingError
 from symid.export.c_source import c_source, internal_step
 from symid.files import replacing
 from symid.symbolic.pipeline import DerivedModel
+from symid.units import Unit
+from symid.units.unit import BASE_UNITS
 
 _DESCRIPTION = """\
 <?xml version="1.0" encoding="UTF-8"?>
@@ -25,6 +29,9 @@ _DESCRIPTION = """\
       canNotUseMemoryManagementFunctions="true">
     <SourceFiles><File name="{name}_fmu.c"/></SourceFiles>
   </CoSimulation>
+  <UnitDefinitions>
+{units}
+  </UnitDefinitions>
   <DefaultExperiment startTime="0" stopTime="1" stepSize="0.001"/>
   <ModelVariables>
 {variables}
@@ -74,15 +81,24 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         for ending, text in exported.files.items():
             (sources / f"{axis.name}{ending}").write_text(text, encoding="utf-8")
         (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis, exported.text), encoding="utf-8")
-        library = sources / f"{axis.name}{suffix}"
-        _compile(sources / f"{axis.name}_fmu.c", library)
+        built = {folder: sources / f"{axis.name}{suffix}"}
+        _compile(sources / f"{axis.name}_fmu.c", built[folder], _compiler())
+        if folder != "win64" and find_spec("ziglang") is not None:
+            built["win64"] = sources / f"{axis.name}.dll"
+            zig = (sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu")
+            _compile(sources / f"{axis.name}_fmu.c", built["win64"], zig)
         with replacing(path) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as unit:
             unit.writestr("modelDescription.xml", _description(axis, values))
-            unit.write(library, f"binaries/{folder}/{library.name}")
+            for machine, library in built.items():
+                unit.write(library, f"binaries/{machine}/{library.name}")
             for source in sorted(sources.glob("*.[ch]")):
                 unit.write(source, f"sources/{source.name}")
     kept = [loss for loss in exported.losses if not loss.startswith("Friction at rest")]
-    return (*kept, f"The binary runs on {folder} only; for another machine, compile what is in sources/.")
+    more = "" if "win64" in built else " (win64: pip install ziglang)"
+    return (
+        *kept,
+        f"The binary runs on {' and '.join(built)} only{more}; for another machine, compile what is in sources/.",
+    )
 
 
 def _platform() -> tuple[str, str]:
@@ -93,45 +109,88 @@ def _platform() -> tuple[str, str]:
     return _LIBRARIES[sys.platform]
 
 
-def _compile(source: Path, library: Path) -> None:
+def _compiler() -> tuple[str, ...]:
     compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
     if compiler is None:
         raise SettingError(
             "a unit needs a C compiler, and none is on the path: install gcc or clang, or use --to c"
         )
+    return (compiler,)
+
+
+def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
     options = ["-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden"]
-    command = [compiler, *options, source.name, "-lm", "-o", library.name]
+    command = [*compiler, *options, source.name, "-lm", "-o", library.name]
     done = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise SettingError(f"{compiler} cannot compile the unit: {done.stderr.splitlines()[0]}")
+        said = next(iter(done.stderr.splitlines()), "it says nothing")
+        raise SettingError(f"{' '.join(compiler)} cannot compile the unit: {said}")
 
 
 def _description(axis: Axis, values: Mapping[str, float]) -> str:
     """The variables, numbered as the wrapper numbers them: input, readings, parameters, internal step."""
-    drive = axis.only_drive
-    names = [drive.command or drive.signal, *(s.signal for s in axis.sensors)]
-    lines = [_variable(0, names[0], 'causality="input" variability="continuous"', 0.0)]
-    for k, name in enumerate(names[1:], 1):
-        lines.append(_variable(k, name, 'causality="output" variability="continuous" initial="calculated"'))
-    settings = {
-        **{name: values[name] for name in axis.physical_parameters},
-        "internal_step": internal_step(axis, values),
-    }
-    fixed = 'causality="parameter" variability="fixed" initial="exact"'
-    lines += [
-        _variable(len(names) + k, name, fixed, value) for k, (name, value) in enumerate(settings.items())
+    drive, units = axis.only_drive, axis.signal_units
+    sent = drive.command or drive.signal
+    rows = [
+        _Variable(
+            sent, 'causality="input" variability="continuous"', units.get(sent), "what the drive is sent", 0.0
+        )
     ]
+    rows += [
+        _Variable(
+            s.signal,
+            'causality="output" variability="continuous" initial="calculated"',
+            units[s.signal],
+            f"reading of the {type(s).__name__.lower()} sensor",
+        )
+        for s in axis.sensors
+    ]
+    n_outputs = len(rows)
+    fixed = 'causality="parameter" variability="fixed" initial="exact"'
+    rows += [
+        _Variable(name, fixed, unit, "physical parameter", values[name])
+        for name, unit in axis.physical_parameters.items()
+    ]
+    step = internal_step(axis, values)
+    rows.append(_Variable("internal_step", fixed, Unit.of("s"), "step of the integration inside", step))
+    defined = dict.fromkeys(row.unit for row in rows if row.unit is not None and str(row.unit))
     return _DESCRIPTION.format(
         name=axis.name,
         guid=axis.signature,
-        variables="\n".join(lines),
-        outputs="\n".join(f'      <Unknown index="{k + 1}"/>' for k in range(1, len(names))),
+        units="\n".join(_defined(unit) for unit in defined),
+        variables="\n".join(row.element(k) for k, row in enumerate(rows)),
+        outputs="\n".join(f'      <Unknown index="{k + 1}"/>' for k in range(1, n_outputs)),
     )
 
 
-def _variable(reference: int, name: str, kind: str, start: float | None = None) -> str:
-    real = "<Real/>" if start is None else f'<Real start="{float(start)!r}"/>'
-    return f'    <ScalarVariable name={quoteattr(name)} valueReference="{reference}" {kind}>{real}</ScalarVariable>'
+@dataclass(frozen=True)
+class _Variable:
+    """A variable of the unit."""
+
+    name: str
+    kind: str
+    unit: Unit | None
+    what: str
+    start: float | None = None
+
+    def element(self, reference: int) -> str:
+        """Its element in the description."""
+        unit = f" unit={quoteattr(str(self.unit))}" if self.unit is not None and str(self.unit) else ""
+        start = "" if self.start is None else f' start="{float(self.start)!r}"'
+        return (
+            f'    <ScalarVariable name={quoteattr(self.name)} valueReference="{reference}" '
+            f"description={quoteattr(self.what)} {self.kind}><Real{unit}{start}/></ScalarVariable>"
+        )
+
+
+def _defined(unit: Unit) -> str:
+    """Definition of a unit by those of the SI."""
+    powers = dict(zip(BASE_UNITS, unit.exponents, strict=True))
+    volts = powers.pop("V")
+    for base, power in {"kg": 1, "m": 2, "s": -3, "A": -1}.items():
+        powers[base] += volts * power
+    given = "".join(f' {base}="{power}"' for base, power in powers.items() if power)
+    return f"    <Unit name={quoteattr(str(unit))}><BaseUnit{given}/></Unit>"
 
 
 def _wrapper(axis: Axis, source: str) -> str:

@@ -87,6 +87,33 @@ def test_parameters_can_be_set_and_a_held_axis_rests(tmp_path: Path) -> None:
     assert falling["qm"][-1] < -0.1
 
 
+def test_variables_have_units_and_descriptions(tmp_path: Path) -> None:
+    file = tmp_path / "bench.fmu"
+    write_fmu(derive(load_axis("motor_bench")), VALUES["motor_bench"], file)
+    assert validate_fmu(str(file)) == []
+    description = fmpy.read_model_description(str(file))
+    found = {v.name: v.unit for v in description.modelVariables}
+    assert (found["iq"], found["Jm"], found["internal_step"]) == ("A", "A*s^2/rad", "s")
+    assert all(v.description for v in description.modelVariables)
+    base = {unit.name: unit.baseUnit for unit in description.unitDefinitions}["A*s^2/rad"]
+    assert (base.A, base.s, base.rad, base.kg) == (1, 2, -1, 0)
+
+
+def test_a_binary_for_windows_is_cross_compiled(tmp_path: Path) -> None:
+    """Compiled and exporting the interface; no Windows runs it here."""
+    pytest.importorskip("ziglang", reason="pip install ziglang (100 MB) to cross-compile")
+    file = tmp_path / "a.fmu"
+    losses = write_fmu(derive(load_axis("rigid_1m")), VALUES["rigid_1m"], file)
+    assert any("linux64 and win64" in loss or "darwin64 and win64" in loss for loss in losses)
+    with zipfile.ZipFile(file) as unit:
+        library = unit.read("binaries/win64/rigid_1m.dll")
+    header = int.from_bytes(library[0x3C:0x40], "little")
+    assert library[:2] == b"MZ"
+    assert library[header : header + 6] == b"PE\0\0\x64\x86"  # for x86-64
+    for name in (b"fmi2Instantiate", b"fmi2DoStep", b"fmi2GetReal", b"fmi2SetReal"):
+        assert name + b"\0" in library
+
+
 def test_the_unit_holds_its_sources(tmp_path: Path) -> None:
     file = tmp_path / "a.fmu"
     write_fmu(derive(load_axis("rigid_1m")), VALUES["rigid_1m"], file)
