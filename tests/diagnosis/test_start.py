@@ -4,12 +4,26 @@ import numpy as np
 import pytest
 import scipy
 
-from symid import Log, load_axis
+from symid import (
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    Log,
+    Position,
+    Spring,
+    ViscousFriction,
+    load_axis,
+    simulate,
+)
+from symid.axis import Between
+from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.fitting import start
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.joined import joined
 from symid.diagnosis.thresholds import THRESHOLDS
+from symid.simulation import plant_of, trapezoids, tuned_cascade
 
 TRUE = {"Ms": 3030.0, "Fvs": 32800.0, "Ks": 2.18e8, "Mm": 242.0, "Fvm": 74.0, "Fsm": 112.0}
 FAR = {"Ms": 2490.0, "Fvs": 37900.0, "Ks": 2.55e8, "Mm": 167.0, "Fvm": 96.0, "Fsm": 90.0}
@@ -48,3 +62,19 @@ def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyP
     alone = start.fitted_axis(*begin)
     assert alone.mean_square > 2 * THRESHOLDS.fit_of_noise
     assert alone.parameters["Ms"] > 5 * FAR["Ms"]
+
+
+def test_numbers_that_are_declared_stay() -> None:
+    motor, load = Body("motor", mass="M"), Body("load", mass=25.0)
+    coupling = Spring("coupling", Between(first=motor, second=load), stiffness=6e5, damping="C")
+    laws = ViscousFriction(motor, "Fv"), CoulombFriction(motor, "Fs")
+    drive, sensors = Drive("F", motor, held=True, noise=1.0), (Position("q", motor, noise=1e-7),)
+    axis = Axis("known", (motor, *laws, load, coupling), drive, sensors)
+    values = {"M": 40.0, "Fv": 100.0, "Fs": 12.0, "C": 300.0}
+    path = trapezoids([0.1], [0.1, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    log = simulate(axis, values, path, tuned_cascade(plant_of(axis, values), "q")).log
+    found = diagnose(axis, log, nominal=values, held=True, library=())
+    assert [change.name for change in found.parameters] == ["M", "Fv", "Fs", "C"]
+    assert [change.reidentified for change in found.parameters[:3]] == pytest.approx(
+        [40.0, 100.0, 12.0], rel=0.05
+    )

@@ -288,7 +288,7 @@ def _first_position(dynamics: ForwardDynamics) -> str:
 
 def _collocation(dynamics: ForwardDynamics, signal: str) -> float:
     """How well a sensor moves with the drive: the cosine of both directions."""
-    drive = np.array([p.at(np.ones(len(dynamics.parameters))) for p in dynamics.drive])
+    drive = np.array([p.at(np.ones(len(dynamics.generators))) for p in dynamics.drive])
     row = dynamics.sensors[signal][0]
     return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))
 
