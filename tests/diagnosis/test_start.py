@@ -10,6 +10,7 @@ from symid import (
     CoulombFriction,
     Drive,
     Log,
+    OffsetForce,
     Position,
     Spring,
     ViscousFriction,
@@ -78,3 +79,19 @@ def test_numbers_that_are_declared_stay() -> None:
     assert [change.reidentified for change in found.parameters[:3]] == pytest.approx(
         [40.0, 100.0, 12.0], rel=0.05
     )
+
+
+def test_an_axis_without_unknown_mass_is_diagnosed() -> None:
+    table = Body("table", mass=40.0)
+    drive, sensors = Drive("F", table, held=True, noise=1.0), (Position("q", table, noise=1e-7),)
+    axis = Axis(
+        "weighed", (table, ViscousFriction(table, "Fv"), CoulombFriction(table, "Fs")), drive, sensors
+    )
+    machine, values = axis.with_effect(OffsetForce(table, "B")), {"Fv": 100.0, "Fs": 12.0}
+    path = trapezoids([0.1], [0.1, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    every = values | {"B": 10.0}
+    log = simulate(machine, every, path, tuned_cascade(plant_of(machine, every), "q")).log
+    found = diagnose(axis, log, nominal=values, held=True)
+    assert "offset_force" in {effect.effect for effect in found.effects} | {
+        name for effect in found.effects for name, _ in effect.indistinguishable_from
+    }

@@ -54,7 +54,7 @@ def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     plain = [fit.state.inertia, *([fit.begun] if math.isfinite(fit.begun) else [])]
     spread = np.sqrt(np.diag(blocks.covariance))[: len(found.parameters)]
     masses = found.state.prediction.record.dynamics.parameters_of("mass")
-    least = min(s for name, s in zip(found.parameters, spread, strict=True) if name in masses)
+    least = min((s for name, s in zip(found.parameters, spread, strict=True) if name in masses), default=0.0)
     return keeps_inertia(
         found.state, *plain, doubt=min(THRESHOLDS.deviations * float(least) / max(plain), 1.0)
     )
