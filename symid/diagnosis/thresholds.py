@@ -74,9 +74,9 @@ class Thresholds:
         Factor by which a stiffness is beyond what any effect had hidden of it.
     least_acting : float
         Share of the logged force that must act on the axis: with less, the drive has been explained away.
-    keeps_back : float
-        Share of the mean square up to which what is left says that the drive does keep most of a command back: an
-        integrator winds up to many times a limit.
+    explains_all : float
+        Share of the mean square up to which what is left speaks for an unusual size: a gain that bends by most of it, a
+        command that an integrator winds up to many times a limit.
     fit_of_noise : float
         Mean square of a fit that leaves noise alone.
     other_stiffness : float
@@ -152,7 +152,7 @@ class Thresholds:
     largest_force: float = 5.0
     spring_ran_away: float = 1e4
     least_acting: float = 0.5
-    keeps_back: float = 0.01
+    explains_all: float = 0.01
     fit_of_noise: float = 1.5
     other_stiffness: float = 0.1
     ran_away: float = 5.0

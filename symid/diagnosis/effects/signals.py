@@ -132,7 +132,7 @@ class Saturation(DriveEffect):
         return "1", _drive_unit(prediction)
 
 
-_MOST_BEND = 0.6
+_MOST_BEND, _USUAL_BEND = 0.9, 0.6
 """Change of the gain at the largest force, relative to the gain: with 1 more command would give no more force."""
 
 
@@ -147,8 +147,16 @@ class GainNonlinearity(DriveEffect):
 
     def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
         """More command gives more force."""
+        return self._change(prediction, amplitudes[0]) < _MOST_BEND
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        """The gain does not fall or rise by most of it."""
+        return self._change(prediction, placed.amplitudes[0]) < _USUAL_BEND
+
+    def _change(self, prediction: Prediction, bend: float) -> float:
+        """Of the gain at the largest force, relative to it."""
         largest = float(np.abs(prediction.record.whole_force).max())
-        return abs(amplitudes[0]) * self.power * largest ** (self.power - 1) < _MOST_BEND
+        return abs(bend) * self.power * largest ** (self.power - 1)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         force = prediction.record.whole_force
@@ -168,7 +176,7 @@ class GainAsymmetry(DriveEffect):
     amplitudes = ("difference",)
 
     def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
-        return abs(amplitudes[0]) < _MOST_BEND
+        return abs(amplitudes[0]) < _USUAL_BEND
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         return self._force(prediction, prediction.record.from_samples(np.abs(prediction.record.whole_force)))

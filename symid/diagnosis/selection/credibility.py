@@ -17,15 +17,15 @@ _OF_MASSES = ("flexible_mode", "payload_change")
 def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     """Whether a machine can be as a model with one more effect says, and the log determines its values."""
     item, prediction = found.state.placed[-1], found.state.prediction
-    if not item.effect.is_possible(prediction, item.amplitudes) or not item.effect.is_plausible(
-        prediction, item
-    ):
+    explains = found.mean_square < THRESHOLDS.explains_all * fit.mean_square
+    if not item.effect.is_possible(prediction, item.amplitudes):
+        return False
+    if not (explains or item.effect.is_plausible(prediction, item)):
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
-    explains = found.mean_square < THRESHOLDS.keeps_back * fit.mean_square
     return is_determined(item, blocks) and (explains or acting_share(found) > THRESHOLDS.least_acting)
 
 
