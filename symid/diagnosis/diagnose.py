@@ -152,21 +152,24 @@ def _either_way(
     """Identified from the logs, or from the validation logs where these alone show the effect."""
     found = _diagnosed(axis, runs, nominal, recorded, library)
     validation = runs[1]
-    if validation is None or found.verdict != "unexplained" or not _shows_in_validation(found):
+    if validation is None or not _shows_in_validation(found):
         return found
     other = _diagnosed(axis, (validation, None), nominal, recorded, library)
     if other.verdict not in ("effect", "partly"):
+        return found
+    if found.verdict == "partly" and not other.gap.unexplained_share < found.gap.unexplained_share:
         return found
     return replace(other, assumptions=(_ONLY_IN_VALIDATION, *other.assumptions))
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:
-    """Whether the re-identified model leaves noise alone of its own log, or many times as much of the other."""
-    if not found.search:
+    """Whether the model found leaves noise alone of its own log, or many times as much of the other."""
+    if not found.search or found.verdict not in ("unexplained", "partly"):
         return False
-    own = found.search[0].before.mean_square
-    other = (found.gap.reidentified.rms / found.gap.noise_floor.rms) ** 2
-    return own < THRESHOLDS.fit_of_noise or other > _ELSEWHERE * own
+    accepted = [step for step in found.search if step.accepts][: len(found.effects)]
+    fit = accepted[-1].confirmed[0].fit if accepted else found.search[0].before
+    other = (found.gap.explained.rms / found.gap.noise_floor.rms) ** 2
+    return fit.mean_square < THRESHOLDS.fit_of_noise or other > _ELSEWHERE * fit.mean_square
 
 
 def _diagnosed(

@@ -157,3 +157,11 @@ def test_friction_that_rises_throughout_the_log_is_a_drift_with_its_rate() -> No
     rate = found.effects[0].parameters["dFs/dt"]
     assert (rate.value, rate.unit) == (pytest.approx(2.0, rel=0.05), str(Unit.of("N") / Unit.of("s")))
     assert found.gap.closed_fraction > 0.9
+
+
+def test_what_the_validation_log_alone_shows_is_found_beside_the_rest() -> None:
+    stribeck, cogging = EFFECTS["stribeck_friction"][0], EFFECTS["cogging"][0]
+    other = rigid_log(lambda *motion: stribeck(*motion) + 2.5 * cogging(*motion), seed=2)
+    found = diagnose(load_axis("rigid_1m"), rigid_log(stribeck), validation=other, nominal=RIGID)
+    assert {"stribeck_friction", "cogging"} <= {effect.effect for effect in found.effects}
+    assert "validation" in found.assumptions[0]
