@@ -12,9 +12,8 @@ named first, or a stated tie; without an effect or with a smaller one, "no_gap" 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from itertools import count, islice
 
 import numpy as np
@@ -29,6 +28,8 @@ from symid.simulation.excitation import chirp
 RATES = (500.0, 1000.0, 2000.0, 4000.0)
 CLEAR = 2.0
 """Error of the re-identified axis without the effect, in multiples of the floor, from which on it counts."""
+_SCALES = (1e-8, 1e-7, 1e-6)
+"""Resolutions of a linear scale, m."""
 _WOUND_UP = 15.0
 """Force, in multiples of that of the acceleration, of a controller that suits no machine."""
 _VALIDATION = 0.7
@@ -112,36 +113,30 @@ def _turning(bits: tuple[int, ...], rng: np.random.Generator) -> float:
     return float(2 * np.pi / 2 ** rng.choice(bits))
 
 
-KINDS: dict[str, Callable[[np.random.Generator], Machine]] = {
-    kind: partial(
-        lambda rng, kind, inertia, acceleration, bits: _machine(
-            kind,
-            rng,
-            _between(rng, *inertia),
-            _between(rng, *acceleration),
-            _turning(bits, rng) if bits else float(rng.choice([1e-8, 1e-7, 1e-6])),
-        ),
-        kind=kind,
-        inertia=inertia,
-        acceleration=acceleration,
-        bits=bits,
-    )
-    for kind, inertia, acceleration, bits in (
-        ("servo", (1e-4, 5e-2), (100, 600), (12, 14, 17, 20)),
-        ("pendulum", (1e-4, 5e-2), (8, 40), (12, 14, 17, 20)),
-        ("robot joint", (0.5, 5), (8, 40), (20, 22, 24)),
-        ("elastic load", (1e-4, 1e-2), (100, 500), (14, 17, 20)),
-        ("slide", (5, 200), (2, 15), ()),
-        ("ball screw", (1e-3, 2e-2), (200, 1000), (14, 17, 20)),
-    )
+KINDS = {
+    "servo": ((1e-4, 5e-2), (100, 600), (12, 14, 17, 20)),
+    "pendulum": ((1e-4, 5e-2), (8, 40), (12, 14, 17, 20)),
+    "robot joint": ((0.5, 5), (8, 40), (20, 22, 24)),
+    "elastic load": ((1e-4, 1e-2), (100, 500), (14, 17, 20)),
+    "slide": ((5, 200), (2, 15), ()),
+    "ball screw": ((1e-3, 2e-2), (200, 1000), (14, 17, 20)),
 }
-"""Ranges of inertia (kg m^2, kg) and acceleration (rad/s^2, m/s^2), and bits of the encoder; scales of a slide."""
+"""Ranges of inertia (kg m^2, kg) and acceleration (rad/s^2, m/s^2), and bits of the encoder; a slide has a scale."""
+
+
+def _drawn_machine(rng: np.random.Generator) -> Machine:
+    kind = str(rng.choice(list(KINDS)))
+    inertias, accelerations, bits = KINDS[kind]
+    inertia, acceleration = _between(rng, *inertias), _between(rng, *accelerations)
+    return _machine(
+        kind, rng, inertia, acceleration, _turning(bits, rng) if bits else float(rng.choice(_SCALES))
+    )
 
 
 def drawn(seed: int) -> Case | None:
     """A case; None where the controller drawn suits no machine."""
     rng = np.random.default_rng(seed)
-    machine = KINDS[str(rng.choice(list(KINDS)))](rng)
+    machine = _drawn_machine(rng)
     effect = str(rng.choice([*EFFECTS, "none", "none"]))
     period = 1 / float(rng.choice(RATES))
     added = (

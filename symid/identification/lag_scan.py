@@ -14,12 +14,11 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt
 from symid.identification.observation import SignalRows
-from symid.identification.settings import ComplexArray
 
 FARTHEST = 1.0
 """Seconds to either side: what recorders are late by (network, video and PLC clocks)."""

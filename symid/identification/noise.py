@@ -11,16 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, central_difference_gain, decimation_filter
 from symid.identification.settings import Preparation
 from symid.signals import split_derivative
-
-ComplexArray = npt.NDArray[np.complex128]
 
 _FROM = 0.35
 """Of the sampling frequency: from here on, up to half of it, a log is taken to hold noise only."""

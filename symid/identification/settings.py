@@ -7,16 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, LowPass, derivatives, difference_factors, differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification.scheme import DIFFERENCE_ORDER
-
-ComplexArray = npt.NDArray[np.complex128]
 
 _COHERENT = 0.8
 _MARGIN, _HIGHEST_MARGIN = 1.5, 3.0

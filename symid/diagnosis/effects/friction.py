@@ -16,6 +16,7 @@ from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.units import Unit
 
 _SPEED, _COURSE, _STATE, _LOAD, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z _load amplitude viscous")
@@ -27,8 +28,6 @@ _TURNED = np.geomspace(1e-5, 1e-2, 12)
 _SAMPLES = 2.0
 """Distances that a sample passes after a reversal, below which a reach is none: the instant at which the friction jumps
 is known to a fraction of a sample."""
-_SLOW = 0.004
-"""Share of the highest speed below which noise reverses a motion too."""
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
 """Time constants of a drift, relative to the log: of slower ones the log shows the rate alone."""
@@ -56,7 +55,7 @@ class PreslidingFriction(JointEffect):
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Samples show how the friction builds up."""
         joint, record = prediction.joints[placed.at], prediction.record
-        moving = np.flatnonzero(record.in_log & (np.abs(joint.v) > _SLOW * joint.top_speed))
+        moving = np.flatnonzero(record.in_log & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed))
         begins = moving[1:][np.diff(np.sign(joint.v[moving])) != 0]
         ahead = max(1, round(record.log.sampling_period / record.fine_time[1]))
         begins = begins[begins + ahead < joint.q.size]

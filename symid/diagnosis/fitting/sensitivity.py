@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import ComplexArray
-from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects import Placed, TransferEffect
 from symid.diagnosis.fitting.state import State, as_read, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
@@ -34,10 +34,9 @@ def derivatives(state: State) -> ComplexArray:
 
 def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
     """Derivatives by the amplitudes of an effect: delays and lags pass its change on, or are it."""
-    unit = replace(item, amplitudes=(1.0,))
-    own = item.effect.passed_on(prediction, unit, as_read(prediction, placed))
-    if own is not None:
-        return own[None]
+    if isinstance(item.effect, TransferEffect):
+        unit = replace(item, amplitudes=(1.0,))
+        return item.effect.passed_on(prediction, unit, as_read(prediction, placed))[None]
     columns = item.effect.columns(prediction, item.at, item.shape)
     return columns if item.effect.is_of_command else passed_on(prediction, placed, columns)
 

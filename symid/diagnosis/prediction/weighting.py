@@ -18,7 +18,8 @@ import scipy
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.prediction.record import Record
 
-_SLOW_SHARE = 0.004
+SLOW_SHARE = 0.004
+"""Share of the highest speed below which an axis rests, as noise reverses it too."""
 _NOISE_MARGIN = 6.0
 _RESOLUTIONS = 0.5
 """Margin around a rest, and shortest rest, in periods of the highest frequency used: what is shorter is a reversal."""
@@ -117,7 +118,7 @@ def weighting_of(
     step = record.fine_time[1]
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
-        least = max(_SLOW_SHARE * np.abs(speed[record.in_log]).max(), _NOISE_MARGIN * velocity_noise)
+        least = max(SLOW_SHARE * np.abs(speed[record.in_log]).max(), _NOISE_MARGIN * velocity_noise)
         moving &= ~_long(np.abs(speed) <= least, round(max(_SHORTEST_REST, resolution) / step))
     ends = max(1, round(_END / step))
     moving[:ends] = False
