@@ -8,6 +8,7 @@ frequency of the product of their gains with the level.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -16,6 +17,7 @@ import scipy
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, central_difference_gain, decimation_filter
+from symid.data.density import incoherent_density, power_density
 from symid.identification.settings import Preparation
 from symid.signals import split_derivative
 
@@ -23,7 +25,7 @@ _FROM = 0.35
 """Of the sampling frequency: from here on, up to half of it, a log is taken to hold noise only."""
 _QUIET_SHARE = 3e-3
 _LEAST_WIDENING = 1.5
-_SEGMENT = 512
+_LONGEST_SEGMENT = 4096
 _LINES = 2048
 """Frequencies at which gains are taken."""
 
@@ -48,27 +50,38 @@ def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
     >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
     >>> log = Log.from_arrays({"q": 1e-6 * noise[0], "F": 3.0 * noise[1]}, sampling_period=1e-3)
     >>> levels = noise_levels(load_generated("rigid_1m"), log)
-    >>> round(levels["q"] * 500 * 1e12, 1), round(levels["F"] * 500, 1)
-    (1.0, 9.0)
+    >>> round(levels["q"] * 500 * 1e12, 1), round(levels["F"] * 500)
+    (1.0, 9)
     """
-    length = min(max(16, min(_SEGMENT, log.n_samples // 8)), log.n_samples - 2)
-    window = np.hanning(length)
-    frequency = np.fft.rfftfreq(length)
-    upper = (frequency > _FROM) & (frequency < 0.5)
-    spectra = {}
-    for name in model.highest_derivatives:
-        segments = np.lib.stride_tricks.sliding_window_view(np.diff(log[name], 2), length)[:: length // 2]
-        spectra[name] = np.fft.rfft(segments * window, axis=1)[:, upper]
-    gain = (2 * np.sin(np.pi * frequency[upper])) ** 4 * np.sum(window**2) * log.sampling_frequency / 2
+    segment = min(max(16, min(_LONGEST_SEGMENT, log.n_samples // 16)), log.n_samples - 2)
+    bent = {name: np.diff(log[name], 2) for name in model.highest_derivatives}
+    motion = np.stack([bent[name] for name in bent if name not in model.forces])
     levels = {}
-    for name, spectrum in spectra.items():
-        power = np.mean(np.abs(spectrum) ** 2, axis=0)
+    for name, x in bent.items():
         if name in model.forces:
-            motion = spectra[model.most_differentiated]
-            common = np.abs(np.mean(spectrum * motion.conj(), axis=0)) ** 2
-            power = power - common / np.maximum(np.mean(np.abs(motion) ** 2, axis=0), np.finfo(float).tiny)
-        levels[name] = max(float(np.median(power / gain)), 0.0)
+            frequency, density = incoherent_density(x, motion, log.sampling_frequency, segment)
+        else:
+            frequency, density = power_density(x, log.sampling_frequency, segment)
+        upper = (frequency > _FROM * log.sampling_frequency) & (frequency < 0.5 * log.sampling_frequency)
+        gain = (2 * np.sin(np.pi * frequency[upper] / log.sampling_frequency)) ** 4
+        levels[name] = float(np.median(density[upper] / gain))
     return levels
+
+
+def noise_deviations(model: GeneratedModel, log: Log) -> dict[str, float]:
+    """Standard deviation of the white noise of each signal, SI, by `noise_levels`.
+
+    Examples
+    --------
+    >>> from symid.codegen import load_generated
+    >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
+    >>> log = Log.from_arrays({"q": 2.0 * noise[0], "F": 3.0 * noise[1]}, sampling_period=1e-3)
+    >>> found = noise_deviations(load_generated("rigid_1m"), log)
+    >>> round(found["q"], 1), round(found["F"], 1)
+    (2.0, 3.0)
+    """
+    half_rate = log.sampling_frequency / 2
+    return {name: math.sqrt(level * half_rate) for name, level in noise_levels(model, log).items()}
 
 
 def noise_of_rows(

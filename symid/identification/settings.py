@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, LowPass, derivatives, difference_factors, differencing_bandwidth
+from symid.data.density import explained_power, mean_power, segment_spectra
 from symid.errors import SettingError
 from symid.identification.scheme import DIFFERENCE_ORDER
 
@@ -143,9 +143,9 @@ class Spectra:
         recorded = _excerpts(log, model.most_differentiated)
         length = min(_segment(log), recorded.shape[1])
         bent = derivatives(recorded, log.sampling_period, 2)[1]
-        forces = np.stack([_transforms(_excerpts(log, force), length) for force in model.forces])
-        motion, itself = (_transforms(x, length) for x in (bent, recorded))
-        power = _power(itself)
+        forces = np.stack([segment_spectra(_excerpts(log, force), length) for force in model.forces])
+        motion, itself = (segment_spectra(x, length) for x in (bent, recorded))
+        power = mean_power(itself)
         if length % 2 == 0:
             power[-1] *= 0.5  # every other line stands for its negative too
         return cls(np.arange(power.size) / (length * log.sampling_period), forces, motion, power)
@@ -153,15 +153,9 @@ class Spectra:
     @property
     def coherence(self) -> FloatArray:
         """Share of the motion's power that is linear in the forces: with several drives the multiple coherence."""
-        together = np.mean(self.forces.conj() * self.motion, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            if len(self.forces) == 1:
-                explained = np.abs(together[0]) ** 2 / _power(self.forces[0])
-            else:
-                between = np.einsum("isf,jsf->fij", self.forces.conj(), self.forces) / self.forces.shape[1]
-                inverse = np.linalg.pinv(between, hermitian=True)
-                explained = np.einsum("if,fij,jf->f", together.conj(), inverse, together).real
-            return np.asarray(np.nan_to_num(explained / _power(self.motion), posinf=0.0))
+            share = explained_power(self.motion, self.forces) / mean_power(self.motion)
+        return np.asarray(np.nan_to_num(share, posinf=0.0))
 
 
 def coherent_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = None) -> float:
@@ -189,20 +183,6 @@ def quiet_band(log: AnyLog, model: GeneratedModel, spectra: Spectra | None = Non
     share = np.cumsum(noise * gain)[1:] / np.maximum(np.cumsum(power * gain)[1:], np.finfo(float).tiny)
     quiet = np.flatnonzero(share < _NOISE_SHARE)
     return float(frequency[1:][quiet[-1]]) if quiet.size else float(frequency[1:][np.argmin(share)])
-
-
-def _transforms(x: FloatArray, length: int) -> ComplexArray:
-    """Transforms of segments that overlap by half, less their means, under a Hann window."""
-    step = length - length // 2
-    segments = np.lib.stride_tricks.sliding_window_view(x, length, axis=-1)[..., ::step, :]
-    window = scipy.signal.windows.hann(length, sym=False)
-    level = segments - segments.mean(axis=-1, keepdims=True)
-    level *= window
-    return np.asarray(scipy.fft.rfft(level, axis=-1, overwrite_x=True).reshape(-1, length // 2 + 1))
-
-
-def _power(transforms: ComplexArray) -> FloatArray:
-    return np.asarray(np.mean(transforms.real**2 + transforms.imag**2, axis=0))
 
 
 def faithful_band(log: AnyLog, model: GeneratedModel, difference_order: int) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.identification import Identification
 from symid.identification.criteria import CRITERIA, Criteria
-from symid.identification.noise import noise_levels
+from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters
 from symid.output_error.estimate import LikelihoodFit
 from symid.output_error.result import OutputErrorIdentification, Status
@@ -126,11 +126,11 @@ def _absent(found: OutputErrorIdentification) -> frozenset[str]:
 def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
     """Forces and accelerations that are noise for the most part, beyond what their own spectra show, in words."""
     log, said = found.logs[0], []
-    levels = noise_levels(found.model, log)
+    levels = noise_deviations(found.model, log)
     orders = {signal: order for signal, (_, order) in found.comparison.dynamics.sensors.items()}
     for signal, noise in found.noise.items():
         size = float(np.sqrt(np.mean(log[signal] ** 2)))
-        seen = np.sqrt(levels.get(signal, 0.0) * log.sampling_frequency / 2)
+        seen = levels.get(signal, 0.0)
         is_position = orders.get(signal, 2) < 2
         if not is_position and noise > max(criteria.worst_fit * size, criteria.noise_explains * seen):
             said.append(f"{100 * noise / size:.3g} % of {signal}")

@@ -6,7 +6,7 @@ from symid.tuning.from_log import identified_and_tuned, run_of_log, runs_of_log
 from symid.tuning.low_pass import LowPassErrors
 from symid.tuning.standard import StandardModel, standard_model
 from symid.tuning.total import TotalTuning, tune_total
-from symid.tuning.total_errors import TotalErrors, noise_levels, with_noise
+from symid.tuning.total_errors import TotalErrors, with_noise
 from symid.tuning.tune import Tuning, first_sampling_frequency, noise_free_run, tune, without_jumps
 
 __all__ = [
@@ -23,7 +23,6 @@ __all__ = [
     "identified_and_tuned",
     "lowest_within",
     "noise_free_run",
-    "noise_levels",
     "run_of_log",
     "runs_of_log",
     "standard_model",

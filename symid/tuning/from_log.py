@@ -14,12 +14,12 @@ from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass
 from symid.errors import SettingError
 from symid.identification import Preparation, identify
+from symid.identification.noise import noise_deviations
 from symid.identification.settings import coherent_band, completed
 from symid.simulation import Replay, Trajectory, plant_of, tuned_cascade
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun, exact_run
 from symid.tuning.total import TotalTuning, tune_total
-from symid.tuning.total_errors import noise_levels
 
 _LEAST_RATE = 8000.0
 """Rate of the simulated controller at least, Hz."""
@@ -139,7 +139,7 @@ def identified_and_tuned(
         If no cutoff gives parameters that an axis can have and no nominal values are given.
     """
     base = preparation or Preparation()
-    levels = {**noise_levels(log, model.force, model.measured), **(noise or {})}
+    levels = {**noise_deviations(model, log), **(noise or {})}
     settings, tuned = base, None
     for last in [False] * (rounds - 1) + [True]:
         parameters = plausible_parameters(axis, model, log, settings, nominal)

@@ -127,7 +127,7 @@ def tune_total(
     sampling_hz : float
         Sampling frequency of the log.
     noise : mapping of str to float
-        Standard deviation of the noise of each signal, as `noise_levels` reads from a log.
+        Standard deviation of the noise of each signal, as `noise_deviations` reads from a log.
     preparation : Preparation, optional
         Settings other than cutoff and decimation.
     draws : int

@@ -5,8 +5,9 @@ import pytest
 
 from symid import Log, Preparation, load_axis, load_generated
 from symid.errors import SettingError
+from symid.identification.noise import noise_deviations
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
-from symid.tuning import TotalErrors, noise_levels, run_of_log, tune_total, with_noise
+from symid.tuning import TotalErrors, run_of_log, tune_total, with_noise
 
 VALUES = {"M": 100.0, "Fv": 80.0, "Fs": 40.0}
 NOISE = {"q": 1e-6, "F": 5.0}
@@ -24,11 +25,11 @@ def clean() -> Log:
 def tuned(clean):
     axis, model, noisy = load_axis("rigid_1m"), load_generated("rigid_1m"), with_noise(clean, NOISE, seed=7)
     run = run_of_log(axis, model, VALUES, noisy, {"F": -2.5e-4})
-    return tune_total(axis, model, VALUES, [run], 1000.0, noise_levels(noisy, "F", ["q"]), draws=6)
+    return tune_total(axis, model, VALUES, [run], 1000.0, noise_deviations(model, noisy), draws=6)
 
 
 def test_noise_of_a_log_is_read_from_its_upper_band(clean):
-    levels = noise_levels(with_noise(clean, NOISE, seed=1), "F", ["q"])
+    levels = noise_deviations(load_generated("rigid_1m"), with_noise(clean, NOISE, seed=1))
     assert levels["q"] == pytest.approx(NOISE["q"], rel=0.1)
     assert levels["F"] == pytest.approx(NOISE["F"], rel=0.15)
 
@@ -40,7 +41,7 @@ def test_force_that_a_controller_makes_of_position_noise_is_no_noise_of_the_reco
         {"q": position, "F": 1e8 * np.gradient(position) + random.normal(0, 0.5, 20_000)},
         sampling_period=1e-3,
     )
-    assert noise_levels(log, "F", ["q"])["F"] == pytest.approx(0.5, rel=0.35)
+    assert noise_deviations(load_generated("rigid_1m"), log)["F"] == pytest.approx(0.5, rel=0.35)
     assert np.std(log["F"]) > 50
 
 

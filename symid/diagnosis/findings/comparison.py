@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
+from symid.data.density import power_density
 from symid.diagnosis.findings.gap import Gap, Level, Removed, Reversal
 from symid.diagnosis.findings.result import Signals, Spectrum
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
 from symid.diagnosis.fitting.applied import applied, errors_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.density import power_density
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.diagnosis.prediction.weighting import Weighting

@@ -18,7 +18,7 @@ import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data import Log
-from symid.diagnosis.prediction.density import incoherent_density, power_density
+from symid.data.density import incoherent_density, power_density
 from symid.diagnosis.prediction.joined import bridge
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
@@ -356,7 +356,7 @@ def _force_noise(
     segment = min(_SEGMENT, force.size // _SEGMENTS)
     densities = (
         _density(force, sampling_frequency),
-        incoherent_density(force[1:-1], np.diff(position, 2), sampling_frequency, segment),
+        incoherent_density(force[1:-1], np.diff(position, 2)[None], sampling_frequency, segment),
     )
     least = min(_least_beyond(above_hz, *density) for density in densities)
     return float(np.sqrt(max(least * sampling_frequency / 2, np.finfo(float).tiny)))

@@ -1,0 +1,134 @@
+"""Power densities of signals by Welch's method.
+
+It does what `scipy.signal.welch` does by default, whose import takes as long as the diagnosis of a rigid axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.fft
+
+from symid.arrays import ComplexArray, FloatArray
+
+
+def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tuple[FloatArray, FloatArray]:
+    """One-sided power density: means of periodograms of Hann-weighted segments that overlap by half.
+
+    Parameters
+    ----------
+    x : array of shape (n,)
+        Samples; n at least `segment`.
+    sampling_frequency : float
+        Hz.
+    segment : int
+        Samples of a segment.
+
+    Returns
+    -------
+    tuple of array of shape (segment // 2 + 1,)
+        Frequencies in Hz and densities in the square of the signal's unit per Hz (P. D. Welch, 1967).
+
+    Examples
+    --------
+    >>> frequency, density = power_density(np.sin(2 * np.pi * 50 * np.arange(4000) / 1000), 1000.0, 500)
+    >>> float(frequency[density.argmax()]), round(float(density.sum() * frequency[1]), 3)
+    (50.0, 0.5)
+    """
+    return _scaled(mean_power(segment_spectra(x, segment)), sampling_frequency, segment)
+
+
+def incoherent_density(
+    x: FloatArray, others: FloatArray, sampling_frequency: float, segment: int
+) -> tuple[FloatArray, FloatArray]:
+    """One-sided power density of what no linear filter makes of other signals: (1 - coherence) times the density.
+
+    Parameters
+    ----------
+    x : array of shape (n,)
+        Samples of the signal; n at least twice `segment`.
+    others : array of shape (n_others, n)
+        Samples of the other signals.
+    sampling_frequency : float
+        Hz.
+    segment : int
+        Samples of a segment.
+
+    Returns
+    -------
+    tuple of array of shape (segment // 2 + 1,)
+        Frequencies in Hz and densities in the square of the unit of `x` per Hz, corrected for the share that any
+        signals take from an estimate by so few segments (J. S. Bendat, A. G. Piersol, Random Data, section 9.2).
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
+    >>> y = noise[0]  # a filter that takes a part of a segment would lower the coherence
+    >>> x = 3.0 * y + 0.1 * noise[1]
+    >>> _, density = incoherent_density(x, y[None], 1.0, 256)
+    >>> bool(0.009 < density[1:-1].mean() / 2 < 0.011)
+    True
+    """
+    spectra = segment_spectra(x, segment)
+    explained = explained_power(spectra, np.stack([segment_spectra(y, segment) for y in others]))
+    left = np.maximum(mean_power(spectra) - explained, 0.0)
+    n_segments = len(spectra)
+    return _scaled(left * (n_segments / max(n_segments - len(others), 1)), sampling_frequency, segment)
+
+
+def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
+    """Spectra of Hann-weighted segments that overlap by half, without their means.
+
+    Parameters
+    ----------
+    x : array of shape (..., n)
+        Samples, a stretch of time a row; n at least `segment`.
+    segment : int
+        Samples of a segment.
+
+    Returns
+    -------
+    array of shape (n_segments, segment // 2 + 1)
+        The segments of all rows, one after the other.
+    """
+    segments = np.lib.stride_tricks.sliding_window_view(x, segment, axis=-1)[
+        ..., :: segment - segment // 2, :
+    ]
+    level = segments - segments.mean(axis=-1, keepdims=True)
+    level *= _hann(segment)
+    return np.asarray(scipy.fft.rfft(level, axis=-1, overwrite_x=True).reshape(-1, segment // 2 + 1))
+
+
+def mean_power(spectra: ComplexArray) -> FloatArray:
+    """Mean square of spectra of shape (n_segments, n_frequencies) at each frequency."""
+    return np.asarray(np.mean(spectra.real**2 + spectra.imag**2, axis=0))
+
+
+def explained_power(spectra: ComplexArray, others: ComplexArray) -> FloatArray:
+    """Part of the mean power of a signal that is linear in other ones; over the power it is the multiple coherence.
+
+    Parameters
+    ----------
+    spectra : array of shape (n_segments, n_frequencies)
+        Of the signal.
+    others : array of shape (n_others, n_segments, n_frequencies)
+        Of the other signals.
+    """
+    cross = np.mean(others.conj() * spectra, axis=1)
+    if len(others) == 1:
+        power = mean_power(others[0])
+        shared = np.abs(cross[0]) ** 2
+        return np.asarray(np.divide(shared, power, out=np.zeros_like(power), where=power > 0))
+    between = np.einsum("isf,jsf->fij", others.conj(), others) / others.shape[1]
+    inverse = np.linalg.pinv(between, hermitian=True)
+    return np.asarray(np.einsum("if,fij,jf->f", cross.conj(), inverse, cross).real)
+
+
+def _scaled(density: FloatArray, sampling_frequency: float, segment: int) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and one-sided densities from mean squares of spectra."""
+    density = density / (sampling_frequency * np.sum(_hann(segment) ** 2))
+    density[1 : None if segment % 2 else -1] *= 2
+    return np.asarray(np.fft.rfftfreq(segment, 1 / sampling_frequency)), np.asarray(density)
+
+
+def _hann(segment: int) -> FloatArray:
+    return np.asarray(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(segment) / segment))
