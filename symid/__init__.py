@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 from symid.axis import (
     GROUND,
-    Acceleration,
     Axis,
     Between,
     Body,
@@ -12,22 +11,23 @@ from symid.axis import (
     Drive,
     Geared,
     PendulumWeight,
-    Position,
     Spring,
-    Velocity,
     Weight,
     axis_source,
     chain,
     imperfections,
+    laws,
     load_axis,
+    sensors,
     write_axis,
 )
 from symid.axis.imperfections import *  # noqa: F403
-from symid.axis.laws import Hypothesis, Law, ShapeParameter, Term, along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *  # noqa: F403
+from symid.axis.laws.base import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
+from symid.axis.sensors import *  # noqa: F403
 from symid.errors import SymidError
 
 if TYPE_CHECKING:
@@ -81,7 +81,6 @@ def __getattr__(name: str) -> Any:
 
 __all__ = [
     "GROUND",
-    "Acceleration",
     "Axis",
     "Batch",
     "BatchSettings",
@@ -92,19 +91,13 @@ __all__ = [
     "Diagnosis",
     "Drive",
     "Geared",
-    "Hypothesis",
     "Identification",
-    "Law",
     "Log",
     "PendulumWeight",
-    "Position",
     "Preparation",
-    "ShapeParameter",
     "Spring",
     "SymidError",
-    "Term",
     "Tuning",
-    "Velocity",
     "Weight",
     "axis_source",
     "chain",
@@ -123,8 +116,6 @@ __all__ = [
     "tune",
     "write_axis",
 ]
-__all__ += along_stroke.__all__
 __all__ += imperfections.__all__
-__all__ += constant.__all__
-__all__ += friction.__all__
-__all__ += spring.__all__
+__all__ += laws.__all__
+__all__ += sensors.__all__

@@ -9,21 +9,10 @@ from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
 
-from symid.axis.elements import (
-    Body,
-    Damper,
-    Drive,
-    Ground,
-    Joint,
-    PendulumWeight,
-    Position,
-    Sensor,
-    Spring,
-    Weight,
-    derivative_order,
-)
+from symid.axis.elements import Body, Damper, Drive, Ground, Joint, PendulumWeight, Spring, Weight
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
+from symid.axis.sensors import Sensor
 from symid.axis.validation import declaration_faults, known_faults
 from symid.errors import DeclarationError, SettingError
 from symid.shown import Shown
@@ -182,8 +171,7 @@ class Axis(Shown):
         """Unit of every drive's and every sensor's signal, drives first."""
         second = Unit.of("s")
         units = {
-            sensor.signal: length_unit(sensor.body) / second ** derivative_order(sensor)
-            for sensor in self.sensors
+            sensor.signal: length_unit(sensor.body) / second**sensor.derivative for sensor in self.sensors
         }
         sent = {
             drive.signal: self.force_unit(drive.at) if drive.constant is None else Unit.of(drive.unit or "")
@@ -194,7 +182,7 @@ class Axis(Shown):
     @property
     def controlled(self) -> str:
         """Signal of the first position sensor, of which a controller is made; of the first sensor if there is none."""
-        positions = (s.signal for s in self.sensors if isinstance(s, Position))
+        positions = (s.signal for s in self.sensors if s.derivative == 0)
         return next(positions, self.sensors[0].signal)
 
     @property
@@ -205,7 +193,7 @@ class Axis(Shown):
         """
         if len(self.drives) == 1:
             return (self.controlled,)
-        positions = [sensor for sensor in self.sensors if isinstance(sensor, Position)]
+        positions = [sensor for sensor in self.sensors if sensor.derivative == 0]
         driven = [_end_of(drive.at) for drive in self.drives]
         return tuple(
             next((sensor.signal for sensor in positions if sensor.body == body), self.controlled)

@@ -1,4 +1,4 @@
-"""Elements of an axis: bodies, springs, dampers, weights, the drive and the sensors.
+"""Elements of an axis: bodies, springs, dampers, weights and the drive.
 
 Elements are plain records that refer to each other as objects. They check nothing themselves: `Axis`
 collects the faults of all its elements and reports them at once.
@@ -272,54 +272,3 @@ class Drive:
     def factor(self) -> float:
         """Force per unit of the command; 1 where the log holds the drive's signal."""
         return float(self.gain) if is_number(self.gain) else 1.0
-
-
-@dataclass(frozen=True)
-class Sensor:
-    """Common fields of sensors; use `Position`, `Velocity` or `Acceleration`.
-
-    Parameters
-    ----------
-    signal : str
-        Name of the signal, a column of the log.
-    body : Body
-        The body measured.
-    relative_to : Body or Ground, optional
-        The body it is measured from. By default the body it is on, so that the sensor reads the body's coordinate.
-    noise, resolution : float
-        Standard deviation of white noise and step of the reading, SI; for simulation.
-    delay : float
-        Age of a reading in seconds; for simulation.
-    """
-
-    signal: str
-    body: Body
-    relative_to: Body | Ground | None = None
-    noise: float = 0.0
-    resolution: float = 0.0
-    delay: float = 0.0
-
-    @property
-    def reference(self) -> Body | Ground:
-        """The body that the sensor measures from."""
-        return self.body.on if self.relative_to is None else self.relative_to
-
-
-@dataclass(frozen=True)
-class Position(Sensor):
-    """A position sensor: linear scale, encoder, laser."""
-
-
-@dataclass(frozen=True)
-class Velocity(Sensor):
-    """A velocity sensor: tachometer, gyroscope."""
-
-
-@dataclass(frozen=True)
-class Acceleration(Sensor):
-    """Sensor of an acceleration."""
-
-
-def derivative_order(sensor: Sensor) -> int:
-    """Which time derivative of a displacement a sensor measures: 0, 1 or 2."""
-    return {Position: 0, Velocity: 1, Acceleration: 2}[type(sensor)]

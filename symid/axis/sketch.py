@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from symid.axis.axis import Axis, Element
-from symid.axis.elements import GROUND, Acceleration, Between, Body, Drive, Ground, Position, Sensor, Spring
+from symid.axis.elements import GROUND, Between, Body, Drive, Ground, Spring
 from symid.axis.laws import CoulombFriction, ViscousFriction
+from symid.axis.sensors import Acceleration, Position, Sensor
 from symid.axis.source import axis_source
 from symid.errors import SettingError
 

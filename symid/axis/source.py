@@ -68,10 +68,10 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     )
     <BLANKLINE>
     """
-    for law in axis.laws:
-        if not type(law).__module__.startswith("symid.axis."):
+    for element in (*axis.laws, *axis.sensors):
+        if not type(element).__module__.startswith("symid.axis."):
             raise SettingError(
-                f"law {type(law).__name__} of axis {axis.name!r} is not one of symid's, and an axis file that is "
+                f"{type(element).__name__} of axis {axis.name!r} is not one of symid's, and an axis file that is "
                 f"written knows no others: copy the file that declares it and add to that"
             )
     calls = {name for value in _parts(axis) if (name := _class_name(value))}
@@ -112,7 +112,7 @@ def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis
     Raises
     ------
     SettingError
-        If the file's name cannot be that of an axis, or a law is not one of symid's.
+        If the file's name cannot be that of an axis, or a law or sensor is not one of symid's.
     SymidError
         If the file cannot be written.
     """

@@ -19,14 +19,13 @@ from symid.axis.elements import (
     Ground,
     Parametrised,
     PendulumWeight,
-    Position,
-    Sensor,
     Spring,
     Weight,
 )
 from symid.axis.imperfections import EncoderRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
 from symid.axis.laws.base import is_finite
+from symid.axis.sensors import Sensor
 from symid.signals import is_signal_name
 from symid.units import Unit
 
@@ -86,7 +85,7 @@ def _type_faults(
     if not sensors:
         yield "there is no sensor: declare at least a Position of the driven body"
     for sensor in sensors:
-        if not isinstance(sensor, Sensor) or type(sensor) is Sensor:
+        if not isinstance(sensor, Sensor) or not hasattr(sensor, "derivative"):
             yield f"{sensor!r} is no sensor: use Position, Velocity or Acceleration"
         else:
             yield from _field_faults(sensor)
@@ -294,7 +293,7 @@ def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Ite
         if isinstance(element, PayloadChange) and element.body.numbers():
             body = element.body.name
             yield f"PayloadChange of {body!r}, whose mass is a known number: give it a name, and its value to simulate"
-    positions = [sensor.signal for sensor in sensors if isinstance(sensor, Position)]
+    positions = [sensor.signal for sensor in sensors if sensor.derivative == 0]
     for element in elements:
         if isinstance(element, EncoderRipple) and element.signal not in positions:
             known = ", ".join(positions) or "none is declared"

@@ -9,13 +9,12 @@ from typing import Any
 
 import click
 
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis
 from symid.cli.options import assignments, number
 from symid.data import ForeignColumn
 from symid.data.foreign import split_header, with_unit
 from symid.errors import LogError, SettingError
 from symid.identification import LogMapping
-from symid.identification.mapping import QUANTITIES
 from symid.units import Unit, to_si
 
 _OF_A_DRIVE = ("force", "current", "percent")
@@ -74,7 +73,7 @@ def asked(
     known : Known
         What the options gave; it is not asked for.
     """
-    quantities = {"t": "time", **{s.signal: QUANTITIES[derivative_order(s)] for s in axis.sensors}}
+    quantities = {"t": "time", **{s.signal: s.quantity for s in axis.sensors}}
     quantities |= {drive.signal: "force" for drive in axis.drives}
     for signal, quantity in quantities.items():
         unit = Unit.of("s") if signal == "t" else axis.signal_units[signal]

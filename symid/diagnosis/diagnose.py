@@ -9,7 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from symid.arrays import BoolArray
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.findings.comparison import Comparison, compared
@@ -137,7 +137,7 @@ def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
     """Logs one after the other; where the axis leaves zeros of encoders open, they are made the same."""
     if axis.log_parameters and len(logs) > 1:
         driven, *others = signals_of(forward_dynamics(axis), logs[0])
-        orders = {sensor.signal: derivative_order(sensor) for sensor in axis.sensors}
+        orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
         logs = with_common_zeros(logs, driven, [name for name in others if orders[name] == 0])
     return joined(logs)
 

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis
 from symid.export.imperfect_terms import Imperfect, Memory, added
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
@@ -126,7 +126,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         ).xreplace(grown),
         joints=_joints(operators, kinematics, imperfect),
         sensors={
-            sensor.signal: (_row(operators, kinematics.reading(sensor)), derivative_order(sensor))
+            sensor.signal: (_row(operators, kinematics.reading(sensor)), sensor.derivative)
             for sensor in axis.sensors
         },
         constants={**operators.source.numbers, **kinematics.constants},

@@ -11,14 +11,12 @@ from collections.abc import Mapping
 from xml.sax.saxutils import quoteattr
 
 from symid.axis import (
-    Acceleration,
     ActuatorDelay,
     ActuatorLag,
     Axis,
     Body,
     ForceLimit,
     PendulumWeight,
-    Position,
     Sensor,
 )
 from symid.export.exported import Exported, losses_of_signals
@@ -238,16 +236,16 @@ class _Writer:
             self.losses.append(f"{sensor.signal}: MuJoCo notes its noise but does not add it.")
         if sensor.resolution:
             self.losses.append(f"{sensor.signal}: MuJoCo's sensors have no resolution.")
-        if isinstance(sensor, Acceleration):
+        if sensor.derivative == 2:
             return self._acceleration(sensor, settings)
         path = self.machine.readings[sensor.signal]
-        quantity = "pos" if isinstance(sensor, Position) else "vel"
+        quantity = ("pos", "vel")[sensor.derivative]
         name = f"name={quoteattr(sensor.signal)}"
         if _is_joint(path):
             return [f"<joint{quantity} {name} joint={quoteattr(path[0][0])}{settings}/>"]
         return [f"<tendon{quantity} {name} tendon={quoteattr(self._tendon(path))}{settings}/>"]
 
-    def _acceleration(self, sensor: Acceleration, settings: str) -> list[str]:
+    def _acceleration(self, sensor: Sensor, settings: str) -> list[str]:
         """Accelerations of sites are absolute and have three components."""
         kind = "frameangacc" if sensor.body.turns else "framelinacc"
         places = {sensor.signal: sensor.body}

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any
 
-from symid.axis import Axis, Drive, derivative_order
+from symid.axis import Axis, Drive
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.foreign import split_header, with_unit
 from symid.data.layout import first_lines
@@ -17,8 +17,6 @@ from symid.errors import LogError, SettingError
 from symid.files import is_finite_number, read_json, shortened
 from symid.units import Unit, to_si
 
-QUANTITIES: Final = ("position", "velocity", "acceleration")
-"""Of sensors, by the order of the derivative that they read."""
 _PERIOD = re.compile(
     r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
     re.IGNORECASE,
@@ -186,7 +184,7 @@ def guessed_mapping(
     guess = _Guess(list(columns), named, units)
     guess.clock(sampling_period)
     for sensor in axis.sensors:
-        guess.sensor(sensor.signal, QUANTITIES[derivative_order(sensor)], needed=sensor == axis.sensors[0])
+        guess.sensor(sensor.signal, sensor.quantity, needed=sensor == axis.sensors[0])
     for drive in axis.drives:
         guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
     setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]

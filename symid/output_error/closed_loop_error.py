@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from symid.arrays import FloatArray
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis
 from symid.data import Log
 from symid.output_error.prediction import OutputErrorPrediction
 from symid.simulation import ClosedLoop
@@ -173,7 +173,7 @@ class ClosedLoopError:
     @property
     def _positions(self) -> list[int]:
         """Places of the position sensors among the signals."""
-        orders = {sensor.signal: derivative_order(sensor) for sensor in self._axis.sensors}
+        orders = {sensor.signal: sensor.derivative for sensor in self._axis.sensors}
         return [place for place, signal in enumerate(self.signals) if orders[signal] == 0]
 
     @cached_property

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.axis import Axis, Position, Velocity, length_unit
+from symid.axis import Axis, length_unit
 from symid.data import Log
 from symid.simulation import plant_of
 from symid.units import Unit
@@ -46,7 +46,7 @@ class SensorMotion:
     @classmethod
     def of(cls, axis: Axis, log: Log) -> SensorMotion | None:
         """Motion in a log; None without a position."""
-        signals = [s.signal for s in axis.sensors if isinstance(s, Position) and s.signal in log.signals]
+        signals = [s.signal for s in axis.sensors if s.derivative == 0 and s.signal in log.signals]
         if not signals:
             return None
         position, period = np.asarray(log[signals[0]]), log.sampling_period
@@ -135,7 +135,7 @@ def response_of(
         Time by which signals were recorded late, s.
     """
     (sensor,) = axis.measured((signal,))
-    moves = isinstance(sensor, (Position, Velocity))
+    moves = sensor.derivative < 2
     period, second = logs[0].sampling_period, Unit.of("s")
     force = axis.only_drive.signal
     same = [log for log in logs if log.sampling_period == period]
@@ -146,13 +146,13 @@ def response_of(
     uu, yy, uy = np.zeros(frequency.size), np.zeros(frequency.size), np.zeros(frequency.size, complex)
     for log in same:
         u, y = np.asarray(log[force]), np.asarray(log[signal])
-        y = np.gradient(y, period) if isinstance(sensor, Position) else y
+        y = np.gradient(y, period) if sensor.derivative == 0 else y
         uu = uu + scipy.signal.welch(u, **settings)[1]
         yy = yy + scipy.signal.welch(y, **settings)[1]
         uy = uy + scipy.signal.csd(u, y, **settings)[1]
     kept = (frequency > 0) & (frequency <= _TOP / period)
     frequency, uu, uy, yy = frequency[kept], uu[kept], uy[kept], yy[kept]
-    attenuation = np.sinc(2 * frequency * period) if isinstance(sensor, Position) else np.ones(frequency.size)
+    attenuation = np.sinc(2 * frequency * period) if sensor.derivative == 0 else np.ones(frequency.size)
     delay = (late or {}).get(signal, 0.0) - (late or {}).get(force, 0.0)
     in_time = np.exp(2j * np.pi * frequency * delay)
     return FrequencyResponse(

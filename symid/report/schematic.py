@@ -18,7 +18,6 @@ from matplotlib.patches import Circle, FancyBboxPatch, Patch
 
 from symid.axis import (
     GROUND,
-    Acceleration,
     AsymmetricFriction,
     Axis,
     Backlash,
@@ -35,7 +34,6 @@ from symid.axis import (
     Law,
     PayloadChange,
     PendulumWeight,
-    Position,
     Sensor,
     Spring,
     ViscousFriction,
@@ -330,14 +328,14 @@ class _Drawing:
 
     def _sensor(self, sensor: Sensor, y: float) -> None:
         """An arrow to the body: solid for a position, dashed for a velocity, dotted for an acceleration."""
-        kind = "-" if isinstance(sensor, Position) else ":" if isinstance(sensor, Acceleration) else "--"
+        style = ("-", "--", ":")[sensor.derivative]
         reference, colour = sensor.reference, self.palette.other
         start = _WALL if isinstance(reference, Ground) else self.boxes[reference.name].centre
         end = self.boxes[sensor.body.name].centre
         for x, foot in ((start, self._foot(reference)), (end, self._half)):
             self.axes.plot([x, x], [foot, y + 0.08], color=colour, linewidth=0.7, zorder=1)
         self.axes.plot(
-            [start, end], [y, y], color=colour, linewidth=1.4, linestyle=kind, gid=f"sensor {sensor.signal}"
+            [start, end], [y, y], color=colour, linewidth=1.4, linestyle=style, gid=f"sensor {sensor.signal}"
         )
         arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 0, "shrinkA": 0, "shrinkB": 0}
         side = np.sign(end - start)

@@ -17,7 +17,7 @@ import sympy as sp
 from sympy.polys.rings import PolyElement
 
 from symid.arrays import BoolArray, FloatArray, read_only
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow
@@ -336,5 +336,5 @@ def _sensors(operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...
     kinematics, found = Kinematics(operators.source.axis), {}
     for sensor in operators.source.axis.sensors:
         row = numbers.row(operators.functional(kinematics.reading(sensor)), bodies)
-        found[sensor.signal] = SensorRow(row, derivative_order(sensor))
+        found[sensor.signal] = SensorRow(row, sensor.derivative)
     return MappingProxyType(found)

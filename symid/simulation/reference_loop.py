@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.axis import Axis, Position
+from symid.axis import Axis
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.closed_loop import simulate
@@ -50,7 +50,7 @@ class ClosedLoop:
     trajectory: Trajectory | None = None
 
     def __post_init__(self) -> None:
-        if not any(isinstance(sensor, Position) for sensor in self.axis.sensors):
+        if not any(sensor.derivative == 0 for sensor in self.axis.sensors):
             raise SettingError(f"axis {self.axis.name!r} has no position sensor: a controller needs one")
         if self.rate_hz is not None and not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
             raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from symid.axis import Sensor, derivative_order
+from symid.axis import Sensor
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import OperatorModel, add
 
@@ -90,7 +90,7 @@ class Measurement:
 def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
     """Basis of the measured functions, and every displacement in terms of it."""
     kinematics = Kinematics(model.source.axis)
-    ranked = sorted(sensors, key=derivative_order)
+    ranked = sorted(sensors, key=lambda sensor: sensor.derivative)
     basis: list[MeasuredFunction] = []
     repeated: list[RepeatedFunction] = []
     reduced: list[
@@ -103,13 +103,13 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
             pivot = sensor.body.name if sensor.body.name in remainder else next(iter(remainder))
             scale = 1 / remainder[pivot]
             index = len(basis)
-            basis.append(MeasuredFunction(sensor.signal, derivative_order(sensor), functional))
+            basis.append(MeasuredFunction(sensor.signal, sensor.derivative, functional))
             own = {index: scale, **{i: -c * scale for i, c in combination.items()}}
             row = {body: c * scale for body, c in remainder.items()}
             reduced = [_clear(entry, pivot, row, own) for entry in reduced]
             reduced.append((pivot, row, own))
         else:
-            repeated.append(RepeatedFunction(sensor.signal, derivative_order(sensor), combination))
+            repeated.append(RepeatedFunction(sensor.signal, sensor.derivative, combination))
     one = model.ring.domain.one
     displacements: dict[str, Functional] = {body: {body: one} for body in model.motion}
     for pivot, row, own in reduced:

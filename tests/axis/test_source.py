@@ -159,5 +159,5 @@ class OwnLaw(Law):
 
 def test_a_law_of_the_user_s_own_is_refused() -> None:
     axis = load_axis("rigid_1m")
-    with pytest.raises(SettingError, match="law OwnLaw of axis 'rigid_1m' is not one of symid's"):
+    with pytest.raises(SettingError, match="OwnLaw of axis 'rigid_1m' is not one of symid's"):
         axis_source(axis.with_effect(OwnLaw(axis.bodies[0], "dF")))

@@ -12,6 +12,8 @@ from typing import ClassVar, Literal, TypeAlias
 from symid.axis.elements import Joint, is_number, joint_label
 from symid.units import Unit
 
+__all__ = ["Hypothesis", "Law", "ShapeParameter", "Term"]
+
 FUNCTIONS = ("sign", "positive", "sin", "cos", "exp", "abs")
 """Functions that an expression may use. positive(v) is 1 for v > 0 and 0 otherwise."""
 
