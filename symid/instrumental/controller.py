@@ -13,7 +13,9 @@ _SEEN = 1e-3
 """Gain of the low-pass filter from which on a frequency takes part."""
 
 
-def cascade_of_log(log: Log, force: str, position: str, cutoff_hz: float) -> Cascade | None:
+def cascade_of_log(
+    log: Log, force: str, position: str, cutoff_hz: float, reference: str = REFERENCE
+) -> Cascade | None:
     """Cascade whose force is nearest to that of a log, by least squares.
 
     With the errors e = r - q of position and de of velocity the force of `Cascade` is linear,
@@ -31,6 +33,8 @@ def cascade_of_log(log: Log, force: str, position: str, cutoff_hz: float) -> Cas
         Signals of the drive and of the controlled position.
     cutoff_hz : float
         Up to which frequency the two sides are compared, Hz.
+    reference : str
+        Column of the commanded position.
 
     Returns
     -------
@@ -48,10 +52,10 @@ def cascade_of_log(log: Log, force: str, position: str, cutoff_hz: float) -> Cas
     >>> round(found.position_gain), round(found.velocity_gain), round(found.integral_gain)
     (30, 400, 10)
     """
-    reference, q, F = (log[name] for name in (REFERENCE, position, force))
+    wanted, q, F = (log[name] for name in (reference, position, force))
     period = log.sampling_period
-    speed, acceleration = derivatives(reference, period, 2)
-    error = reference - q
+    speed, acceleration = derivatives(wanted, period, 2)
+    error = wanted - q
     # a drive takes the difference of the last two readings; the derivatives of the reference it knows
     error_of_speed = speed - np.diff(q, prepend=q[0]) / period
     columns = [error, error_of_speed, period * np.cumsum(error), speed, acceleration, np.ones_like(error)]

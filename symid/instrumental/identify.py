@@ -143,28 +143,36 @@ def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dic
 def _with_controller(
     loop: ClosedLoop, logs: Sequence[Log], first: Identification, start: Mapping[str, float]
 ) -> tuple[ClosedLoop, str]:
-    """The loop with the controller that was given, or that of the two at hand whose force is nearer to the log's."""
+    """The loop with the controllers given, or with those of the two at hand whose forces are nearer to the log's."""
     if loop.controller is not None:
         return loop, "instruments: the axis simulated under the given controller"
-    log, force = logs[0], first.model.force
-    if loop.position not in log.signals:
-        return loop, "instruments: the axis simulated under a cascade tuned to it"
+    log, positions = logs[0], loop.axis.controlled_signals
+    tuned = "instruments: the axis simulated under a cascade tuned to it"
+    if any(position not in log.signals for position in positions):
+        return loop, tuned
     cutoff = first.observations[0].preparation.cutoff_hz
     assert cutoff is not None
-    read = cascade_of_log(log, force, loop.position, cutoff)
-    if read is None:
-        return loop, "instruments: the axis simulated under a cascade tuned to it"
-    misfits = []
+    forces = [drive.signal for drive in loop.axis.drives]
+    own = zip(forces, positions, loop.reference_columns(log), strict=True)
+    found = [cascade_of_log(log, force, position, cutoff, column) for force, position, column in own]
+    read = tuple(cascade for cascade in found if cascade is not None)
+    if len(read) < len(found):
+        return loop, tuned
+    recorded, misfits = np.stack([log[force] for force in forces]), []
     for candidate in (replace(loop, controller=read), loop):
         try:
-            misfits.append(float(np.linalg.norm(candidate.run(start, log)[force] - log[force])))
+            simulated = candidate.run(start, log)
+            misfits.append(float(np.linalg.norm(np.stack([simulated[force] for force in forces]) - recorded)))
         except SettingError:
             misfits.append(np.inf)
-    if misfits[0] < misfits[1]:
-        gains = f"Kpp {read.position_gain:.3g}, Kpv {read.velocity_gain:.3g}, Kiv {read.integral_gain:.3g}"
-        text = f"instruments: the axis simulated under a cascade read from the log ({gains})"
-        return replace(loop, controller=read), text
-    return loop, "instruments: the axis simulated under a cascade tuned to it"
+    if misfits[0] >= misfits[1]:
+        return loop, tuned
+    gains = "; ".join(
+        f"Kpp {one.position_gain:.3g}, Kpv {one.velocity_gain:.3g}, Kiv {one.integral_gain:.3g}"
+        for one in read
+    )
+    text = f"instruments: the axis simulated under a cascade read from the log ({gains})"
+    return replace(loop, controller=read), text
 
 
 def _instruments(
@@ -177,7 +185,7 @@ def _instruments(
     """Rows of the simulated logs, prepared as those of the real ones."""
     rows = []
     for log, seen in zip(logs, first.observations, strict=True):
-        late = {model.force: -loop.held_for(log) / 2}
+        late = dict.fromkeys(model.forces, -loop.held_for(log) / 2)
         rows.append(observe(model, loop.run(parameters, log), replace(seen.preparation, late=late)).W)
     return tuple(rows)
 

@@ -128,7 +128,7 @@ class ClosedLoopError:
         return False
 
     def errors(self, parameters: Mapping[str, float], nuisance: FloatArray) -> FloatArray:
-        """Measured less simulated, sensors first, then the force, of shape (n_samples, n_signals)."""
+        """Measured less simulated, sensors first, then the forces, of shape (n_samples, n_signals)."""
         simulated = self.loop.run(parameters, self.log)
         errors = np.stack([self.log[name] - simulated[name] for name in self._compared], axis=1)
         scale = self._scale
@@ -168,7 +168,7 @@ class ClosedLoopError:
 
     @property
     def _compared(self) -> tuple[str, ...]:
-        return (*self.signals, self._axis.only_drive.signal)
+        return (*self.signals, *(drive.signal for drive in self._axis.drives))
 
     @property
     def _positions(self) -> list[int]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from symid.codegen import GeneratedModel
 from symid.data import Log
+from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.output_error.closed_loop_error import ClosedLoopError
 from symid.output_error.estimate import LikelihoodFit, fit_errors
@@ -35,9 +36,9 @@ class ErrorModel:
     preparation : Preparation
         Of which `late` and `standstill` count.
     force : {"held", "smooth", "simulated"}
-        Course of the force between samples: held, smooth, or that of the simulated closed loop.
+        Course of the forces between samples: held, smooth, or that of the simulated closed loop.
     free_timing : bool
-        Whether the time by which the force is recorded late is estimated.
+        Whether the time by which the forces are recorded late is estimated.
     loop : ClosedLoop, optional
         Of a simulated force.
     """
@@ -50,24 +51,30 @@ class ErrorModel:
     loop: ClosedLoop | None = None
 
     def error(self, log: Log, late: float | None = None) -> RunError:
-        """Error of a log; `late` (s) takes the place of that of the preparation for the force.
+        """Error of a log; `late` (s) takes the place of that of the preparation for the forces.
 
         Raises
         ------
-        LogError
-            If the log lacks a signal.
+        LogError, SettingError
+            If the log lacks a signal, or the forces of several drives are late by different times.
         """
         if self.force == "simulated":
             assert self.loop is not None
             return ClosedLoopError(self.loop, log, self.model.measured)
-        declared = self.preparation.late.get(self.dynamics.axis.only_drive.signal, 0.0)
+        declared = {d.signal: self.preparation.late.get(d.signal, 0.0) for d in self.dynamics.axis.drives}
+        if late is None and len(set(declared.values())) > 1:
+            said = ", ".join(f"{signal} {seconds:g} s" for signal, seconds in declared.items())
+            raise SettingError(
+                f"the forces are late by different times ({said}): output error takes one for all drives, "
+                "give each the same --late or take --method wls"
+            )
         run = run_of(
             self.dynamics,
             log,
             self.model.measured,
             self.force,
             cutoff_hz=_VELOCITY_BAND * log.sampling_frequency,
-            late=declared if late is None else late,
+            late=next(iter(declared.values())) if late is None else late,
             standstill=self.preparation.standstill,
         )
         return PredictionError(self.dynamics, run, run.known_motions, self.free_timing)

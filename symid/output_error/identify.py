@@ -88,7 +88,8 @@ def identify_output_error(
     whole, visible = Models(model, model) if isinstance(model, GeneratedModel) else models_of(axis, model)
     held = prepared.held if held is None else held
     if held is None:
-        held = axis.only_drive.held or (False if axis.only_drive.signal in prepared.late else None)
+        is_timed = any(drive.signal in prepared.late for drive in axis.drives)
+        held = axis.drives[0].held or (False if is_timed else None)
     comparisons = _comparisons(whole, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
         to_begin_with = replace(prepared, held=bool(held))

@@ -45,7 +45,7 @@ class PredictionError:
     motions : tuple of Motion
         Motion of every joint with nonlinear laws.
     free_timing : bool
-        Whether the time by which the force is recorded late is a nuisance parameter.
+        Whether the time by which the forces are recorded late is a nuisance parameter.
     """
 
     dynamics: ForwardDynamics
@@ -57,14 +57,12 @@ class PredictionError:
     def first_nuisance(self) -> FloatArray:
         """Nuisance parameters to begin with.
 
-        Logarithms of the noise levels of the force and of the disturbances (for their effect in one sample) and of the
-        other readings, relative to that of the first reading; then the further lateness of the force in samples, if it
+        Logarithms of the noise levels of the forces and of the disturbances (for their effect in one sample) and of the
+        other readings, relative to that of the first reading; then the further lateness of the forces in samples, if it
         is free.
         """
-        others = len(self.run.signals) - 1
-        return np.array(
-            [_FIRST_RATIO, *[_FIRST_DISTURBANCE] * others, *[0.0] * others, *[0.0] * self.free_timing]
-        )
+        levels = [_FIRST_RATIO] * self._own_levels + [_FIRST_DISTURBANCE] * len(self._disturbed)
+        return np.array([*levels, *[0.0] * (len(self.run.signals) - 1 + self.free_timing)])
 
     @property
     def nuisance_steps(self) -> FloatArray:
@@ -83,13 +81,17 @@ class PredictionError:
         return self._projected(raw, found, _whitening(found)[0]).ravel()
 
     def noise(self, parameters: Mapping[str, float], nuisance: FloatArray) -> dict[str, float]:
-        """Standard deviations of the noise of the force and of the readings, SI: their ratios at the level observed."""
+        """Standard deviations of the noise of forces and readings, SI: their ratios at the level observed."""
         raw, found = self._raw(parameters, nuisance)
         whitening, unit = _whitening(found)
         level = float(np.sqrt(np.mean(self._projected(raw, found, whitening) ** 2))) / unit
         forces, readings = self._assumed_noise(self._sampled(self.dynamics.at(parameters)), nuisance)
-        names = (self.dynamics.axis.only_drive.signal, *self.run.signals)
-        return {name: level * float(std) for name, std in zip(names, (forces[0], *readings), strict=True)}
+        drives = [drive.signal for drive in self.dynamics.axis.drives]
+        deviations = [*forces[: len(drives)], *readings]
+        return {
+            name: level * float(std)
+            for name, std in zip((*drives, *self.run.signals), deviations, strict=True)
+        }
 
     def prediction(
         self, log: Log, parameters: Mapping[str, float], nuisance: FloatArray
@@ -175,20 +177,42 @@ class PredictionError:
             [term.forces(motion.q_at, motion.v_at) for term in terms] for motion, (_, terms) in joints
         ]
 
+    @cached_property
+    def _driven(self) -> tuple[int, ...]:
+        """Place among the readings of the one in which each drive's noise is counted: the first, with one drive."""
+        axis, signals = self.dynamics.axis, self.run.signals
+        if len(axis.drives) == 1:
+            return (0,)
+        return tuple(signals.index(one) if one in signals else 0 for one in axis.controlled_signals)
+
+    @cached_property
+    def _own_levels(self) -> int:
+        """Noise levels of drives: those that are counted in one reading cannot be told apart, and share one."""
+        return len(set(self._driven))
+
+    @cached_property
+    def _disturbed(self) -> tuple[int, ...]:
+        """Places of the other readings, each of which has a disturbing force."""
+        return tuple(i for i in range(len(self.run.signals)) if i not in self._driven)
+
     def _sampled(self, plant: Plant) -> SampledPlant:
-        return sampled_plant(plant, self.run.signals, self.run.period, self.run.parts)
+        signals = self.run.signals
+        disturbed = [signals[i] for i in self._disturbed]
+        return sampled_plant(plant, signals, self.run.period, self.run.parts, disturbed)
 
     def _assumed_noise(self, sampled: SampledPlant, nuisance: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Noise of the forces and of the readings, up to a common factor."""
-        p = len(self.run.signals)
-        levels = np.exp(_LARGEST_RATIO * np.tanh(nuisance[: 2 * p - 1] / _LARGEST_RATIO))
-        effects = sampled.transition @ np.column_stack([sampled.force_effect, sampled.disturbances])
-        direct = np.column_stack([sampled.feedthrough[:, 0], sampled.disturbance_feedthrough])
-        seen = np.abs(np.diag(sampled.output @ effects + direct))
-        seen = np.where(
-            seen > 0, seen, np.max(np.abs(sampled.output @ effects), initial=np.finfo(float).tiny)
-        )
-        return levels[:p] * self._units / seen, self._units * np.append(1.0, levels[p:])
+        ratios = nuisance[: nuisance.size - self.free_timing]
+        levels = np.exp(_LARGEST_RATIO * np.tanh(ratios / _LARGEST_RATIO))
+        effects = sampled.output @ sampled.transition @ sampled.noise_effects
+        places = [*self._driven, *self._disturbed]
+        seen = np.abs(effects + sampled.noise_feedthrough)[places, range(len(places))]
+        seen = np.where(seen > 0, seen, np.max(np.abs(effects), initial=np.finfo(float).tiny))
+        first = sorted(set(self._driven))
+        own, others = levels[: len(first)], levels[len(first) :]
+        sources = np.append(own[[first.index(i) for i in self._driven]], others[: len(self._disturbed)])
+        readings = np.append(1.0, others[len(self._disturbed) :])
+        return sources * self._units[places] / seen, self._units * readings
 
     def _predictor(self, plant: Plant, nuisance: FloatArray) -> tuple[SampledPlant, Predictor]:
         sampled = self._sampled(plant)
@@ -202,15 +226,18 @@ class PredictionError:
     def _inputs(self, plant: Plant, sampled: SampledPlant, nuisance: FloatArray) -> FloatArray:
         """Readings without what forces add to them directly, and effects of the forces on the state."""
         run = self.run
-        effects = run.drive @ sampled.effects[:, :, 0] + sampled.effects[:, :, -1].sum(axis=0)
-        direct = np.outer(run.drive_at, sampled.feedthrough[:, 0]) + sampled.feedthrough[:, -1]
+        m = sampled.n_drives
+        driven, at_once = sampled.effects[:, :, :m].transpose(0, 2, 1), sampled.feedthrough[:, :m].T
+        driven = driven.reshape(-1, driven.shape[-1])
+        effects = run.drive.reshape(len(run.drive), -1) @ driven + sampled.effects[:, :, -1].sum(axis=0)
+        direct = run.drive_at @ at_once + sampled.feedthrough[:, -1]
         if self.free_timing:
-            effects += (nuisance[-1] * run.drive_rate) @ sampled.effects[:, :, 0]
-            direct += np.outer(nuisance[-1] * run.drive_rate_at, sampled.feedthrough[:, 0])
-        for j, (law, within, at) in enumerate(zip(plant.laws, *self._law_values, strict=True)):
+            effects += nuisance[-1] * run.drive_rate.reshape(len(run.drive), -1) @ driven
+            direct += nuisance[-1] * run.drive_rate_at @ at_once
+        for j, (law, within, at) in enumerate(zip(plant.laws, *self._law_values, strict=True), start=m):
             weights = [parameter for parameter, _ in law.terms]
-            effects += _combined(weights, within) @ sampled.effects[:, :, 1 + j]
-            direct += np.outer(_combined(weights, at), sampled.feedthrough[:, 1 + j])
+            effects += _combined(weights, within) @ sampled.effects[:, :, j]
+            direct += np.outer(_combined(weights, at), sampled.feedthrough[:, j])
         return np.hstack([run.readings - direct, effects])
 
     def _projected(self, raw: FloatArray, found: Predictor, whitening: FloatArray) -> FloatArray:

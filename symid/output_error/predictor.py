@@ -1,7 +1,8 @@
 """One-step prediction of the readings: the innovations form of a sampled axis.
 
-The log's force is the true one plus white noise, and every reading has independent white noise. For each further
-reading there is an unknown white force along its direction, so that what the model lacks is not put on the sensors.
+Each force of the log is the true one plus white noise, and every reading has independent white noise. For each reading
+beyond those of the drives there is an unknown white force along its direction, so that what the model lacks is not put
+on the sensors.
 The stationary Kalman gain turns the recursion of the axis into that of its innovations e[k] = y[k] - y^[k | k-1],
 which are white if the model is right.
 """
@@ -44,9 +45,8 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
     ----------
     plant : SampledPlant
         The axis.
-    force_noise : array of shape (n_outputs,)
-        Standard deviations of the noise of the logged force, and of disturbing forces along the direction of each
-        sensor but the first.
+    force_noise : array of shape (n_sources,)
+        Standard deviations of the noise of the logged forces, then of the disturbances.
     reading_noise : array of shape (n_outputs,)
         Standard deviations of the noise of the readings.
 
@@ -68,9 +68,8 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
     scale = _state_scale(plant)
     A = plant.transition * scale / scale[:, None]
     C = plant.output * scale / reading_noise[:, None]
-    noise = np.column_stack([-plant.force_effect, plant.disturbances]) * force_noise / scale[:, None]
-    through = np.column_stack([-plant.feedthrough[:, 0], plant.disturbance_feedthrough])
-    direct = through * force_noise / reading_noise[:, None]
+    noise = plant.noise_effects * force_noise / scale[:, None]
+    direct = plant.noise_feedthrough * force_noise / reading_noise[:, None]
     measurement = np.eye(len(C)) + direct @ direct.T
     cross = noise @ direct.T
     process = noise @ noise.T
@@ -90,10 +89,11 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
 
 def _state_scale(plant: SampledPlant) -> FloatArray:
     """Sizes of the states that make the equation well conditioned: the effect of a force over a few samples."""
-    effect, reach = plant.force_effect, np.abs(plant.force_effect)
+    effect = plant.noise_effects[:, : plant.n_drives]
+    reach = np.abs(effect).max(axis=1)
     for _ in range(8):
         effect = plant.transition @ effect
-        reach = np.maximum(reach, np.abs(effect))
+        reach = np.maximum(reach, np.abs(effect).max(axis=1))
     return np.asarray(np.where(reach > 0, reach, reach.max()))
 
 

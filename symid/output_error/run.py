@@ -66,18 +66,18 @@ class LogRun:
         Sampling period, s.
     readings : array of shape (n_samples, n_outputs)
         What they read.
-    drive : array of shape (n_samples, n_parts)
-        Drive force in each part of the interval after each sample.
-    drive_at : array of shape (n_samples,)
-        Drive force at the samples, as accelerometers see it.
-    drive_rate, drive_rate_at : array, shapes as those of the force
-        Change of the force for a recording that is later by one sample; 0 for a held force.
+    drive : array of shape (n_samples, n_parts, n_drives)
+        Drive forces in each part of the interval after each sample.
+    drive_at : array of shape (n_samples, n_drives)
+        Drive forces at the samples, as accelerometers see them.
+    drive_rate, drive_rate_at : array, shapes as those of the forces
+        Change of the forces for a recording that is later by one sample; 0 for held forces.
     course : {"held", "smooth"}
-        Course of the force between samples.
+        Course of the forces between samples.
     late : float
-        Samples by which the force is taken to be recorded late.
-    force : array of shape (n,)
-        The force of the whole log.
+        Samples by which the forces are taken to be recorded late.
+    forces : array of shape (n, n_drives)
+        The forces of the whole log.
     kept : bool array of shape (n,)
         Samples of the log that are in the stretches.
     motions : tuple of Motion or None
@@ -95,7 +95,7 @@ class LogRun:
     drive_rate_at: FloatArray
     course: Course
     late: float
-    force: FloatArray
+    forces: FloatArray
     kept: BoolArray
     motions: tuple[Motion | None, ...]
     starts: tuple[int, ...]
@@ -146,9 +146,11 @@ class LogRun:
         )
 
     def recorded_later(self, samples: float) -> LogRun:
-        """The run with the force taken as recorded later by a number of samples."""
+        """The run with the forces taken as recorded later by a number of samples."""
         late = self.late + samples
-        drive, at, rate, rate_at = (x[self.kept] for x in _between(self.force, self.course, self.parts, late))
+        drive, at, rate, rate_at = (
+            x[self.kept] for x in _between(self.forces, self.course, self.parts, late)
+        )
         return replace(self, drive=drive, drive_at=at, drive_rate=rate, drive_rate_at=rate_at, late=late)
 
 
@@ -173,18 +175,18 @@ def run_of(
     signals : sequence of str
         Sensors used.
     course : {"held", "smooth"}
-        Course of the force between samples.
+        Course of the forces between samples.
     cutoff_hz : float
         Of the low-pass filter from which velocities of joints with friction are taken.
     late : float
-        Seconds by which the force was recorded late; negative for one that acts later than recorded.
+        Seconds by which the forces were recorded late; negative for ones that act later than recorded.
     standstill : float, optional
         Speed below which a joint with friction that can hold it counts as resting; 0 cuts nothing.
     """
-    force = log[dynamics.axis.only_drive.signal]
+    recorded = np.stack([log[drive.signal] for drive in dynamics.axis.drives], axis=-1)
     parts = min(_FINEST, max(1, math.ceil(_FINE_ENOUGH * log.sampling_period)))
     samples = late / log.sampling_period
-    forces = _between(force, course, parts, samples)
+    forces = _between(recorded, course, parts, samples)
     lowpass = LowPass(min(cutoff_hz, 0.4 * log.sampling_frequency))
     motions = tuple(
         _measured_motion(dynamics, direction, log, lowpass, parts) for direction, _ in dynamics.laws
@@ -207,7 +209,7 @@ def run_of(
         drive_rate_at=forces[3][kept],
         course=course,
         late=samples,
-        force=force,
+        forces=recorded,
         kept=kept,
         motions=tuple(m and m.at(kept) for m in motions),
         starts=starts,
@@ -215,18 +217,24 @@ def run_of(
 
 
 def _between(
-    force: FloatArray, course: Course, parts: int, late: float
+    forces: FloatArray, course: Course, parts: int, late: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Force at the middle of each part of the intervals and at the samples, and the change of both with `late`."""
-    n = force.size
+    """Forces at the middle of each part of the intervals and at the samples, and the change of both with `late`."""
+    n = len(forces)
     if course == "held":
         places = np.arange(n)[:, None] + (np.arange(parts) + 0.5) / parts + late
-        held = force[np.clip(np.floor(places).astype(int), 0, n - 1)]
-        before = force[np.clip(np.ceil(np.arange(n) + late).astype(int) - 1, 0, n - 1)]
-        return held, before, np.zeros_like(held), np.zeros(n)
-    moved = QuinticSpline(force).earlier(late) if late else force
-    rate = (8 * _step(moved, 1) - _step(moved, 2)) / 12
-    return _upsampled(moved, parts), moved, _upsampled(rate, parts), rate
+        held = forces[np.clip(np.floor(places).astype(int), 0, n - 1)]
+        before = forces[np.clip(np.ceil(np.arange(n) + late).astype(int) - 1, 0, n - 1)]
+        return held, before, np.zeros_like(held), np.zeros_like(before)
+    moved = [QuinticSpline(force).earlier(late) if late else force for force in forces.T]
+    rates = [(8 * _step(one, 1) - _step(one, 2)) / 12 for one in moved]
+    within, change = ([_upsampled(one, parts) for one in some] for some in (moved, rates))
+    return (
+        np.stack(within, axis=-1),
+        np.stack(moved, axis=-1),
+        np.stack(change, axis=-1),
+        np.stack(rates, axis=-1),
+    )
 
 
 def _step(x: FloatArray, width: int) -> FloatArray:

@@ -5,7 +5,7 @@ constant; their effect on the state at its end is exact (matrix exponential):
 
     x[k+1] = A x[k] + sum_i A_i G f[k, i],    y[k] = C x[k] + D f0[k]
 
-x are displacements and velocities, f the forces (drive, laws by joint, constant) in part i of the interval after
+x are displacements and velocities, f the forces (drives, laws by joint, constant) in part i of the interval after
 sample k, and f0 their values at the sample, which only accelerometers see.
 """
 
@@ -30,15 +30,17 @@ class SampledPlant:
     transition : array of shape (n_states, n_states)
         A.
     effects : array of shape (n_parts, n_states, n_forces)
-        A_i G; forces are that of the drive, those of the joints' laws, the constant ones.
-    disturbances : array of shape (n_states, n_outputs - 1)
-        Effect of a force along the direction of each sensor but the first, over a whole interval.
+        A_i G; forces are those of the drives, those of the joints' laws, the constant ones.
+    disturbances : array of shape (n_states, n_disturbed)
+        Effect of a force along the direction of each disturbed sensor, over a whole interval.
     output : array of shape (n_outputs, n_states)
         C.
     feedthrough : array of shape (n_outputs, n_forces)
         D.
-    disturbance_feedthrough : array of shape (n_outputs, n_outputs - 1)
+    disturbance_feedthrough : array of shape (n_outputs, n_disturbed)
         The same for the disturbances.
+    n_drives : int
+        Number of drives.
     """
 
     transition: FloatArray
@@ -47,14 +49,25 @@ class SampledPlant:
     output: FloatArray
     feedthrough: FloatArray
     disturbance_feedthrough: FloatArray
+    n_drives: int
 
     @property
-    def force_effect(self) -> FloatArray:
-        """Effect of a unit drive force that acts over the whole interval, shape (n_states,)."""
-        return np.asarray(self.effects[:, :, 0].sum(axis=0))
+    def noise_effects(self) -> FloatArray:
+        """Effects over an interval of the noise of each drive's logged force and of each disturbance.
+
+        The logged force holds its noise, the true one does not: hence the sign. Of shape (n_states, n_sources).
+        """
+        return np.column_stack([-self.effects[:, :, : self.n_drives].sum(axis=0), self.disturbances])
+
+    @property
+    def noise_feedthrough(self) -> FloatArray:
+        """The same on the readings at once, of shape (n_outputs, n_sources)."""
+        return np.column_stack([-self.feedthrough[:, : self.n_drives], self.disturbance_feedthrough])
 
 
-def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: int) -> SampledPlant:
+def sampled_plant(
+    plant: Plant, signals: Sequence[str], period: float, parts: int, disturbed: Sequence[str] = ()
+) -> SampledPlant:
     """Exact recursion of a plant from sample to sample.
 
     Parameters
@@ -67,18 +80,20 @@ def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: in
         Sampling period, s.
     parts : int
         Parts of an interval in which forces are constant.
+    disturbed : sequence of str
+        Sensors along whose direction a disturbing force acts.
 
     Examples
     --------
     >>> from symid.axis import load_axis
     >>> from symid.simulation import plant_of
     >>> plant = plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 1.0})
-    >>> sampled_plant(plant, ["q"], 0.1, parts=2).force_effect.round(6).tolist()
+    >>> sampled_plant(plant, ["q"], 0.1, parts=2).effects[:, :, 0].sum(axis=0).round(6).tolist()
     [0.0025, 0.05]
     """
-    generator, forces = _continuous(plant, [plant.sensors[signal][0] for signal in signals[1:]])
+    generator, forces = _continuous(plant, [plant.sensors[signal][0] for signal in disturbed])
     n, m = forces.shape
-    known = m - len(signals) + 1
+    known = m - len(disturbed)
     whole = np.zeros((n + m, n + m))
     whole[:n] = np.hstack([generator, forces]) * (period / parts)
     exponential = scipy.linalg.expm(whole)
@@ -95,18 +110,19 @@ def sampled_plant(plant: Plant, signals: Sequence[str], period: float, parts: in
         output=rows,
         feedthrough=feedthrough[:, :known],
         disturbance_feedthrough=feedthrough[:, known:],
+        n_drives=plant.drives.shape[1],
     )
 
 
 def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Generator of the state, and effects on it of drive, laws (opposing), constant forces and given directions."""
+    """Generator of the state, and effects on it of drives, laws (opposing), constant forces and given directions."""
     n = len(plant.bodies)
     inverse = np.linalg.inv(plant.mass)
     generator = np.zeros((2 * n, 2 * n))
     generator[:n, n:] = np.eye(n)
     generator[n:, :n] = -inverse @ plant.stiffness
     generator[n:, n:] = -inverse @ plant.damping
-    columns = [plant.drive, *(-law.direction for law in plant.laws), plant.constant, *disturbed]
+    columns = [*plant.drives.T, *(-law.direction for law in plant.laws), plant.constant, *disturbed]
     forces = np.zeros((2 * n, len(columns)))
     forces[n:] = inverse @ np.stack(columns, axis=1)
     return generator, forces

@@ -51,15 +51,18 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     logs : sequence of Log
         Runs; the first one is looked at.
     """
-    log = logs[0]
-    signal = next(name for name, (_, order) in dynamics.sensors.items() if order == 0 and name in log.signals)
+    log, axis = logs[0], dynamics.axis
     lowpass = LowPass(0.02 * log.sampling_frequency)
-    force = lowpass.apply(log[dynamics.axis.only_drive.signal], log.sampling_frequency)
-    v, a = derivatives(lowpass.apply(log[signal], log.sampling_frequency), log.sampling_period, 2)
-    mass, viscous, coulomb, _ = np.linalg.lstsq(
-        np.stack([a, v, np.sign(v), np.ones_like(v)], axis=1), force, rcond=None
-    )[0]
-    mass = max(abs(float(mass)), 1e-12)
+    known = [name for name, (_, order) in dynamics.sensors.items() if order == 0 and name in log.signals]
+    found = []
+    for drive, own in zip(axis.drives, axis.controlled_signals, strict=True):
+        position = lowpass.apply(log[own if own in known else known[0]], log.sampling_frequency)
+        v, a = derivatives(position, log.sampling_period, 2)
+        motion = np.stack([a, v, np.sign(v), np.ones_like(v)], axis=1)
+        force = lowpass.apply(log[drive.signal], log.sampling_frequency)
+        found.append(np.linalg.lstsq(motion, force, rcond=None)[0])
+    mass, viscous, coulomb, _ = np.mean(np.abs(found), axis=0)
+    mass = max(float(mass), 1e-12)
     values = dict.fromkeys(model.physical_units, 0.0)
     masses, springs = dynamics.parameters_of("mass"), dynamics.parameters_of("stiffness")
     stiffness = mass * (2 * np.pi * 0.1 * log.sampling_frequency) ** 2
@@ -89,8 +92,8 @@ def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> 
     """
     driven = {
         name
-        for force, row in zip(dynamics.drive, dynamics.motion[2], strict=True)
-        if any(coefficient > 0 for coefficient, _ in force.terms)
+        for forces, row in zip(dynamics.drives, dynamics.motion[2], strict=True)
+        if any(coefficient > 0 for force in forces for coefficient, _ in force.terms)
         for entry in row
         for name in dynamics.names(entry)
     }

@@ -108,7 +108,7 @@ def _vague(found: OutputErrorIdentification, most: float) -> list[str]:
 def _absent(found: OutputErrorIdentification) -> frozenset[str]:
     """Friction levels that are found to be 0: within three deviations, which are small beside the force itself."""
     model = found.model
-    force = max(float(np.sqrt(np.mean(log[model.force] ** 2))) for log in found.logs)
+    force = max(float(np.sqrt(np.mean(log[name] ** 2))) for log in found.logs for name in model.forces)
     units = {unit for unit in model.output_units if unit in _FORCES}
     rows = zip(
         model.physical_units.items(),
@@ -222,15 +222,17 @@ def remarks_on(found: OutputErrorIdentification) -> tuple[str, ...]:
 
 
 def _course_remark(found: OutputErrorIdentification) -> str:
-    force, course = found.model.force, found.comparison.force
+    force, course = " and ".join(found.model.forces), found.comparison.force
+    several = len(found.model.forces) > 1
     if course == "simulated":
         return f"readings and {force} are compared with those of the simulated closed loop"
     if course == "held":
-        return f"{force} is held from each sample to the next"
+        return f"{force} {'are' if several else 'is'} held from each sample to the next"
     if not found.comparison.free_timing:
-        return f"{force} runs smoothly between its samples"
+        return f"{force} run{'' if several else 's'} smoothly between samples"
     samples = found.late / found.logs[0].sampling_period
     how = "later" if samples < 0 else "earlier"
     return (
-        f"{force} runs smoothly between its samples and acts {abs(samples):.2f} samples {how} than recorded"
+        f"{force} run{'' if several else 's'} smoothly between samples and act{'' if several else 's'} "
+        f"{abs(samples):.2f} samples {how} than recorded"
     )

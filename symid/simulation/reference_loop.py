@@ -1,9 +1,9 @@
-"""The axis under its controller along the reference of a log, without any noise."""
+"""The axis under its controllers along the reference of a log, without any noise."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from symid.axis import Axis
 from symid.data import REFERENCE, Log
 from symid.errors import SettingError
 from symid.simulation.closed_loop import simulate
-from symid.simulation.controller import Cascade, Controller, tuned_cascade
+from symid.simulation.controller import Cascade, Controller, tuned_cascades
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.trajectory import Trajectory
 
@@ -31,12 +31,13 @@ class ClosedLoop:
     ----------
     axis : Axis
         The declared axis; noise, steps and delays of its signals do not count.
-    controller : Controller, optional
-        That of the machine; a cascade tuned to the parameters, or read from the log, if it is not given.
+    controller : Controller or sequence of Controller, optional
+        That of the machine, or one for each drive; cascades tuned to the parameters, or read from the log, if absent.
     rate_hz : float, optional
         Rate of the controller, a multiple of that of the log; the least one above 1 kHz if it is not given.
-    trajectory : Trajectory, optional
-        The commanded motion at the controller's rate; that of the log's column reference, by splines, if not given.
+    trajectory : Trajectory or sequence of Trajectory, optional
+        The commanded motion at the controller's rate, or one for each drive; by splines that of the log's column
+        reference, or reference_F of a drive F, if not given.
 
     Raises
     ------
@@ -45,9 +46,9 @@ class ClosedLoop:
     """
 
     axis: Axis
-    controller: Controller | None = None
+    controller: Controller | Sequence[Controller] | None = None
     rate_hz: float | None = None
-    trajectory: Trajectory | None = None
+    trajectory: Trajectory | Sequence[Trajectory] | None = None
 
     def __post_init__(self) -> None:
         if not any(sensor.derivative == 0 for sensor in self.axis.sensors):
@@ -56,14 +57,14 @@ class ClosedLoop:
             raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")
         perfect = replace(
             self.axis,
-            drive=replace(self.axis.only_drive, noise=0.0, resolution=0.0),
+            drive=tuple(replace(drive, noise=0.0, resolution=0.0) for drive in self.axis.drives),
             sensors=tuple(replace(s, noise=0.0, resolution=0.0, delay=0.0) for s in self.axis.sensors),
         )
         object.__setattr__(self, "axis", perfect)
 
     @classmethod
     def with_gains(cls, axis: Axis, gains: Mapping[str, float], rate_hz: float | None = None) -> ClosedLoop:
-        """The loop under a cascade of given gains, by the fields of `Cascade`; those left out are 0.
+        """The loop under a cascade of given gains for each drive, by the fields of `Cascade`; those left out are 0.
 
         Without any, the controller is left open.
 
@@ -79,17 +80,16 @@ class ClosedLoop:
             raise SettingError(
                 "--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller"
             )
-        cascade = Cascade(loop.position, **{"position_gain": 0.0, "integral_gain": 0.0, **gains})
-        return replace(loop, controller=cascade)
-
-    @property
-    def position(self) -> str:
-        """Signal of the controlled position: the first position sensor."""
-        return self.axis.controlled
+        every = {"position_gain": 0.0, "integral_gain": 0.0, **gains}
+        first, *others = (Cascade(signal, **every) for signal in axis.controlled_signals)
+        return replace(loop, controller=(first, *others) if others else first)
 
     def tuned(self, parameters: Mapping[str, float]) -> ClosedLoop:
-        """The loop with a cascade tuned to parameters."""
-        return replace(self, controller=tuned_cascade(plant_of(self.axis, parameters), self.position))
+        """The loop with cascades tuned to parameters."""
+        return replace(
+            self,
+            controller=tuned_cascades(plant_of(self.axis, parameters), self.axis.controlled_signals),
+        )
 
     def run(self, parameters: Mapping[str, float], log: Log) -> Log:
         """Log of the simulated axis, with the samples of the given log.
@@ -107,12 +107,12 @@ class ClosedLoop:
         controller = self.controller or self.tuned(parameters).controller
         assert controller is not None
         return simulate(
-            self.axis, parameters, self._reference(log), controller, frequency_hz=log.sampling_frequency
+            self.axis, parameters, self._references(log), controller, frequency_hz=log.sampling_frequency
         ).log
 
     def check(self, log: Log) -> None:
         """SettingError if the log has no reference, or its rate does not divide that of the controller."""
-        if self.trajectory is None and REFERENCE not in log.signals:
+        if self.trajectory is None and not all(name in log.signals for name in self.reference_columns(log)):
             raise SettingError(
                 f"{log.source} has no column reference (the commanded position), without which the closed loop cannot "
                 "be simulated: map one with --column reference=NAME, or take --method wls"
@@ -123,11 +123,19 @@ class ClosedLoop:
         """Period of the controller, s."""
         return log.sampling_period / self._samples_for_one(log)
 
-    def _reference(self, log: Log) -> Trajectory:
-        """Commanded motion from zero at the controller's rate; where it begins does not matter to an axis at rest."""
-        if self.trajectory is not None:
-            return self.trajectory.shifted(-float(self.trajectory.position[0]))
-        return _splined(log[REFERENCE] - log[REFERENCE][0], log, self._samples_for_one(log))
+    def reference_columns(self, log: Log) -> tuple[str, ...]:
+        """Column of the log with the reference of each drive: the common one where it has none of its own."""
+        own = (f"{REFERENCE}_{drive.signal}" for drive in self.axis.drives)
+        return tuple(name if name in log.signals else REFERENCE for name in own)
+
+    def _references(self, log: Log) -> tuple[Trajectory, ...]:
+        """Commanded motions from zero at the controller's rate; where they begin does not matter to an axis at rest."""
+        given = self.trajectory
+        if given is not None:
+            paths = (given,) * len(self.axis.drives) if isinstance(given, Trajectory) else tuple(given)
+            return tuple(path.shifted(-float(path.position[0])) for path in paths)
+        factor = self._samples_for_one(log)
+        return tuple(_splined(log[name] - log[name][0], log, factor) for name in self.reference_columns(log))
 
     def _samples_for_one(self, log: Log) -> int:
         if self.rate_hz is None:

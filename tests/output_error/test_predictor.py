@@ -15,12 +15,14 @@ FORCE, READING = np.array([2.0, 0.5, 0.3]), np.array([1e-5, 0.02, 0.05])
 
 
 def sampled(signals: tuple[str, ...]) -> SampledPlant:
-    return sampled_plant(plant_of(load_axis("direct_2m1s"), DIRECT), signals, 0.01, parts=1)
+    return sampled_plant(
+        plant_of(load_axis("direct_2m1s"), DIRECT), signals, 0.01, parts=1, disturbed=signals[1:]
+    )
 
 
 def covariances(plant: SampledPlant, force: np.ndarray, reading: np.ndarray) -> list[np.ndarray]:
     """Q, R and S of the noise: the drive's has the opposite sign, because the log's force holds it too."""
-    into = np.column_stack([-plant.force_effect, plant.disturbances]) * force
+    into = np.column_stack([-plant.effects[:, :, 0].sum(axis=0), plant.disturbances]) * force
     onto = np.column_stack([-plant.feedthrough[:, 0], plant.disturbance_feedthrough]) * force
     return [into @ into.T, onto @ onto.T + np.diag(reading**2), into @ onto.T]
 

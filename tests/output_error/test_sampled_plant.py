@@ -72,7 +72,7 @@ def test_a_rigid_mass_with_friction_is_that_of_the_textbook() -> None:
     fade = np.exp(-Fv / M * T)
     np.testing.assert_allclose(found.transition, [[1, (1 - fade) * M / Fv], [0, fade]], rtol=1e-13)
     reached = [T / Fv - M / Fv**2 * (1 - fade), (1 - fade) / Fv]
-    np.testing.assert_allclose(found.force_effect, reached, rtol=1e-12)
+    np.testing.assert_allclose(found.effects[:, :, 0].sum(axis=0), reached, rtol=1e-12)
     np.testing.assert_allclose(found.effects[:, :, 1].sum(axis=0), -np.array(reached), rtol=1e-12)
     assert found.disturbances.shape == (2, 0)
 
@@ -80,7 +80,7 @@ def test_a_rigid_mass_with_friction_is_that_of_the_textbook() -> None:
 def test_accelerometers_see_forces_at_once_and_positions_do_not() -> None:
     signals = ["q2", "ddq1", "ddq2"]
     plant = plant_of(load_axis("direct_2m1s"), DIRECT)
-    found = sampled_plant(plant, signals, 0.01, parts=2)
+    found = sampled_plant(plant, signals, 0.01, parts=2, disturbed=signals[1:])
     x, force, friction = np.array([1e-3, 2e-3, 0.1, -0.2]), 3.0, 0.7
     first, second = direct_accelerations(x, force, friction)
     read = found.output @ x + found.feedthrough @ [force, friction, 1.0]
@@ -91,7 +91,7 @@ def test_accelerometers_see_forces_at_once_and_positions_do_not() -> None:
 def test_disturbances_act_along_the_direction_of_each_further_sensor() -> None:
     signals, T = ["q2", "ddq1", "ddq2"], 0.01
     plant = plant_of(load_axis("direct_2m1s"), DIRECT)
-    found = sampled_plant(plant, signals, T, parts=2)
+    found = sampled_plant(plant, signals, T, parts=2, disturbed=signals[1:])
     Ms, Mm = DIRECT["Ms"], DIRECT["Mm"]
     np.testing.assert_allclose(
         found.disturbance_feedthrough[1:], [[1 / Ms, -1 / Ms], [-1 / Ms, 1 / Ms + 1 / Mm]]
