@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import click
+import numpy as np
 
 from symid.axis import Axis, load_axis
 from symid.cli.knowledge import quantity
@@ -25,12 +28,12 @@ from symid.cli.options import (
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import tracked
 from symid.cli.saying import say
-from symid.cli.simulate import cascade_of, with_imperfections
+from symid.cli.simulate import cascades_of, with_imperfections
 from symid.codegen import model_of
-from symid.data import write_log
+from symid.data import REFERENCE, Log, write_log
 from symid.errors import SettingError
 from symid.excitation import Design, IdentificationTrial, design
-from symid.simulation import Limits, plant_of
+from symid.simulation import Limits, Trajectory, plant_of
 from symid.units import Unit
 
 _LIMITS = ("travel", "speed", "acceleration", "jerk")
@@ -72,7 +75,8 @@ _run_options = shared(
     "limits_text",
     required=True,
     metavar="NAME=VALUE,...",
-    help="travel, speed, acceleration, and jerk and force if you like: travel=0.4m,speed=1m/s,acceleration=8m/s^2.",
+    help="travel, speed, acceleration, and jerk and force if you like: travel=0.4m,speed=1m/s,acceleration=8m/s^2; "
+    "apart, of several drives: by how much their positions may differ.",
 )
 @measured_option
 @_run_options
@@ -86,15 +90,16 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
 
     A few dozen jerk-limited moves, chirps and multisines are simulated under the controller, with the noise of the
     sensors, and identified; the one with the smallest worst relative deviation is written. Travel, speed, acceleration
-    and force are those of the simulated axis, jerk is that of the reference.
+    and force are those of the simulated axis, jerk is that of the reference. Several drives share one reference, unless
+    --limits apart=... says by how much they may differ: each then has a column of its own.
     """
     reference_file(output)
     declared = with_imperfections(load_axis(axis), options)
     parameters = parameter_file(file, declared)
-    limits, force = _limits(options["limits_text"], declared)
-    controller = cascade_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
+    limits, force, apart = _limits(options["limits_text"], declared)
+    controllers = cascades_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
     model = model_of(axis, signal_list(options["measured"]))
-    experiment = IdentificationTrial(declared, model, parameters, controller, limits, force)
+    experiment = IdentificationTrial(declared, model, parameters, controllers, limits, force, apart)
     found = design(
         experiment,
         options["seconds"],
@@ -102,20 +107,40 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         seeds=options["seeds"],
         track=lambda every: tracked(every, "references"),
     )
-    write_log(found.best.trajectory.as_log(), output)
+    write_log(_as_log(declared, found.best.references), output)
     give_result(_record(found, experiment, output), json_file, lambda _: _print(found, experiment, output))
 
 
-def _limits(text: str, axis: Axis) -> tuple[Limits, float]:
-    """Limits and largest force of a text such as ``travel=0.4m,speed=1m/s``."""
+def _as_log(axis: Axis, paths: Sequence[Trajectory]) -> Log:
+    """Commanded positions: one column where all drives share it, else one for each but the first."""
+    log = paths[0].as_log()
+    own = {
+        f"{REFERENCE}_{drive.signal}": path.position
+        for drive, path in zip(axis.drives, paths, strict=True)
+        if not np.array_equal(path.position, paths[0].position)
+    }
+    return replace(log, signals={**log.signals, **own})
+
+
+def _limits(text: str, axis: Axis) -> tuple[Limits, float, float | None]:
+    """Limits, largest force and distance of drives of a text such as ``travel=0.4m,speed=1m/s``."""
     given = assignments(tuple(text.split(",")), "--limits")
-    if unknown := [name for name in given if name not in (*_LIMITS, "force")]:
-        raise SettingError(f"--limits {unknown[0]} is not known: choose from {', '.join(_LIMITS)}, force")
+    beyond = ("force", "apart") if len(axis.drives) > 1 else ("force",)
+    if unknown := [name for name in given if name not in (*_LIMITS, *beyond)]:
+        raise SettingError(
+            f"--limits {unknown[0]} is not known: choose from {', '.join((*_LIMITS, *beyond))}"
+        )
     if missing := [name for name in _REQUIRED if name not in given]:
         raise SettingError(f"--limits lacks {', '.join(missing)}: give for example {missing[0]}=1")
     position = axis.signal_units[axis.controlled]
+    moved = dict.fromkeys(str(axis.signal_units[signal]) for signal in axis.controlled_signals)
+    if len(moved) > 1:
+        raise SettingError(
+            f"the drives of axis {axis.name!r} move in {' and '.join(moved)}: --limits holds for all drives, "
+            "design a reference for each alone"
+        )
     units = {name: position / Unit.of("s") ** order for order, name in enumerate(_LIMITS)}
-    units["force"] = axis.signal_units[axis.only_drive.signal]
+    units |= {"force": axis.signal_units[axis.drives[0].signal], "apart": position}
     values = {name: quantity(value, units[name], f"--limits {name}") for name, value in given.items()}
     for name, value in values.items():
         if not value > 0.0:
@@ -124,7 +149,7 @@ def _limits(text: str, axis: Axis) -> tuple[Limits, float]:
     limits = Limits(
         (-travel / 2, travel / 2), values["speed"], values["acceleration"], values.get("jerk", math.inf)
     )
-    return limits, values.get("force", math.inf)
+    return limits, values.get("force", math.inf), values.get("apart")
 
 
 def _record(found: Design, experiment: IdentificationTrial, output: str) -> dict[str, Any]:
@@ -161,4 +186,5 @@ def _print(found: Design, experiment: IdentificationTrial, output: str) -> None:
     for name in best.relative:
         cells = ("" if one is None else f"{100 * one.relative[name]:.3g} %" for one in every.values())
         say(f"  {name:<{width}}" + "".join(f"  {cell or 'not determined':>18}" for cell in cells))
-    say(f"wrote {output}: columns t and reference at {1 / motion.sampling_period:g} Hz")
+    columns = " and ".join(("t", *_as_log(experiment.axis, best.references).signals))
+    say(f"wrote {output}: columns {columns} at {1 / motion.sampling_period:g} Hz")

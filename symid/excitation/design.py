@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from symid.errors import SettingError
 from symid.excitation.expectation import Expectation, IdentificationTrial
-from symid.excitation.references import DEFAULTS, references
+from symid.excitation.references import DEFAULTS, references, references_apart
 from symid.simulation import Trajectory, plant_of
 
+Paths: TypeAlias = tuple[Trajectory, ...]
+"""Reference of each drive."""
 _FINALISTS, _RUNS = 6, 4
 """Simulated runs that judge the best candidates and the defaults; one run shows little of systematic errors."""
 
@@ -39,7 +42,7 @@ def design(
     rate: float,
     *,
     seeds: int = 2,
-    track: Callable[[Sequence[Trajectory]], Iterable[Trajectory]] = iter,
+    track: Callable[[Sequence[Paths]], Iterable[Paths]] = iter,
 ) -> Design:
     """Choose the reference whose largest relative deviation of a physical parameter is smallest.
 
@@ -60,18 +63,23 @@ def design(
         If no reference determines the parameters within the limits.
     """
     mode = plant_of(experiment.axis, experiment.parameters).highest_mode
-    tried = references(experiment.limits, seconds, rate, mode, seeds)
-    found = {trajectory.name: experiment.expectation(trajectory) for trajectory in track(tried)}
+    drives, limits = len(experiment.axis.drives), experiment.limits
+    tried = [(one,) * drives for one in references(limits, seconds, rate, mode, seeds)]
+    if experiment.apart is not None and drives > 1:
+        tried += references_apart(limits, experiment.apart, drives, seconds, rate, mode)
+    found = {paths[0].name: experiment.expectation(paths) for paths in track(tried)}
     ranked = sorted((one for one in found.values() if one), key=lambda one: one.worst)
     again = {
-        one.trajectory.name: experiment.expectation(one.trajectory, _RUNS)
+        one.trajectory.name: experiment.expectation(one.references, _RUNS)
         for i, one in enumerate(ranked)
         if i < _FINALISTS or one.trajectory.name in DEFAULTS
     }
     best = min((one for one in again.values() if one), key=lambda one: one.worst, default=None)
     if best is None:
+        is_common = drives > 1 and experiment.apart is None
+        apart = ", or that drives differ by apart=..." if is_common else ""
         raise SettingError(
             f"none of {len(tried)} references within the limits determines the parameters of axis "
-            f"{experiment.axis.name!r}: allow more travel, speed, force or --seconds, or lower the noise"
+            f"{experiment.axis.name!r}: allow more travel, speed, force or --seconds{apart}, or lower the noise"
         )
     return Design(best, {name: again.get(name) for name in DEFAULTS}, len(tried))

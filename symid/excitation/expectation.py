@@ -7,7 +7,7 @@ differences that `identify` chooses. The truth is known here, so that a systemat
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,21 +31,27 @@ class Expectation:
 
     Parameters
     ----------
-    trajectory : Trajectory
-        The reference, at the size at which the axis keeps its limits.
+    references : tuple of Trajectory
+        The reference of each drive, at the size at which the axis keeps its limits.
     deviations : dict of str to float
         Standard deviations of the physical parameters, SI.
     relative : dict of str to float
         The same relative to the values, with the systematic error beyond two deviations of its mean added in
         squares; of parameters that are not zero.
     reached : dict of str to float
-        Travel, speed, acceleration and force of the simulated axis, jerk of the reference, SI.
+        Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and how
+        far drives are apart if that has a limit, SI.
     """
 
-    trajectory: Trajectory
+    references: tuple[Trajectory, ...]
     deviations: dict[str, float]
     relative: dict[str, float]
     reached: dict[str, float]
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """Reference of the first drive."""
+        return self.references[0]
 
     @property
     def worst(self) -> float:
@@ -65,52 +71,59 @@ class IdentificationTrial:
         For the sensors to use.
     parameters : mapping of str to float
         Values assumed of the physical parameters, SI.
-    controller : Controller
-        What makes the axis follow.
+    controller : Controller or sequence of Controller
+        What makes the axis follow, one for each drive.
     limits : Limits
         Length of the travel, speed, acceleration and jerk.
     force : float
-        Largest force, SI.
+        Largest force of a drive, SI.
+    apart : float, optional
+        Most by which the positions of several drives may differ, SI. Only with it drives get references that differ.
     """
 
     axis: Axis
     model: GeneratedModel
     parameters: Mapping[str, float]
-    controller: Controller
+    controller: Controller | Sequence[Controller]
     limits: Limits
     force: float = math.inf
+    apart: float | None = None
 
-    def within_limits(self, trajectory: Trajectory, seed: int = 0) -> tuple[Trajectory, Simulation] | None:
-        """The trajectory, smaller if it must be, and its simulation; None if it stays beyond the limits."""
+    def within_limits(
+        self, paths: Sequence[Trajectory], seed: int = 0
+    ) -> tuple[tuple[Trajectory, ...], Simulation] | None:
+        """The references, smaller if they must be, and their simulation; None if it stays beyond the limits."""
         for _ in range(_TRIES):
-            run = simulate(self.axis, self.parameters, trajectory, self.controller, seed=seed)
-            reached, allowed = self.reached(trajectory, run), self.allowed
+            run = simulate(self.axis, self.parameters, paths, self.controller, seed=seed)
+            reached, allowed = self.reached(paths, run), self.allowed
             excess = max(reached[name] / allowed[name] for name in allowed)
             if excess <= 1.0:
-                return trajectory, run
-            trajectory = scaled(trajectory, _MARGIN / excess)
+                return tuple(paths), run
+            paths = [scaled(path, _MARGIN / excess) for path in paths]
         return None
 
     @property
     def allowed(self) -> dict[str, float]:
-        """Limits of travel, speed, acceleration, jerk and force by name."""
+        """Limits of travel, speed, acceleration, jerk and force by name, and how far drives may be apart."""
         low, high = self.limits.travel
         rates = {name: getattr(self.limits, name) for name in ("speed", "acceleration", "jerk")}
-        return {"travel": high - low, **rates, "force": self.force}
+        apart = {} if self.apart is None else {"apart": self.apart}
+        return {"travel": high - low, **rates, "force": self.force, **apart}
 
-    def reached(self, trajectory: Trajectory, run: Simulation) -> dict[str, float]:
-        """Extremes of a simulated axis at its first sensor; the jerk is that of the reference."""
+    def reached(self, paths: Sequence[Trajectory], run: Simulation) -> dict[str, float]:
+        """Extremes of a simulated axis at the position sensor of each drive; the jerk is that of the references."""
         plant = plant_of(self.axis, self.parameters)
-        row = plant.sensors[self.axis.controlled].row
-        n = row.size
-        position, velocity = run.states[:, :n] @ row, run.states[:, n:] @ row
-        return {
-            "travel": float(np.ptp(position)),
+        rows = np.stack([plant.sensors[signal].row for signal in self.axis.controlled_signals])
+        n = rows.shape[1]
+        position, velocity = run.states[:, :n] @ rows.T, run.states[:, n:] @ rows.T
+        found = {
+            "travel": float(np.ptp(position, axis=0).max()),
             "speed": float(np.abs(velocity).max()),
-            "acceleration": float(np.abs(np.diff(velocity)).max() / trajectory.sampling_period),
-            "jerk": trajectory.extremes.jerk,
+            "acceleration": float(np.abs(np.diff(velocity, axis=0)).max() / paths[0].sampling_period),
+            "jerk": max(path.extremes.jerk for path in paths),
             "force": float(np.abs(run.forces).max()),
         }
+        return found if self.apart is None else {**found, "apart": float(np.ptp(position, axis=1).max())}
 
     def identified(self, run: Simulation) -> tuple[dict[str, float], dict[str, float]] | None:
         """Physical parameters and their deviations from a simulated log; None if they are not determined."""
@@ -126,17 +139,17 @@ class IdentificationTrial:
         values = found.physical_parameters
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
 
-    def expectation(self, trajectory: Trajectory, runs: int = 1) -> Expectation | None:
-        """Expectation along a trajectory; None if it exceeds limits or does not determine the parameters.
+    def expectation(self, paths: Sequence[Trajectory], runs: int = 1) -> Expectation | None:
+        """Expectation along references; None if the axis exceeds limits or does not determine the parameters.
 
         Parameters
         ----------
-        trajectory : Trajectory
-            The reference; it is made smaller if the axis goes beyond its limits.
+        paths : sequence of Trajectory
+            The reference of each drive; they are made smaller if the axis goes beyond its limits.
         runs : int
             Simulations with other noise each: the more, the smaller a systematic error that is seen.
         """
-        kept = self.within_limits(trajectory)
+        kept = self.within_limits(paths)
         if kept is None:
             return None
         motion = kept[0]

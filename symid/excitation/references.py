@@ -70,6 +70,47 @@ def references(
     return [_lasting(one, count) for one in found]
 
 
+def references_apart(
+    limits: Limits, apart: float, drives: int, seconds: float, rate: float, highest_mode: float
+) -> list[tuple[Trajectory, ...]]:
+    """References of several drives that differ: common moves, and a multisine of other phases for each drive.
+
+    Parameters
+    ----------
+    limits, seconds, rate, highest_mode
+        As of `references`.
+    apart : float
+        Most by which the references of two drives differ.
+    drives : int
+        Number of drives.
+
+    Examples
+    --------
+    >>> found = references_apart(Limits((-0.2, 0.2), 1.0, 8.0, 500.0), 1e-3, 2, 4.0, 1000.0, 0.0)
+    >>> bool(max(np.abs(a.position - b.position).max() for a, b in found) <= 1e-3)
+    True
+    """
+    parts = {name: getattr(limits, name) / 2 for name in ("speed", "acceleration", "jerk")}
+    half = Limits((-apart / 4, apart / 4), **parts)
+    count, found = round(seconds * rate) + 1, []
+    bands = [(max(0.2, 2 / seconds), top) for top in sorted({_BAND[1], _BEYOND_MODES * highest_mode}) if top]
+    for band, (i, move) in product(bands, enumerate(_moves(limits, rate, seconds))):
+        waves = [_largest(half, partial(_multisine, band, seconds, rate, seed)) for seed in range(drives)]
+        base, name = _lasting(scaled(move, 0.5), count), f"{move.name}, halved ({i})"
+        name = f"{name}, with a multisine for each drive up to {band[1]:.3g} Hz"
+        found.append(tuple(_together(base, _lasting(wave, count), name) for wave in waves))
+    return found
+
+
+def _together(first: Trajectory, second: Trajectory, name: str) -> Trajectory:
+    return first.with_motion(
+        position=first.position + second.position,
+        velocity=first.velocity + second.velocity,
+        acceleration=first.acceleration + second.acceleration,
+        name=name,
+    )
+
+
 def scaled(trajectory: Trajectory, share: float) -> Trajectory:
     """The motion with all amplitudes multiplied by a share.
 

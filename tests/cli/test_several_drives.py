@@ -68,7 +68,6 @@ def test_two_drives_from_simulation_to_a_page_and_a_batch(
     [
         "diagnose gantry run.csv",
         "tune gantry --parameters P.json",
-        "excite gantry --parameters P.json --noise q1=1e-9 --limits travel=0.1m,speed=1,acceleration=5 -o designed.csv",
     ],
 )
 def test_what_takes_one_drive_says_so_in_one_line(

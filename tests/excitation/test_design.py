@@ -52,7 +52,7 @@ def test_the_simulated_axis_keeps_its_limits():
     free, force = experiment_of(), 0.8 * TRUTH["M"] * LIMITS.acceleration
     bound = experiment_of(force)
     for trajectory in references(LIMITS, SECONDS, RATE, 0.0, 1)[:12:3]:
-        kept, run = bound.within_limits(trajectory)
+        (kept,), run = bound.within_limits([trajectory])
         assert np.abs(run.forces).max() <= force
         n = run.states.shape[1] // 2
         assert np.ptp(run.states[:, :n]) <= 0.2

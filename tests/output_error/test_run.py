@@ -32,8 +32,8 @@ def test_a_smooth_force_is_known_at_all_times(late: float) -> None:
     """What is recorded late by `late` at a time acted before: the true force is the recorded one later on."""
     run = rigid_run(TIME, late=late, standstill=0.0)
     assert run.parts == 8
-    np.testing.assert_allclose(run.drive[INNER], force_at(middles(8) + late)[INNER], atol=2e-3)
-    np.testing.assert_allclose(run.drive_at[INNER], force_at(TIME + late)[INNER], atol=2e-3)
+    np.testing.assert_allclose(run.drive[INNER, :, 0], force_at(middles(8) + late)[INNER], atol=2e-3)
+    np.testing.assert_allclose(run.drive_at[INNER, 0], force_at(TIME + late)[INNER], atol=2e-3)
 
 
 def test_the_interpolation_reaches_far_up_in_the_band() -> None:
@@ -41,7 +41,7 @@ def test_the_interpolation_reaches_far_up_in_the_band() -> None:
         return np.sin(2 * np.pi * 400.0 * t)
 
     run = rigid_run(TIME, tone(TIME), standstill=0.0)
-    np.testing.assert_allclose(run.drive[INNER], tone(middles(8))[INNER], atol=2e-3)
+    np.testing.assert_allclose(run.drive[INNER, :, 0], tone(middles(8))[INNER], atol=2e-3)
 
 
 def test_the_rate_is_the_change_with_lateness() -> None:
@@ -65,8 +65,8 @@ def test_a_held_force_is_that_of_its_sample(late: float, shift: int) -> None:
     force = force_at(TIME)
     run = rigid_run(TIME, course="held", late=late, standstill=0.0)
     expected = np.roll(force, -shift)
-    np.testing.assert_array_equal(run.drive[INNER], np.repeat(expected[:, None], 8, axis=1)[INNER])
-    np.testing.assert_array_equal(run.drive_at[INNER], np.roll(expected, 1)[INNER])
+    np.testing.assert_array_equal(run.drive[INNER, :, 0], np.repeat(expected[:, None], 8, axis=1)[INNER])
+    np.testing.assert_array_equal(run.drive_at[INNER, 0], np.roll(expected, 1)[INNER])
     assert not run.drive_rate.any()
 
 
@@ -74,10 +74,10 @@ def test_a_held_force_that_is_half_a_sample_late_changes_within_the_interval() -
     force = force_at(TIME)
     run = rigid_run(TIME, course="held", late=-0.5e-3, standstill=0.0)
     np.testing.assert_array_equal(
-        run.drive[INNER, :4], np.repeat(np.roll(force, 1)[:, None], 4, axis=1)[INNER]
+        run.drive[INNER, :4, 0], np.repeat(np.roll(force, 1)[:, None], 4, axis=1)[INNER]
     )
-    np.testing.assert_array_equal(run.drive[INNER, 4:], np.repeat(force[:, None], 4, axis=1)[INNER])
-    np.testing.assert_array_equal(run.drive_at[INNER], np.roll(force, 1)[INNER])
+    np.testing.assert_array_equal(run.drive[INNER, 4:, 0], np.repeat(force[:, None], 4, axis=1)[INNER])
+    np.testing.assert_array_equal(run.drive_at[INNER, 0], np.roll(force, 1)[INNER])
 
 
 @pytest.mark.parametrize(("period", "parts"), [(1e-3, 8), (2.5e-4, 2), (1e-4, 1)])
