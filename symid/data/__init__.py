@@ -19,7 +19,7 @@ from symid.data.frames import Frame
 from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, spans
-from symid.data.reading import columns_in, read_log
+from symid.data.reading import ForeignColumns, columns_in, read_log
 from symid.data.scanning import MEMORY, open_log
 from symid.data.spline import QuinticSpline
 from symid.data.stuck import cut_in_motion, inspect_spans
@@ -35,6 +35,7 @@ __all__ = [
     "AnyLog",
     "Clock",
     "ForeignColumn",
+    "ForeignColumns",
     "Frame",
     "Layout",
     "Log",

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
-from typing import Final
+from typing import TypedDict
 
 import numpy as np
 
@@ -25,20 +24,26 @@ from symid.data.tables import open_table
 from symid.errors import LogError
 from symid.units import Unit
 
-_NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
-_NO_GAINS: Final[Mapping[str, float]] = MappingProxyType({})
-_NO_ALTERNATIVES: Final[Mapping[str, tuple[str, float]]] = MappingProxyType({})
+
+class ForeignColumns(TypedDict, total=False):
+    """What must be told of a file whose columns are not named after signals, or not in SI; see `read_log`."""
+
+    columns: Mapping[str, str] | None
+    units: Mapping[str, str] | None
+    gains: Mapping[str, float] | None
+    layout: Layout | None
+    sampling_period: float | None
+    resample: Rate | None
 
 
 def read_log(
     path: str | os.PathLike[str] | Frame,
     *,
     expected: Mapping[str, Unit],
-    alternatives: Mapping[str, tuple[str, float]] = _NO_ALTERNATIVES,
-    columns: Mapping[str, str] = _NOTHING,
-    units: Mapping[str, str] = _NOTHING,
-    gains: Mapping[str, float] = _NO_GAINS,
-    time_column: str = TIME,
+    alternatives: Mapping[str, tuple[str, float]] | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    gains: Mapping[str, float] | None = None,
     layout: Layout | None = None,
     sampling_period: float | None = None,
     resample: Rate | None = None,
@@ -58,8 +63,6 @@ def read_log(
     columns, units, gains : Mapping of str to str, str, float
         For signals, ``t``, ``reference`` and alternative columns: the column of the file, its unit, and a
         factor that is applied after the conversion to SI.
-    time_column : str
-        Column of the time, unless `columns` names one.
     layout : Layout, optional
         Of a CSV file that is not one line of names and then values.
     sampling_period : float, optional
@@ -80,10 +83,13 @@ def read_log(
         fit, a value is not a number, the clock is not uniform, a signal is constant.
     """
     file, table = opened(path, layout, sampling_period)
-    given = Assignment(table.headers, expected, alternatives, {TIME: time_column, **columns}, units, gains)
+    named = dict(columns or {})
+    given = Assignment(
+        table.headers, expected, alternatives or {}, {TIME: TIME, **named}, units or {}, gains or {}
+    )
     with said_of(file):
-        sources = sources_of(given, named=columns.keys())
-        return read_table(file, table, expected, sources, columns.keys(), resample=resample)
+        sources = sources_of(given, named=named.keys())
+        return read_table(file, table, expected, sources, named.keys(), resample=resample)
 
 
 def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> frozenset[str]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 from symid.axis import Axis
-from symid.data import MEMORY, AnyLog, Frame, Layout, Log, open_log, read_log
-from symid.data.resampling import Rate
+from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, open_log, read_log
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -46,12 +46,7 @@ def read_axis_log(
     path: str | os.PathLike[str] | Frame,
     *,
     measured: Sequence[str] | None = None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    gains: Mapping[str, float] | None = None,
-    layout: Layout | None = None,
-    sampling_period: float | None = None,
-    resample: Rate | None = None,
+    **foreign: Unpack[ForeignColumns],
 ) -> Log:
     """Log of an axis from a file or a data frame.
 
@@ -63,10 +58,9 @@ def read_axis_log(
         The file, or a frame of pandas, polars or pyarrow, or columns by name.
     measured : sequence of str, optional
         Sensors to read; all that the file holds by default.
-    columns, units, gains : mapping, optional
-        Column, unit and factor of signals whose columns are foreign, as in `read_log`.
-    layout, sampling_period, resample
-        Of a foreign file, as in `read_log`.
+    **foreign
+        ``columns``, ``units``, ``gains``, ``layout``, ``sampling_period`` and ``resample`` of a foreign file, as in
+        `read_log`.
 
     Raises
     ------
@@ -81,17 +75,7 @@ def read_axis_log(
     24841
     """
     expected, alternatives = axis_columns(axis, measured)
-    return read_log(
-        path,
-        expected=expected,
-        alternatives=alternatives,
-        columns=columns or {},
-        units=units or {},
-        gains=gains or {},
-        layout=layout,
-        sampling_period=sampling_period,
-        resample=resample,
-    )
+    return read_log(path, expected=expected, alternatives=alternatives, **foreign)
 
 
 def open_axis_log(
@@ -99,20 +83,15 @@ def open_axis_log(
     path: str | os.PathLike[str] | Frame,
     *,
     measured: Sequence[str] | None = None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    gains: Mapping[str, float] | None = None,
-    layout: Layout | None = None,
-    sampling_period: float | None = None,
-    resample: Rate | None = None,
     memory: int = MEMORY,
     whole: bool = False,
+    **foreign: Unpack[ForeignColumns],
 ) -> AnyLog:
     """Do what `read_axis_log` does for a log that fits in memory; of a longer one, read only windows.
 
     Parameters
     ----------
-    axis, path, measured, columns, units, gains, layout, sampling_period, resample
+    axis, path, measured, **foreign
         As in `read_axis_log`.
     memory : int
         Bytes that the log and the rows made of it may take.
@@ -123,28 +102,9 @@ def open_axis_log(
     ------
     LogError
         If the log cannot be used.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis, shipped_folder
-    >>> file = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
-    >>> open_axis_log(load_axis("emps"), file, columns={"q": "qm"}).n_samples
-    24841
     """
     expected, alternatives = axis_columns(axis, measured)
-    return open_log(
-        path,
-        expected=expected,
-        alternatives=alternatives,
-        columns=columns,
-        units=units,
-        gains=gains,
-        layout=layout,
-        sampling_period=sampling_period,
-        resample=resample,
-        memory=memory,
-        whole=whole,
-    )
+    return open_log(path, expected=expected, alternatives=alternatives, memory=memory, whole=whole, **foreign)
 
 
 def measured_signals(

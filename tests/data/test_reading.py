@@ -71,16 +71,6 @@ def test_units_in_headers_and_given_ones(tmp_path):
         gains={"Fm": 35.0},
     )
     assert_same(log)
-    assert_same(
-        read_log(
-            path,
-            expected={**EXPECTED, "Fm": Unit.of("A")},
-            time_column="time",
-            units={"t": "us", "q2": "mm"},
-            columns={"q2": "pos_mm", "Fm": "cur [A]"},
-            gains={"Fm": 35.0},
-        )
-    )
 
 
 @given(
