@@ -86,6 +86,22 @@ def print_score(folder: Path, target: Path | None) -> None:
 
 @blind.command()
 @FOLDER
+@click.option("--timeout", default=120.0, show_default=True, help="Seconds a case.")
+@JOBS
+def rerun(folder: Path, timeout: float, jobs: int) -> None:
+    """Simulate what was written of each case found right, beside the true simulator's run with other noise."""
+    from . import rerun as again  # symid is loaded only here
+
+    print(again.HEAD)
+    cases = []
+    for case in again.rerun_set(folder, jobs, timeout):
+        print(again.line(case), flush=True)
+        cases.append(case)
+    print(f"\n{again.table(cases)}")
+
+
+@blind.command()
+@FOLDER
 def peek(folder: Path) -> None:
     """Print the labels of a FOLDER that serves development, not a score; in worldly cases the strongest effect first.
 

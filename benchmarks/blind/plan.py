@@ -180,6 +180,7 @@ def draw_case(plan: Plan, folder: Path) -> dict[str, Any]:
         "class": plan.sensor_class,
         "axis": plan.axis,
         "sensors": list(plan.sensors),
+        "seed": list(plan.seed),
         "true": setting.true,
         "noise": setting.noise,
         "effects": [{"effect": e.effect, "at": e.at, "numbers": e.numbers} for e in effects],

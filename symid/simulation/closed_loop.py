@@ -119,10 +119,9 @@ def simulate(
         SensorChannel(sensor, plant, n_samples, period, random, misreading(axis, sensor.signal))
         for sensor in axis.sensors
     ]
-    sent = np.zeros((n_samples, len(controllers)))
-    if moment is not None:
-        chain = [element for element in axis.elements if isinstance(element, DriveImperfection)]
-        controllers = tuple(ThroughDrive(one, chain, sent[:, i]) for i, one in enumerate(controllers))
+    chain = [element for element in axis.elements if isinstance(element, DriveImperfection)]
+    driven = [ThroughDrive(one, chain, np.zeros(n_samples), period) for one in controllers] if chain else []
+    controllers = tuple(driven) or controllers
     fine = max(steps, steps_for(axis, plant, parameters, period))
     loop = Loop(plant, paths, controllers, readers, fine, moment)
     between = [reader.signal for reader in loop.between]
@@ -140,8 +139,14 @@ def simulate(
             run.advance(max(round(time / period), 1))
             run = SimulationRun(replace(loop, plant=changed), record, run)
         run.advance(end)
-    signals = {reader.signal: reader.read_all(record)[::every] for reader in readers}
-    for drive, force in zip(axis.drives, (record.forces if moment is None else sent).T, strict=True):
+    readings = {reader.signal: reader.read_all(record) for reader in readers}
+    signals = {signal: values[::every] for signal, values in readings.items()}
+    sent = list(record.forces.T)
+    for i, one in enumerate(driven):
+        inputs = [paths[i].position, paths[i].velocity, paths[i].acceleration]
+        inputs += [readings[signal] for signal in one.signals]
+        sent[i] = one.sent_along(np.column_stack(inputs)) if loop.law else one.sent
+    for drive, force in zip(axis.drives, sent, strict=True):
         recorded = force + drive.noise * random.standard_normal(n_samples)
         signals[drive.signal] = in_steps(recorded, drive.resolution)[::every]
     signals["reference"] = paths[0].position[::every]

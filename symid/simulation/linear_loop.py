@@ -52,9 +52,12 @@ class LinearLoop:
         return (
             loop.law is not None
             and loop.steps == 1
+            and not any(law.timed for law in mode.plant.laws)
             and not mode.varying
             and size + len(loop.law.A) <= _LARGEST * loop.n_drives
-            and all(reader.step == 0 and reader.order < 2 for reader in loop.controlled)
+            and all(
+                reader.step == 0 and reader.misread is None and reader.order < 2 for reader in loop.controlled
+            )
         )
 
     def advance(self, record: MotionRecord, k: int, end: int, memory: FloatArray) -> tuple[int, FloatArray]:

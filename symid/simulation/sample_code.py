@@ -140,11 +140,11 @@ class SampleCode:
             lines.append("else:")
             for name, row in zip(kept, np.hstack([law.A, law.B]), strict=True):
                 lines.append(f"    {name} = {_form(zip([*self._memory, *inputs], row, strict=True))}")
-        return lines
+        return [*lines, *self._moment()]
 
     def _moment(self) -> list[str]:
         """Statements that update time, load and memories, and the limits of stuck joints that depend on them."""
-        if self.loop.moment is None:
+        if self.loop.moment is None or not any(law.timed for law in self.mode.plant.laws):
             return []
         lines = [f"at(k, ({', '.join(self._forces_sent)},))"]
         for i, j in enumerate(self.mode.flow.stuck):

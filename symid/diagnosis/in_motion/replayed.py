@@ -33,6 +33,7 @@ from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.errors import SettingError
 from symid.instrumental.controller import cascade_of_log
 from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
+from symid.simulation.imperfect_plant import misreading
 
 _LEAST_RATE = 1000.0
 """Rate of the simulated controller at least, Hz."""
@@ -219,12 +220,15 @@ def simulated_position(explained: ExplainedAxis, part: Part, driver: Driver) -> 
             f"the axis with these values swings at {fastest(plant) / math.tau:.3g} Hz, too fast for the log's samples"
         )
     loop = replace(driver.cascade, acceleration_feedforward=0.0, velocity_feedforward=0.0)
+    place, speed = part.start
+    if (misread := misreading(explained.axis, signal)) is not None:  # the reading at the start has its error
+        place = 2 * place - float(misread(np.array([place]))[0])
     run = simulate(
         without_noise(explained.axis),
         explained.values,
         part.path,
         Replay(part.forces, loop),
-        start=plant.follows(signal, *part.start),
+        start=plant.follows(signal, place, speed),
     )
     return np.asarray(run.log[signal][:: part.factor])
 

@@ -1,0 +1,43 @@
+"""The re-run of benchmarks/blind: an axis that is written as it is moves as the independent simulator has it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.blind import draw, laws, rerun
+from symid import OffsetForce, load_axis
+
+
+@pytest.fixture(scope="module")
+def setting() -> draw.Setting:
+    found = draw.draw_setting("rigid_1m", ("q",), np.random.default_rng(5))
+    return replace(found, noisy_controller=False)
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_the_true_axis_moves_as_the_independent_simulator_has_it(setting: draw.Setting) -> None:
+    """A constant force of 20 N, which `OffsetForce` counts against the positive direction."""
+    drawn = laws.draw("offset_force", "motor", np.random.default_rng(1))
+    force = replace(drawn, numbers={"force": 20.0, "side": 1.0})
+    position = draw.simulate(setting, (force,), "validation", disturbed=True).readings["q"]
+    axis = load_axis("rigid_1m")
+    true = axis.with_effect(OffsetForce(axis.bodies[0], "OF"))
+    found = rerun.simulated(true, {**setting.true, "OF": -20.0}, setting)
+    without = rerun.simulated(axis, setting.true, setting)
+    assert rms(found - position) < 2e-8  # below the noise of any encoder drawn
+    assert rms(without - position) > 100 * rms(found - position)
+
+
+def test_the_table_counts_cases_by_kind() -> None:
+    label = {"axis": "rigid_1m", "effects": [{"effect": "delay", "at": "actuator"}]}
+    cases = [rerun.Rerun("case", label, 1e-7, off, "", 0.05) for off in (1.1e-7, 1.3e-7, 0.9e-7)]
+    rows = rerun.table(cases).splitlines()
+    assert rows[1].split() == ["delay", "2/3", "1.10", "1.30"]
+    assert rows[2].split() == ["all", "2/3", "1.10", "1.30"]
+    assert rows[-1].endswith("median 20.0, least 20.0")
