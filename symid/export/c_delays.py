@@ -10,7 +10,7 @@ import math
 
 from symid.axis import Axis, Sensor
 from symid.export.c_code import c_name
-from symid.export.c_motion import in_steps
+from symid.export.c_motion import force_parameters, in_steps
 from symid.export.dynamics import SymbolicDynamics
 
 SHORTEST_STEP = 5e-6
@@ -24,7 +24,7 @@ typedef struct {{
 }} {name}_way;
 
 /* One step h with the delays, which the functions above leave out: x advances, y is what sensors read at its end. */
-void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_state}], double {force}, double h,
+void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_state}], {forces}, double h,
                     double y[{n_sensors}]);
 
 """
@@ -56,7 +56,7 @@ static double noted(const {name}_way *way, int lane, double time)
     return value[a] + (value[b] - value[a])*(time - t[a])/(t[b] - t[a]);
 }}
 
-void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_state}], double {force}, double h,
+void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_state}], {forces}, double h,
                     double y[{n_sensors}])
 {{
     double before[{n_state}], change[{n_state}];
@@ -64,7 +64,7 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
     for (int i = 0; i < {n_state}; i++) before[i] = x[i];
 {begin}
 {late}
-    {name}_step(p, x, late, h);
+    {name}_step(p, x, {acting}, h);
     for (int i = 0; i < {n_state}; i++) change[i] = (x[i] - before[i])/h;
     {name}_sensors(x, change, y);
     way->now = now + h;
@@ -90,7 +90,8 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) ->
         return {"way_header": "", "way_source": ""}
     words = {
         "name": axis.name,
-        "force": c_name(axis.only_drive.signal),
+        "forces": force_parameters(axis),
+        "acting": "late" if drive else _forces(axis),
         "n_state": dynamics.n_states,
         "n_sensors": len(axis.sensors),
         "cells": math.ceil(longest / shortest) + 3,
@@ -107,11 +108,11 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) ->
 def _begin(axis: Axis, delay: float) -> str:
     """Statements before the first step: readings and force are taken as constant until then."""
     found = [
-        f"{axis.name}_derivative(p, x, {c_name(axis.only_drive.signal)}, change);",
+        f"{axis.name}_derivative(p, x, {_forces(axis)}, change);",
         f"{axis.name}_sensors(x, change, y);",
     ]
     if delay:
-        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{c_name(axis.only_drive.signal)});")
+        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{_forces(axis)});")
         found.append("note(way, 0, 0.0, 0.0);")
     for lane, i, _ in _lanes(axis, delay):
         found.append(f"note(way, {lane}, 0.0, y[{i}]);")
@@ -119,12 +120,16 @@ def _begin(axis: Axis, delay: float) -> str:
     return f"    if (!way->lane[0].count) {{\n{inner}    }}"
 
 
+def _forces(axis: Axis) -> str:
+    return ", ".join(c_name(drive.signal) for drive in axis.drives)
+
+
 def _late(axis: Axis, delay: float) -> str:
-    force = c_name(axis.only_drive.signal)
+    """Statements for the force that arrives; only one drive has a delay (`symbolic_dynamics`)."""
     if not delay:
-        return f"    const double late = {force};"
+        return ""
     found = [
-        f"way->sent += h*{force};",
+        f"way->sent += h*{_forces(axis)};",
         "note(way, 0, now + h, way->sent);",
         f"const double late = (noted(way, 0, now + h - {delay!r}) - noted(way, 0, now - {delay!r}))/h;",
     ]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import sympy as sp
 
+from symid.axis import Axis
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics
 from symid.export.imperfect_terms import ACTING, NOW, added, sent
@@ -20,7 +21,7 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
     statements = [*clock(dynamics, "0.0"), *_drive(dynamics)]
     force = smooth_force(dynamics, x, v)
-    taken = {*axis.physical_parameters, *dynamics.constants, axis.only_drive.signal}
+    taken = {*axis.physical_parameters, *dynamics.constants, *(drive.signal for drive in axis.drives)}
     rates = []
     for joint in dynamics.joints:
         symbol, written, effect, remembered = _joint(joint, dynamics, x, v)
@@ -40,7 +41,7 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     statements += rates
     if dynamics.imperfect.is_timed:
         statements.append(f"d{dynamics.imperfect.clock} = 1.0;")
-    matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
+    matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drives, dynamics.constant)
     laws = [sp.Matrix([joint.force]) for joint in dynamics.joints]
     return lines([*members(used_parameters(dynamics, *matrices, *laws)), *statements])
 
@@ -48,14 +49,20 @@ def derivative(dynamics: SymbolicDynamics) -> str:
 def smooth_force(
     dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
 ) -> sp.ImmutableMatrix:
-    """B F + c - C v - K x, F being the force that acts."""
-    acting = ACTING if acts_otherwise(dynamics) else sp.Symbol(dynamics.axis.only_drive.signal)
+    """B F + c - C v - K x, F being the forces that act."""
+    sent_forces = [sp.Symbol(drive.signal) for drive in dynamics.axis.drives]
+    acting = sp.Matrix([ACTING] if acts_otherwise(dynamics) else sent_forces)
     return (
-        dynamics.drive * acting
+        dynamics.drives * acting
         + dynamics.constant
         - dynamics.damping * sp.Matrix(v)
         - dynamics.stiffness * sp.Matrix(x)
     )
+
+
+def force_parameters(axis: Axis) -> str:
+    """The drive forces as parameters of a C function."""
+    return ", ".join(f"double {c_name(drive.signal)}" for drive in axis.drives)
 
 
 def acts_otherwise(dynamics: SymbolicDynamics) -> bool:

@@ -17,7 +17,7 @@ from symid.codegen.module import model_signals
 from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_delays import SHORTEST_STEP, delay_fields
-from symid.export.c_motion import derivative, lines, members, readings, renamed
+from symid.export.c_motion import derivative, force_parameters, lines, members, readings, renamed
 from symid.export.c_step import step_function
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals
@@ -65,10 +65,10 @@ void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]
 
 /* dx = f(x, {force}) of the state x = {{{state}}}:
  * displacements of the bodies against the ground (of one on a geared body: against that), then velocities. */
-void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], double {force}, double dx[{n_state}]);
+void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}]);
 
 /* Advance the state x by h under a constant {force}. Friction sticks and breaks loose; of first order in h. */
-void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}, double h);
+void {name}_step(const {name}_parameters *p, double x[{n_state}], {forces}, double h);
 
 /* What the sensors read, y = {{{sensors}}}; dx is what {name}_derivative gave. */
 void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}]);
@@ -120,7 +120,7 @@ void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]
 {forward}
 }}
 
-void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], double {force}, double dx[{n_state}])
+void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}])
 {{
 {derivative}
 }}
@@ -218,7 +218,8 @@ def _words(
         "values": lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
         "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in constants.items())
         + ("\n" if constants else ""),
-        "force": c_name(axis.only_drive.signal),
+        "force": ", ".join(c_name(drive.signal) for drive in axis.drives),
+        "forces": force_parameters(axis),
         "sensors": ", ".join(dynamics.sensors),
         "n_sensors": len(dynamics.sensors),
         "regressor": _of_signals(

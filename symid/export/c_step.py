@@ -15,6 +15,7 @@ from symid.export.c_code import c_code, c_name
 from symid.export.c_motion import (
     acts_otherwise,
     clock,
+    force_parameters,
     lines,
     members,
     renamed,
@@ -49,7 +50,7 @@ static double followed(double z, double gain, double decay, double h)
 """
 
 _STEP = """\
-{followed}{law}void {name}_step(const {name}_parameters *p, double x[{n_state}], double {force}, double h)
+{followed}{law}void {name}_step(const {name}_parameters *p, double x[{n_state}], {forces}, double h)
 {{
     enum {{ n = {n} }};
 {members}
@@ -123,7 +124,7 @@ def step_function(dynamics: SymbolicDynamics) -> str:
         followed=_FOLLOWED if remembers else "",
         law=_law(dynamics) if dynamics.joints else "",
         name=name,
-        force=c_name(dynamics.axis.only_drive.signal),
+        forces=force_parameters(dynamics.axis),
         n=n,
         n_state=dynamics.n_states,
         members=lines([*members(used), *clock(dynamics, "h/2.0"), *_drive(dynamics)]),

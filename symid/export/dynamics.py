@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from symid.axis import Axis
-from symid.export.imperfect_terms import Imperfect, Memory, added
+from symid.errors import SettingError
+from symid.export.imperfect_terms import Imperfect, Memory, added, of_force
 from symid.symbolic.equations import by_power
 from symid.symbolic.lagrange import Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, operator_model
@@ -64,8 +65,10 @@ class SymbolicDynamics:
         Free bodies, in the order of the displacements.
     mass, damping, stiffness : sympy.Matrix of shape (n, n)
         M, C and K in the physical parameters.
-    drive, constant : sympy.Matrix of shape (n, 1)
-        B and c.
+    drives : sympy.Matrix of shape (n, n_drives)
+        B.
+    constant : sympy.Matrix of shape (n, 1)
+        c.
     joints : tuple of LawJoint
         Nonlinear laws by joint.
     sensors : mapping of str to (mapping, int)
@@ -81,7 +84,7 @@ class SymbolicDynamics:
     mass: sp.Matrix
     damping: sp.Matrix
     stiffness: sp.Matrix
-    drive: sp.Matrix
+    drives: sp.Matrix
     constant: sp.Matrix
     joints: tuple[LawJoint, ...]
     sensors: Mapping[str, tuple[Mapping[str, sp.Expr], int]]
@@ -104,6 +107,11 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     >>> dynamics.mass, dynamics.joints[0].force
     (Matrix([[M]]), Fs*sign(joint_v_))
     """
+    if len(axis.drives) > 1 and (disturbing := [e for e in axis.imperfections if of_force(e)]):
+        raise SettingError(
+            f"axis {axis.name!r} has several drives and {type(disturbing[0]).__name__}, which cannot be exported "
+            "together: leave it out"
+        )
     operators = operator_model(inverse_dynamics(axis))
     bodies = tuple(operators.motion)
     powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
@@ -114,13 +122,20 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     kinematics, imperfect = Kinematics(axis), Imperfect(axis, 2 * len(bodies))
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}
+    if nodes := [b for b, row in zip(bodies, mass.tolist(), strict=True) if not any(row)]:
+        raise SettingError(
+            f"axis {axis.name!r} has bodies without mass ({', '.join(nodes)}), which cannot be exported: give each a "
+            "mass, or declare the springs beside them as one"
+        )
     return SymbolicDynamics(
         axis=axis,
         bodies=bodies,
         mass=mass.xreplace(grown),
         damping=damping,
         stiffness=stiffness,
-        drive=sp.Matrix([-_expression(operators.force[b].get(axis.only_drive.signal)) for b in bodies]),
+        drives=sp.Matrix(
+            [[-_expression(operators.force[b].get(d.signal)) for d in axis.drives] for b in bodies]
+        ),
         constant=sp.Matrix(
             [-sp.Add(*(_expression(operators.inputs[b].get(one)) for one in ones)) for b in bodies]
         ).xreplace(grown),

@@ -47,5 +47,6 @@ def losses_of_signals(axis: Axis) -> Iterator[str]:
     """
     for name in axis.log_parameters:
         yield f"{name}: it differs from log to log; give 0 for an axis whose zeros are known."
-    if axis.only_drive.noise or axis.only_drive.resolution:
-        yield f"{axis.only_drive.signal}: noise and resolution of the recorded force are left out."
+    for drive in axis.drives:
+        if drive.noise or drive.resolution:
+            yield f"{drive.signal}: noise and resolution of the recorded force are left out."

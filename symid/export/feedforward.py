@@ -40,7 +40,7 @@ def feedforward(axis: Axis) -> Feedforward:
     Raises
     ------
     SettingError
-        If the axis has no motion, or several, without deflection, or forces that depend on more than it.
+        If the axis has several drives, no motion or several without deflection, or forces that depend on more.
 
     Examples
     --------
@@ -48,11 +48,12 @@ def feedforward(axis: Axis) -> Feedforward:
     >>> feedforward(load_axis("direct_2m1s")).force
     Fsm*sign(velocity_) + Fvm*velocity_ + Mm*acceleration_
     """
+    axis.require_one_drive()
     dynamics = symbolic_dynamics(axis)
     known = {sp.Symbol(name): sp.nsimplify(value) for name, value in dynamics.constants.items()}
     mass, damping, stiffness, drive, constant = (
         term.xreplace(known)
-        for term in (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drive, dynamics.constant)
+        for term in (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drives, dynamics.constant)
     )
     free = [sp.Matrix([1])] if len(dynamics.bodies) == 1 else stiffness.nullspace()
     works = [sp.cancel((drive.T * motion)[0]) for motion in free]

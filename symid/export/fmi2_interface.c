@@ -21,13 +21,17 @@ typedef void *fmi2Component;
 typedef void *fmi2FMUstate;
 typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
 
-/* Numbers of the variables: the input, the readings, the parameters, the internal step. */
-enum { FIRST_READING = 1, FIRST_PARAMETER = 1 + AXIS_READINGS, INTERNAL_STEP = FIRST_PARAMETER + AXIS_PARAMETERS };
+/* Numbers of the variables: the inputs, the readings, the parameters, the internal step. */
+enum {
+    FIRST_READING = AXIS_INPUTS,
+    FIRST_PARAMETER = FIRST_READING + AXIS_READINGS,
+    INTERNAL_STEP = FIRST_PARAMETER + AXIS_PARAMETERS
+};
 
 typedef struct {
     double p[AXIS_PARAMETERS]; /* laid out as AXIS_parameters: doubles only */
     double x[AXIS_STATES], y[AXIS_READINGS];
-    double input, internal_step;
+    double input[AXIS_INPUTS], internal_step;
 #ifdef AXIS_way
     AXIS_way way; /* what delays hold back */
 #endif
@@ -88,7 +92,7 @@ EXPORT fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference 
     const Instance *c = component;
     for (size_t i = 0; i < n; i++) {
         if (vr[i] > INTERNAL_STEP) return fmi2Error;
-        value[i] = vr[i] == 0 ? c->input
+        value[i] = vr[i] < FIRST_READING ? c->input[vr[i]]
                  : vr[i] < FIRST_PARAMETER ? c->y[vr[i] - FIRST_READING]
                  : vr[i] < INTERNAL_STEP ? c->p[vr[i] - FIRST_PARAMETER]
                  : c->internal_step;
@@ -100,7 +104,7 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference 
 {
     Instance *c = component;
     for (size_t i = 0; i < n; i++) {
-        if (vr[i] == 0) c->input = value[i];
+        if (vr[i] < FIRST_READING) c->input[vr[i]] = value[i];
         else if (vr[i] >= FIRST_PARAMETER && vr[i] < INTERNAL_STEP) c->p[vr[i] - FIRST_PARAMETER] = value[i];
         else if (vr[i] == INTERNAL_STEP && value[i] > 0.0) c->internal_step = value[i];
         else return fmi2Error;
@@ -117,11 +121,11 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real st
     const double h = step/count;
     for (int k = 0; k < count; k++) {
 #ifdef AXIS_way
-        AXIS_advance(parameters(c), &c->way, c->x, AXIS_GAIN*c->input, h, c->y);
+        AXIS_advance(parameters(c), &c->way, c->x, AXIS_FORCES(c->input), h, c->y);
 #else
         double change[AXIS_STATES];
         memcpy(change, c->x, sizeof change);
-        AXIS_step(parameters(c), c->x, AXIS_GAIN*c->input, h);
+        AXIS_step(parameters(c), c->x, AXIS_FORCES(c->input), h);
         for (int i = 0; i < AXIS_STATES; i++) change[i] = (c->x[i] - change[i])/h;
         AXIS_sensors(c->x, change, c->y);
 #endif

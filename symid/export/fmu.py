@@ -53,9 +53,9 @@ _LIBRARIES = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib")}
 def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path) -> tuple[str, ...]:
     """Write an axis as a unit for co-simulation, and return what it loses.
 
-    The input is the drive's signal (its command where it has a gain), held over a step; outputs are the readings of all
-    sensors; physical parameters and `internal_step` can be set before the start. Inside, `<axis>_step` runs at
-    `internal_step`.
+    Inputs are the signals of the drives (their commands where they have a gain), held over a step; outputs
+    are the readings of all sensors; physical parameters and `internal_step` can be set before the start.
+    Inside, `<axis>_step` runs at `internal_step`.
 
     Parameters
     ----------
@@ -128,14 +128,10 @@ def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
 
 
 def _description(axis: Axis, values: Mapping[str, float]) -> str:
-    """The variables, numbered as the wrapper numbers them: input, readings, parameters, internal step."""
-    drive, units = axis.only_drive, axis.signal_units
-    sent = drive.command or drive.signal
-    rows = [
-        _Variable(
-            sent, 'causality="input" variability="continuous"', units.get(sent), "what the drive is sent", 0.0
-        )
-    ]
+    """The variables, numbered as the wrapper numbers them: inputs, readings, parameters, internal step."""
+    units, fed = axis.signal_units, 'causality="input" variability="continuous"'
+    sent = [drive.command or drive.signal for drive in axis.drives]
+    rows = [_Variable(name, fed, units.get(name), "what the drive is sent", 0.0) for name in sent]
     rows += [
         _Variable(
             s.signal,
@@ -145,7 +141,7 @@ def _description(axis: Axis, values: Mapping[str, float]) -> str:
         )
         for s in axis.sensors
     ]
-    n_outputs = len(rows)
+    first, last = len(axis.drives) + 1, len(rows)
     fixed = 'causality="parameter" variability="fixed" initial="exact"'
     rows += [
         _Variable(name, fixed, unit, "physical parameter", values[name])
@@ -159,7 +155,7 @@ def _description(axis: Axis, values: Mapping[str, float]) -> str:
         guid=axis.signature,
         units="\n".join(_defined(unit) for unit in defined),
         variables="\n".join(row.element(k) for k, row in enumerate(rows)),
-        outputs="\n".join(f'      <Unknown index="{k + 1}"/>' for k in range(1, n_outputs)),
+        outputs="\n".join(f'      <Unknown index="{k}"/>' for k in range(first, last + 1)),
     )
 
 
@@ -199,7 +195,8 @@ def _wrapper(axis: Axis, source: str) -> str:
     words = {
         "AXIS_SOURCE": f'"{axis.name}.c"',
         "AXIS_GUID": f'"{axis.signature}"',
-        "AXIS_GAIN": repr(axis.only_drive.factor),
+        "AXIS_INPUTS": str(len(axis.drives)),
+        "AXIS_FORCES(u)": ", ".join(f"{d.factor!r}*(u)[{i}]" for i, d in enumerate(axis.drives)),
         "AXIS_PARAMETERS": str(len(axis.physical_parameters)),
     }
     names = {

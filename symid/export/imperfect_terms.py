@@ -150,6 +150,13 @@ class Imperfect:
         return sp.Add(READING, *(imperfection_law(ripple) - READING for ripple in ripples))
 
 
+def of_force(element: Imperfection) -> bool:
+    """Whether an imperfection is one of the drive, or a law that feels its force."""
+    return isinstance(element, DriveImperfection) or (
+        isinstance(element, JointImperfection) and FORCE in imperfection_law(element).free_symbols
+    )
+
+
 def sent(element: DriveImperfection) -> sp.Expr:
     """The force that leaves an imperfection of the drive for one that enters it."""
     return imperfection_law(element).xreplace({FORCE: ACTING})

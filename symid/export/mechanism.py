@@ -87,10 +87,10 @@ class Mechanism:
         What acts where.
     plays : tuple of Play
         Springs with play.
-    drive : Path
-        Along which the drive pushes.
-    gain : float
-        Force per unit of the drive's command, or of its signal without a command.
+    drives : tuple of Path
+        Along which each drive pushes.
+    gains : tuple of float
+        Force per unit of each drive's command, or of its signal without a command.
     readings : mapping of str to Path
         Displacement of each sensor, before it is differentiated.
     losses : tuple of str
@@ -102,8 +102,8 @@ class Mechanism:
     moments: Mapping[str, float]
     paths: Mapping[Path, Properties]
     plays: tuple[Play, ...]
-    drive: Path
-    gain: float
+    drives: tuple[Path, ...]
+    gains: tuple[float, ...]
     readings: Mapping[str, Path]
     losses: tuple[str, ...]
 
@@ -170,15 +170,16 @@ class _Collector:
                 self.add(path, "armature", value)
         for element in self.axis.elements:
             self._element(element)
-        constant = self.axis.only_drive.constant
         return Mechanism(
             bodies=self.axis.free_bodies,
             inertia=inertia,
             moments=self.moments,
             paths=self.paths,
             plays=tuple(self.plays),
-            drive=self.path(self.kinematics.displacement(self.axis.only_drive.at)),
-            gain=self.axis.only_drive.factor * (self.values[constant] if constant else 1.0),
+            drives=tuple(self.path(self.kinematics.displacement(d.at)) for d in self.axis.drives),
+            gains=tuple(
+                d.factor * (self.values[d.constant] if d.constant else 1.0) for d in self.axis.drives
+            ),
             readings={s.signal: self.path(self.kinematics.reading(s)) for s in self.axis.sensors},
             losses=tuple(self.losses),
         )

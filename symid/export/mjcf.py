@@ -15,6 +15,7 @@ from symid.axis import (
     ActuatorLag,
     Axis,
     Body,
+    Drive,
     ForceLimit,
     PendulumWeight,
     Sensor,
@@ -107,7 +108,7 @@ class _Writer:
     def exported(self) -> Exported:
         """The model as text, with its losses."""
         bodies = "\n".join(self._body(b, 2) for b in self.machine.roots)
-        actuators = "\n".join(["    " + line for line in (self._motor(), *self._constants())])
+        actuators = "\n".join(["    " + line for line in (*self._motors(), *self._constants())])
         sensors = "\n".join("    " + line for s in self.axis.sensors for line in self._sensor(s))
         gravity = next((-e.acceleration for e in self.axis.elements if isinstance(e, PendulumWeight)), 0.0)
         text = _TEMPLATE.format(
@@ -123,8 +124,8 @@ class _Writer:
         return Exported({".xml": text}, tuple(self.losses))
 
     def _notes(self) -> list[str]:
-        drive = self.axis.only_drive
-        ctrl = f"ctrl[0] is {drive.command or drive.signal}; actuators named constant_... need no ctrl."
+        sent = (f"ctrl[{i}] is {d.command or d.signal}" for i, d in enumerate(self.axis.drives))
+        ctrl = f"{', '.join(sent)}; actuators named constant_... need no ctrl."
         units = "Exported by symid. SI units; slides along x, hinges about x."
         return [units, ctrl, *(f"Lost: {loss}".replace("--", "- -") for loss in self.losses)]
 
@@ -196,10 +197,13 @@ class _Writer:
             return f"joint={quoteattr(path[0][0])}", path[0][1]
         return f"tendon={quoteattr(self._tendon(path))}", 1.0
 
-    def _motor(self) -> str:
-        drive, axis = self.axis.only_drive, self.axis
-        where, ratio = self._transmission(self.machine.drive)
-        gain = self.machine.gain
+    def _motors(self) -> list[str]:
+        machine = self.machine
+        every = zip(self.axis.drives, machine.drives, machine.gains, strict=True)
+        return [self._motor(drive, path, gain) for drive, path, gain in every]
+
+    def _motor(self, drive: Drive, path: Path, gain: float) -> str:
+        axis, (where, ratio) = self.axis, self._transmission(path)
         name = quoteattr(drive.command or drive.signal)
         words = f'name={name} {where} gear="{_written(ratio * gain)}"'
         lags = [e.seconds for e in axis.imperfections if isinstance(e, ActuatorLag)]

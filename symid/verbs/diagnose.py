@@ -11,7 +11,7 @@ from symid.codegen import model_of
 from symid.data import Log
 from symid.diagnosis import LIBRARY, Diagnosis, Effect
 from symid.diagnosis import diagnose as diagnose_axis
-from symid.errors import SettingError, SymidError
+from symid.errors import SymidError
 from symid.simulation import Cascade
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, log_of
@@ -80,14 +80,9 @@ def require_model(axis: Axis, log: Log) -> None:
     Raises
     ------
     SettingError
-        If a body has no mass: the motion of such nodes is not evaluated by a diagnosis.
+        If the axis has several drives, or a body without mass.
     """
-    nodes = [body.name for body in axis.free_bodies if axis.known_parameters.get(body.inertial) == 0]
-    if nodes:
-        raise SettingError(
-            f"axis {axis.name!r} has massless bodies ({', '.join(nodes)}), which a diagnosis cannot take: join the "
-            "springs at each into one of the stiffness K1 K2/(K1 + K2)"
-        )
+    axis.require_diagnosable()
     signals = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
     with contextlib.suppress(SymidError):  # reported by the diagnosis, which may be given nominal values
         model_of(axis, signals)

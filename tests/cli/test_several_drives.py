@@ -67,6 +67,7 @@ def test_two_drives_from_simulation_to_a_page_and_a_batch(
     "arguments",
     [
         "diagnose gantry run.csv",
+        "batch gantry run.csv -o rows.parquet --diagnose",
         "tune gantry --parameters P.json",
     ],
 )

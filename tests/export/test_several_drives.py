@@ -1,0 +1,127 @@
+"""A gantry with two drives in C, as a unit and in MuJoCo, against its hand-written matrices."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import fmpy
+import mujoco
+import numpy as np
+import pytest
+from axes.gantry import AXIS, RIGHT, TRUE, matrices
+from export.compiler import Compiled
+from fmpy.validation import validate_fmu
+from scipy.linalg import expm
+
+from symid import ActuatorLag, Axis, Body, Drive, Position, Spring
+from symid.axis import Between
+from symid.errors import SettingError
+from symid.export import c_source, mjcf, write_fmu
+from symid.export.feedforward import feedforward
+from symid.symbolic import derive
+
+COMMANDED = replace(AXIS, drive=(AXIS.drives[0], Drive("F2", RIGHT, gain=-2.5, command="u2")))
+SMOOTH = TRUE | {"Fs1": 0.0, "Fs2": 0.0}
+PERIOD, N = 1e-3, 300
+
+
+def by_hand(x: np.ndarray, v: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Accelerations of left, right and beam while both carriages slide."""
+    M, C, K = matrices()
+    friction = np.array([TRUE["Fs1"], TRUE["Fs2"], 0.0]) * np.sign(v)
+    return np.linalg.solve(M, np.append(forces, 0.0) - C @ v - K @ x - friction)
+
+
+def samples() -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Displacements, velocities and forces."""
+    draw = np.random.default_rng(4)
+    return [(1e-3 * draw.normal(size=3), draw.normal(size=3), 200 * draw.normal(size=2)) for _ in range(8)]
+
+
+def integrated(forces: np.ndarray) -> np.ndarray:
+    """Position of the beam after each interval of held forces, without Coulomb friction."""
+    M, C, K = matrices()
+    A = np.zeros((8, 8))
+    A[:3, 3:6] = np.eye(3)
+    A[3:6, :6] = -np.linalg.solve(M, np.hstack([K, C]))
+    A[3:5, 6:] = np.diag(1 / np.diag(M)[:2])
+    step, x, found = expm(A * PERIOD), np.zeros(8), []
+    for pair in forces:
+        x[6:] = pair
+        x = step @ x
+        found.append(x[2])
+    return np.array(found)
+
+
+def held_forces() -> np.ndarray:
+    t = PERIOD * np.arange(N)
+    return np.stack([300 * np.sin(60 * t), 200 * np.sin(23 * t) - 100], axis=1)
+
+
+def test_the_derivative_in_c_is_that_of_the_matrices(tmp_path: Path) -> None:
+    code = Compiled.of(c_source(derive(AXIS), TRUE), "gantry", tmp_path)
+    p = code.parameters(TRUE)
+    for x, v, forces in samples():
+        state = np.concatenate([x, v])
+        found = code.function("derivative", p, state, *map(float, forces), shape=(6,))
+        np.testing.assert_array_equal(found[:3], v)
+        np.testing.assert_allclose(found[3:], by_hand(x, v, forces), rtol=1e-11)
+
+
+def test_a_unit_has_an_input_for_each_drive_and_moves_as_the_matrices_say(tmp_path: Path) -> None:
+    file = tmp_path / "gantry.fmu"
+    write_fmu(derive(COMMANDED), SMOOTH, file)
+    assert validate_fmu(str(file)) == []
+    forces = held_forces()
+    description = fmpy.read_model_description(str(file))
+    places = {v.name: v.valueReference for v in description.modelVariables}
+    unit = fmpy.fmi2.FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=fmpy.extract(str(file)),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="axis",
+    )
+    unit.instantiate()
+    unit.setupExperiment(startTime=0.0)
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    unit.setReal([places["internal_step"]], [2e-6])
+    read = []
+    for k, (first, second) in enumerate(forces):
+        unit.setReal([places["F1"], places["u2"]], [first, second / -2.5])
+        unit.doStep(currentCommunicationPoint=k * PERIOD, communicationStepSize=PERIOD)
+        read.append(unit.getReal([places["qb"]])[0])
+    unit.terminate()
+    unit.freeInstance()
+    wanted = integrated(forces)
+    assert np.abs(np.array(read) - wanted).max() < 1e-3 * np.ptp(wanted)
+    assert unit.fmi2GetReal is not None
+
+
+def test_mujoco_has_a_motor_for_each_drive() -> None:
+    model = mujoco.MjModel.from_xml_string(mjcf(COMMANDED, TRUE).text)
+    data = mujoco.MjData(model)
+    places = [model.joint(name).qposadr[0] for name in ("left", "right", "beam")]
+    assert "ctrl[0] is F1, ctrl[1] is u2" in mjcf(COMMANDED, TRUE).text
+    for x, v, forces in samples():
+        data.qpos[places], data.qvel[places] = x, v
+        data.ctrl[:2] = forces[0], forces[1] / -2.5
+        mujoco.mj_forward(model, data)
+        wanted = by_hand(x, v, forces)
+        np.testing.assert_allclose(data.qacc[places], wanted, rtol=1e-6, atol=1e-6 * np.abs(wanted).max())
+
+
+def test_what_cannot_be_exported_is_said() -> None:
+    with pytest.raises(SettingError, match=r"has several drives and ActuatorLag, which cannot be exported"):
+        c_source(derive(AXIS.with_effect(ActuatorLag(2e-3))), TRUE)
+    with pytest.raises(SettingError, match=r"axis 'gantry' has 2 drives"):
+        feedforward(AXIS)
+    motor, load, node = Body("motor", mass="M1"), Body("load", mass="M2"), Body("node", mass=0.0)
+    springs = (
+        Spring("first", Between(first=motor, second=node), stiffness="K1"),
+        Spring("second", Between(first=node, second=load), stiffness="K2"),
+    )
+    series = Axis("series", (motor, load, node, *springs), Drive("F", motor), (Position("q", motor),))
+    with pytest.raises(SettingError, match=r"bodies without mass \(node\), which cannot be exported"):
+        c_source(derive(series), {"M1": 1.0, "M2": 2.0, "K1": 10.0, "K2": 20.0})
