@@ -72,6 +72,9 @@ class Thresholds:
         Rms of a missing force relative to the largest of the drive: a spring that holds it may carry more.
     spring_ran_away : float
         Factor by which a stiffness is beyond what any effect had hidden of it.
+    one_sided : float
+        Difference of friction by direction, relative to its mean: beyond 1 friction would push the axis one way (weight
+        of robot joints, real).
     least_acting : float
         Share of the logged force that must act on the axis: with less, the drive has been explained away.
     explains_all : float
@@ -95,6 +98,9 @@ class Thresholds:
     level_spread, level_elsewhere : float
         Relative deviation of a friction level from its nominal value, and likelihood, relative to its peak, of one that
         has changed for other reasons.
+    steady, of_motion : float
+        Correlation of position and time from which on a motion is steady, and logarithm of the odds of a force of the
+        time then, where the position explains as much (a motor that turns slowly, real).
     driven_bonus : float
         Logarithm of the odds of the driven body.
     indistinguishable : float
@@ -151,6 +157,7 @@ class Thresholds:
     deviations: float = 2.0
     largest_force: float = 5.0
     spring_ran_away: float = 1e4
+    one_sided: float = 1.1
     least_acting: float = 0.5
     explains_all: float = 0.01
     fit_of_noise: float = 1.5
@@ -163,6 +170,8 @@ class Thresholds:
     doubt: float = 0.5
     level_spread: float = 0.08
     level_elsewhere: float = 0.05
+    steady: float = 0.99
+    of_motion: float = -3.0
     driven_bonus: float = 0.3
     indistinguishable: float = 0.15
     unlikely: float = 0.1

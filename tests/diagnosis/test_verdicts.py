@@ -165,3 +165,15 @@ def test_what_the_validation_log_alone_shows_is_found_beside_the_rest() -> None:
     found = diagnose(load_axis("rigid_1m"), rigid_log(stribeck), validation=other, nominal=RIGID)
     assert {"stribeck_friction", "cogging"} <= {effect.effect for effect in found.effects}
     assert "validation" in found.assumptions[0]
+
+
+def test_a_weight_that_the_model_lacks_is_neither_an_absolute_value_nor_friction() -> None:
+    heavy = rigid_log(lambda t, q, v, a, path: np.full_like(t, 900.0))
+    assert heavy["F"].min() > 0
+    found = diagnose(load_axis("rigid_1m"), heavy, nominal=RIGID)
+    assert found.verdict == "effect"
+    assert (found.effects[0].effect, found.effects[0].indistinguishable_from) == ("offset_force", ())
+    assert found.effects[0].parameters["F0"].value == pytest.approx(900.0, rel=0.01)
+    light = rigid_log(lambda t, q, v, a, path: np.zeros_like(t))
+    absolute = replace(light, signals={**light.signals, "F": np.abs(light["F"])})
+    assert diagnose(load_axis("rigid_1m"), absolute, nominal=RIGID).verdict == "recording"

@@ -132,8 +132,8 @@ class LoadDependentFriction(JointEffect):
         return ("1",)
 
 
-def _level(prediction: Prediction, place: str, kind: type[Law]) -> float:
-    """Value of the declared friction of a kind in a joint."""
+def declared_level(prediction: Prediction, place: str, kind: type[Law]) -> float:
+    """Coefficient of the declared friction of a kind in a joint; 0 without it."""
     laws = (
         law
         for law in prediction.axis.laws
@@ -167,7 +167,9 @@ class FrictionDrift(JointEffect):
         top = prediction.joints[placed.at].top_speed
         kinds = ((DeclaredCoulomb, 1.0),) * self.coulomb + ((DeclaredViscous, top),) * self.viscous
         changed = sum(abs(c) * v for c, (_, v) in zip(placed.amplitudes, kinds, strict=True)) * time
-        return changed < _MOST_CHANGED * sum(_level(prediction, placed.at, kind) * v for kind, v in kinds)
+        return changed < _MOST_CHANGED * sum(
+            declared_level(prediction, placed.at, kind) * v for kind, v in kinds
+        )
 
     def __init__(self, *, coulomb: bool, viscous: bool) -> None:
         self.coulomb, self.viscous = coulomb, viscous

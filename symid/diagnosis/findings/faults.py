@@ -88,13 +88,30 @@ def _wrong_sign(state: State, weighting: Weighting) -> str:
     if float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE:
         return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
     logged = record.log[force]
-    asked = record.rows(state.prediction.outputs[0] * record.taper)[weighting.kept]
+    seen, asked = (
+        record.rows(spectrum * record.taper)[weighting.kept]
+        for spectrum in (record.measured[0], state.prediction.outputs[0])
+    )
     sides = min(float(np.mean(asked > 0)), float(np.mean(asked < 0)))
-    if sides > _BOTH_SIGNS and (logged.min() >= 0 or logged.max() <= 0):
+    one_sided = logged.min() >= 0 or logged.max() <= 0
+    if sides > _BOTH_SIGNS and one_sided and _is_absolute(seen, asked):
         return (
             f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
         )
     return ""
+
+
+def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
+    """Whether the absolute value of what the motion asks for explains a record better than a constant force beside it.
+
+    A weight that the model lacks keeps a force on one side, too.
+    """
+
+    def left(course: FloatArray) -> float:
+        base = np.stack([np.ones(asked.size), course], axis=1)
+        return float(np.linalg.norm(seen - base @ np.linalg.lstsq(base, seen)[0]))
+
+    return left(np.abs(asked)) < left(asked)
 
 
 def shifted_channels(log: Log, force: str, accepted: Sequence[SelectionStep]) -> tuple[str, ...]:

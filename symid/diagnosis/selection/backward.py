@@ -172,11 +172,13 @@ def _chosen(
         one = confirmed_from(before, start)
         if one is not None and (one.key not in found or one.gain > found[one.key].gain):
             found[one.key] = one
+    refused = step.refused | {start.placed.key for start in starts}
+    refused -= found.keys()
     prefer_coulomb(found)
     best = ranked(found.values(), before)
     if best and own.key in found and not _clearly(best[0], found[own.key], first):
         best = [found[own.key], *(c for c in best if c.key != own.key)]
-    chosen = SelectionStep(before, tuple(best), step.screened)
+    chosen = SelectionStep(before, tuple(best), step.screened, refused)
     if not chosen.justifies_another(first):
         return None
     return chosen if len(best) > 1 else _in_place_of(step, before, best[0])
@@ -227,4 +229,4 @@ def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> Selectio
     screened = tuple(
         replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
     )
-    return SelectionStep(before, (found, *behind), screened)
+    return SelectionStep(before, (found, *behind), screened, step.refused)

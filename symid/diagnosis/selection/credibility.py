@@ -6,9 +6,13 @@ import math
 
 import numpy as np
 
+from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LinearEffect, Placed
+from symid.diagnosis.effects.friction import declared_level
 from symid.diagnosis.fitting.blocks import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
+from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _OF_MASSES = ("flexible_mode", "payload_change")
@@ -23,6 +27,8 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
     if not (explains or item.effect.is_plausible(prediction, item)):
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
+        return False
+    if item.effect.name == "asymmetric_friction" and friction_drives(found.state, item.at):
         return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
@@ -47,6 +53,37 @@ def force_share(fit: Fit) -> float:
     inside = prediction.record.in_log
     rms = float(np.sqrt(np.mean(prediction.record.fine(force)[inside] ** 2)))
     return rms / float(np.abs(prediction.record.whole_force).max())
+
+
+def friction_drives(state: State, at: str) -> bool:
+    """Whether dry and viscous friction of a joint, as declared and found, would push it in one of its directions.
+
+    A force that friction asymmetry can stand for while the axis moves is then a constant force or a weight.
+    """
+    level, coefficient = _friction(state, at)
+    given = [
+        dict(zip(item.effect.amplitudes, item.amplitudes, strict=True))
+        for item in state.placed
+        if item.key == ("asymmetric_friction", at)
+    ]
+    top = state.prediction.joints[at].top_speed
+    for speed in (SLOW_SHARE * top, top):
+        one_way = abs(sum(x.get("dFs", 0.0) + x.get("dFv", 0.0) * speed for x in given))
+        if one_way > THRESHOLDS.one_sided * (level + coefficient * speed):
+            return True
+    return False
+
+
+def _friction(state: State, at: str) -> tuple[float, float]:
+    """Coulomb level and viscous coefficient of a joint, declared and found."""
+
+    def found(*names: str) -> float:
+        return sum(p.amplitudes[0] for p in state.placed if p.at == at and p.effect.name in names)
+
+    level, coefficient = (
+        declared_level(state.prediction, at, kind) for kind in (CoulombFriction, ViscousFriction)
+    )
+    return level + found("coulomb_friction", "presliding_friction"), coefficient + found("viscous_friction")
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:

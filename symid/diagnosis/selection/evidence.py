@@ -39,9 +39,12 @@ def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
-        put_aside = step.confirmed and candidate.placed.contains(step.confirmed[0].key)
+        key = candidate.placed.key
+        put_aside = step.confirmed and (
+            key in step.refused or candidate.placed.contains(step.confirmed[0].key)
+        )
         if not put_aside:
-            gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
+            gains.setdefault(key, min(candidate.penalised_gain, least))
     if not gains:
         return {}
     best = max(gains.values())

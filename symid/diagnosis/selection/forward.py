@@ -25,7 +25,7 @@ from symid.errors import SettingError
 
 _INTEGRATED = 2
 _OTHER_PLACES = 3
-_COULOMB = "coulomb_friction"
+_COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturbance"
 LATE_FORCES = ("delay", "actuator_lag")
 """Nearly the same: beside each other they tell nothing."""
 LATE_READING = "sensor_delay"
@@ -91,11 +91,14 @@ class SelectionStep:
         Candidates that were fitted, the largest gain first.
     screened : tuple of Candidate
         All candidates.
+    refused : frozenset of (str, str)
+        Effects and places that were fitted and that no machine can have with the values found.
     """
 
     before: Fit
     confirmed: tuple[Confirmed, ...]
     screened: tuple[Candidate, ...]
+    refused: frozenset[tuple[str, str]] = frozenset()
 
     @property
     def accepts(self) -> bool:
@@ -215,14 +218,18 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
     found = screened(fit, library)
     confirmed: dict[tuple[str, str], Confirmed] = {}
+    tried: set[tuple[str, str]] = set()
     for stage in _stages(fit, found, library, nominal, confirmed):
-        _confirm(fit, stage, confirmed)
+        tried |= _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
-    _confirm(fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed)
+    tried |= _confirm(
+        fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed
+    )
+    refused = frozenset(tried - confirmed.keys())
     prefer_coulomb(confirmed)
-    return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found))
+    return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
 
 
 def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
@@ -246,8 +253,9 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
 
 
 def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
-    """Whether what contains the best candidate and explains as much is likelier than it by what else is known."""
-    if not own.placed.contains(best.key):
+    """Whether what may stand for the best candidate and explains as much is likelier than it by what else is known."""
+    of_position = (best.key, own.key) == ((_PERIODIC, best.key[1]), (_COGGING, best.key[1]))
+    if not (own.placed.contains(best.key) or of_position):
         return False
     doubt = temperature(best.penalised_gain) + THRESHOLDS.doubt * deviation(
         best.squares, own.squares, before.n_rows
@@ -265,12 +273,17 @@ def _is_certain(fit: Fit) -> bool:
     return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.moments)
 
 
-def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]) -> None:
-    """Fit candidates; each keeps the best of its fits."""
+def _confirm(
+    fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]
+) -> set[tuple[str, str]]:
+    """Fit candidates, whose effects and places are returned; each keeps the best of its fits."""
+    tried = set()
     for start in starts:
+        tried.add(start.placed.key)
         own = confirmed_from(fit, start, THRESHOLDS.hopeless * _least_left(confirmed))
         if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
             confirmed[own.key] = own
+    return tried
 
 
 def _simpler(key: tuple[str, str], confirmed: Mapping[tuple[str, str], Confirmed]) -> bool:

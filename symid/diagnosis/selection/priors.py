@@ -2,13 +2,16 @@
 
 A constant force and friction that is stronger one way are the same force while an axis moves. Friction that has grown
 one way has raised the mean level as much as it differs by, though; a constant force has left it alone. So the level
-beside its nominal value tells which of the two is there.
+beside its nominal value tells which of the two is there. And while an axis turns steadily, a periodic force of its
+position, which every motor has, is one of time.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+
+import numpy as np
 
 from symid.axis import CoulombFriction
 from symid.diagnosis.effects import Placed
@@ -38,7 +41,18 @@ def prior(state: State, nominal: Mapping[str, float]) -> float:
         Values that the user gave; empty if there are none.
     """
     item = state.placed[-1]
-    return _one_sidedness(state, item, nominal) if item.effect.name == "asymmetric_friction" else 0.0
+    if item.effect.name == "asymmetric_friction":
+        return _one_sidedness(state, item, nominal)
+    if item.effect.name == "periodic_disturbance" and _turns_steadily(state, item.at):
+        return THRESHOLDS.of_motion
+    return 0.0
+
+
+def _turns_steadily(state: State, at: str) -> bool:
+    """Whether a joint moves so steadily that a course over time is one over the position."""
+    record, q = state.prediction.record, state.prediction.joints[at].q
+    inside = record.in_log
+    return bool(abs(np.corrcoef(q[inside], record.fine_time[inside])[0, 1]) > THRESHOLDS.steady)
 
 
 def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
