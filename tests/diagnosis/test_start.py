@@ -24,6 +24,7 @@ from symid.diagnosis.fitting import start
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.joined import joined
 from symid.diagnosis.thresholds import THRESHOLDS
+from symid.errors import LogError
 from symid.simulation import plant_of, trapezoids, tuned_cascade
 
 TRUE = {"Ms": 3030.0, "Fvs": 32800.0, "Ks": 2.18e8, "Mm": 242.0, "Fvm": 74.0, "Fsm": 112.0}
@@ -62,7 +63,7 @@ def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(start, "_STIFFNESSES", ())
     alone = start.fitted_axis(*begin)
     assert alone.mean_square > 2 * THRESHOLDS.fit_of_noise
-    assert alone.parameters["Ms"] > 5 * FAR["Ms"]
+    assert alone.parameters["Ms"] <= THRESHOLDS.ran_away * FAR["Ms"]  # unbounded it grows out of sight
 
 
 def test_numbers_that_are_declared_stay() -> None:
@@ -95,3 +96,20 @@ def test_an_axis_without_unknown_mass_is_diagnosed() -> None:
     assert "offset_force" in {effect.effect for effect in found.effects} | {
         name for effect in found.effects for name, _ in effect.indistinguishable_from
     }
+
+
+def test_a_sensor_that_never_changes_is_left_out_with_a_word() -> None:
+    t = np.arange(0.0, 6.0, 1e-3)
+    q, v, a = (0.1 * w * np.sin(2.0 * t + p) for w, p in ((1.0, 0.0), (2.0, np.pi / 2), (4.0, np.pi)))
+    noise = np.random.default_rng(3).standard_normal((2, t.size))
+    force = 60.0 * a + 90.0 * v + 20.0 * np.sign(v) + 0.5 * noise[0]
+    signals = {"Fm": force, "qm": q + 1e-7 * noise[1], "ql": np.zeros(t.size)}
+    axis, values = load_axis("ballscrew_2m1s"), {"Mm": 30.0, "Ml": 30.0, "Kt": 1e7, "Ft": 100.0}
+    values |= {name: 10.0 for name in axis.physical_parameters if name not in values}
+    log = Log.from_arrays(signals, sampling_period=1e-3)
+    found = diagnose(axis, log, nominal=values, library=())
+    assert found.measured == ("qm",)
+    assert "ql never changes in log 'arrays': it is left out." in found.faults
+    still = Log.from_arrays(signals | {"qm": np.ones(t.size)}, sampling_period=1e-3)
+    with pytest.raises(LogError, match="qm never changes"):
+        diagnose(axis, still, nominal=values, library=())

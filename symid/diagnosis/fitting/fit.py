@@ -20,8 +20,8 @@ from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
 _LARGEST_SHAPE_STEP = 0.3
-_SMALLER_MASS = 0.3
-"""Factor by which a mass may fall in a step: it stays positive while all else moves."""
+_SMALLER = 0.3
+"""Factor by which a mass or a stiffness may fall in a step: it stays positive while all else moves."""
 _DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
 """Relative to the squares of the columns; with the last one, a step is a sixth of that of steepest descent."""
 _SETTLED = 1e-5
@@ -253,10 +253,14 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
     parameters = dict(state.prediction.parameters)
     names = state.prediction.record.dynamics.parameters
     masses = state.prediction.record.dynamics.parameters_of("mass")
+    positive = {*masses, *stiffnesses(state.prediction.axis)}
     for name, change in zip(names, step, strict=False):
         moved_to = parameters[name] + float(change)
-        if name in masses:
-            moved_to = max(moved_to, _SMALLER_MASS * parameters[name], state.least.get(name, 0.0))
+        if name in positive and parameters[name] > 0:
+            moved_to = max(moved_to, _SMALLER * parameters[name])
+        if name in state.bounds:
+            low, high = state.bounds[name]
+            moved_to = min(max(moved_to, low), high)
         parameters[name] = moved_to
     place, placed = len(names), []
     for item in state.placed:

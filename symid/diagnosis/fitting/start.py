@@ -49,7 +49,8 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
 
     A mode that lies some widths of its resonance away from where it is sought is not found by small steps: the fit
     then lets the bodies behind it grow out of sight. A fit from another stiffness is taken if it leaves noise alone or
-    a small share of what the first one leaves, or if it stays where the other ran away.
+    a small share of what the first one leaves, or if it stays where the other ran away. Where none stays, the log does
+    not show the spring: masses and stiffnesses are then held within the range of what is no runaway.
 
     Parameters
     ----------
@@ -69,15 +70,22 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
         if astray or fitted(*begun, _FEW).mean_square < first.mean_square:
             others.append(converged(*begun))
     tame = [fit for fit in others if not _ran_away(fit, values)]
+    if astray and not tame:
+        names = _dynamic(state.prediction.axis)
+        return converged(state.within(THRESHOLDS.ran_away, names), weighting)
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
     clearly = best.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
     return best if clearly or astray else first
 
 
-def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
-    axis = fit.state.prediction.axis
+def _dynamic(axis: Axis) -> list[str]:
+    """Unknown stiffnesses, masses and inertias."""
     inertias = [body.inertial for body in axis.free_bodies if body.inertial in axis.physical_parameters]
-    for name in (*stiffnesses(axis), *inertias):
+    return [*stiffnesses(axis), *inertias]
+
+
+def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
+    for name in _dynamic(fit.state.prediction.axis):
         low, high = sorted((start[name] / THRESHOLDS.ran_away, start[name] * THRESHOLDS.ran_away))
         if not low < fit.parameters[name] < high:
             return True

@@ -6,6 +6,7 @@ no sensor sees is evaluated at the motion that the model itself implies.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -20,7 +21,7 @@ from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, wei
 from symid.errors import LogError
 
 _TAKES_PART = 0.2
-_LEAST_ROWS = 40
+_LEAST_ROWS = 20
 _BALANCED = 3
 """Further turns in which an implicit force finds its balance: friction of half the load is then within 6 %, and
 the next step begins there."""
@@ -42,8 +43,8 @@ class State:
         The same, weighted.
     beginning : array of shape (n_starts, n_outputs, n_rows)
         What an unknown state at the beginning of the log makes of them.
-    least : mapping of str to float
-        Masses and inertias below which a fit must not go, SI.
+    bounds : mapping of str to (float, float)
+        Least and largest values of masses and stiffnesses that a fit may take, SI.
     """
 
     prediction: Prediction
@@ -51,14 +52,21 @@ class State:
     errors: ComplexArray
     rows: FloatArray
     beginning: FloatArray
-    least: Mapping[str, float] = field(default_factory=dict)
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def with_least(self, share: float, nominal: Mapping[str, float]) -> State:
         """The same with masses that may fall to a share of their values, or of the nominal ones that are smaller."""
         own = self.prediction.parameters
         names = self.prediction.record.dynamics.parameters_of("mass")
         least = {name: min(abs(own[name]), abs(nominal.get(name, own[name]))) for name in names}
-        return replace(self, least={name: share * value for name, value in least.items()})
+        bounds = {name: (share * value, math.inf) for name, value in least.items()}
+        return replace(self, bounds=dict(self.bounds) | bounds)
+
+    def within(self, factor: float, names: Iterable[str]) -> State:
+        """The same with parameters that stay within a factor of their values."""
+        own = self.prediction.parameters
+        bounds = {name: (own[name] / factor, own[name] * factor) for name in names}
+        return replace(self, bounds=dict(self.bounds) | bounds)
 
     @property
     def inertia(self) -> float:
@@ -140,7 +148,7 @@ def evaluated(
 ) -> State:
     """Other parameters with other effects, whose forces act on the motion of the state before."""
     prediction, errors = predicted(state, parameters, placed)
-    return replace(_state(prediction, placed, errors, weighting), least=state.least)
+    return replace(_state(prediction, placed, errors, weighting), bounds=state.bounds)
 
 
 def predicted(

@@ -65,7 +65,8 @@ def joined(logs: Sequence[Log]) -> Joined:
         if abs(log.sampling_period - first.sampling_period) > _SAME_CLOCK * first.sampling_period:
             raise LogError(
                 f"log {log.source!r} is sampled every {log.sampling_period:g} s, {first.source!r} every "
-                f"{first.sampling_period:g} s: logs that are diagnosed together need one sampling period"
+                f"{first.sampling_period:g} s: logs that are diagnosed together need one sampling period: "
+                "resample them with symid import --resample"
             )
     names = [name for name in first.signals if all(name in log.signals for log in logs)]
     n = max(round(_WAY / first.sampling_period), 2 * _ENDS)

@@ -177,7 +177,7 @@ def forward_selection(
         The model before re-identification, another start for effects that led the parameters astray.
     """
     fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
-    nominal = nominal and replace(nominal, state=replace(nominal.state, least=fit.state.least))
+    nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
     first = _selection_step(fit, library, nominal).with_acceptable()
     branches = [_continued(fit, begun, library) for begun in (first, *first.other_timing())]
     return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
