@@ -103,6 +103,8 @@ class Thresholds:
         time then, where the position explains as much (a motor that turns slowly, real).
     driven_bonus : float
         Logarithm of the odds of the driven body.
+    refused : float
+        Logarithm of the odds of what no machine can be with the values found: its fit may have gone astray.
     indistinguishable : float
         Probability from which on a candidate counts as not told apart from the best.
     unlikely : float
@@ -173,6 +175,7 @@ class Thresholds:
     steady: float = 0.99
     of_motion: float = -3.0
     driven_bonus: float = 0.3
+    refused: float = -2.0
     indistinguishable: float = 0.15
     unlikely: float = 0.1
     noise_alone: float = 1.25

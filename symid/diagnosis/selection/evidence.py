@@ -39,12 +39,9 @@ def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
-        key = candidate.placed.key
-        put_aside = step.confirmed and (
-            key in step.refused or candidate.placed.contains(step.confirmed[0].key)
-        )
+        put_aside = step.confirmed and candidate.placed.contains(step.confirmed[0].key)
         if not put_aside:
-            gains.setdefault(key, min(candidate.penalised_gain, least))
+            gains.setdefault(candidate.placed.key, min(candidate.penalised_gain, least))
     if not gains:
         return {}
     best = max(gains.values())
@@ -54,6 +51,7 @@ def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
         + THRESHOLDS.driven_bonus * (key[1] == driven)
         + likelier.get(key, 0.0)
+        + THRESHOLDS.refused * (key in step.refused)
         for key, value in gains.items()
     }
     total = math.fsum(math.exp(x) for x in logits.values())

@@ -218,16 +218,15 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
     found = screened(fit, library)
     confirmed: dict[tuple[str, str], Confirmed] = {}
-    tried: set[tuple[str, str]] = set()
+    tried: dict[tuple[str, str], Placed] = {}
     for stage in _stages(fit, found, library, nominal, confirmed):
         tried |= _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
-    tried |= _confirm(
-        fit, [Start.of(fit, c.placed) for c in found if _simpler(c.placed.key, confirmed)], confirmed
-    )
-    refused = frozenset(tried - confirmed.keys())
+    simpler = [c.placed for c in found if _is_simpler(c.placed.key, tried)]
+    tried |= _confirm(fit, [Start.of(fit, placed) for placed in simpler], confirmed)
+    refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
     return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
 
@@ -275,20 +274,20 @@ def _is_certain(fit: Fit) -> bool:
 
 def _confirm(
     fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]
-) -> set[tuple[str, str]]:
-    """Fit candidates, whose effects and places are returned; each keeps the best of its fits."""
-    tried = set()
+) -> dict[tuple[str, str], Placed]:
+    """Fit candidates, which are returned; each keeps the best of its fits."""
+    tried = {}
     for start in starts:
-        tried.add(start.placed.key)
+        tried[start.placed.key] = start.placed
         own = confirmed_from(fit, start, THRESHOLDS.hopeless * _least_left(confirmed))
         if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
             confirmed[own.key] = own
     return tried
 
 
-def _simpler(key: tuple[str, str], confirmed: Mapping[tuple[str, str], Confirmed]) -> bool:
-    """Whether a candidate is a simpler effect than one of those confirmed, which may imitate it."""
-    return key not in confirmed and any(own.placed.contains(key) for own in confirmed.values())
+def _is_simpler(key: tuple[str, str], tried: Mapping[tuple[str, str], Placed]) -> bool:
+    """Whether a candidate is a simpler effect than one of those tried, which may imitate it."""
+    return key not in tried and any(placed.contains(key) for placed in tried.values())
 
 
 def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
