@@ -103,6 +103,8 @@ def dahl_state(q: FloatArray, reach: float) -> FloatArray:
 
 
 _LARGEST_COEFFICIENT = 0.5
+_COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)
+"""Of friction that holds a hidden joint, with which a fit may begin."""
 
 
 class LoadDependentFriction(JointEffect):
@@ -124,6 +126,9 @@ class LoadDependentFriction(JointEffect):
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         drive = prediction.record.fine(prediction.outputs[0])
         return sampled(prediction, np.abs(drive) * np.sign(joint.v), joint=joint)
+
+    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        return [((), (mu,)) for mu in _COEFFICIENTS]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         return Pointwise(_AMPLITUDE * sp.Abs(_LOAD), {"amplitude": amplitudes[0]}, dry=True)
