@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import product
 
 import numpy as np
 import sympy as sp
@@ -12,6 +13,7 @@ from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
 from symid.diagnosis.effects.base import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
+from symid.diagnosis.effects.from_law import HOLDING
 from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
@@ -23,6 +25,8 @@ _SPEED, _COURSE, _STATE, _LOAD, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z 
 _DRIFTING = _COURSE * (_AMPLITUDE * sp.sign(_SPEED) + _VISCOUS * _SPEED)
 _REACHES = np.geomspace(2e-6, 6e-4, 10)
 """Of a slide, m."""
+_GIVING = (0.03, 0.15)
+"""Reaches of friction that holds a hidden joint, relative to its largest deflection, with which a fit may begin."""
 _TURNED = np.geomspace(1e-5, 1e-2, 12)
 """Of a turning joint, relative to its stroke: gears and bearings differ by more than slides do."""
 _SAMPLES = 2.0
@@ -68,6 +72,10 @@ class PreslidingFriction(JointEffect):
         state = dahl_state(joint.q, shape[0])
         declared = joint.name in _declared(prediction, DeclaredCoulomb)
         return sampled(prediction, state - np.sign(joint.v) if declared else state, joint=joint)
+
+    def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
+        largest = max(map(abs, spring.range))
+        return [((x * largest,), (y * stiffness * largest,)) for x, y in product(_GIVING, HOLDING)]
 
     def pointwise(self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
         return Pointwise(_AMPLITUDE * _STATE, {"amplitude": amplitudes[0]}, reach=shape[0])

@@ -31,7 +31,7 @@ from symid.units import Unit
 
 _STRONG = (0.3, 1.0, 2.5, 5.0)
 """Forces of a law in a spring, or its dead zone, relative to the spring where it is deflected most."""
-_HOLDING = (0.03, 0.1, 0.3, 1.0)
+HOLDING = (0.03, 0.1, 0.3, 1.0)
 """Levels of dry friction, relative to the same."""
 
 
@@ -133,16 +133,18 @@ class LawEffect(JointEffect):
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
         if not self.law.in_spring:
-            return [((), (x * stiffness * largest,)) for x in _HOLDING] if self.is_plain_dry_friction else ()
+            shapes = product(*(_between(number, spring) for number in self.shape_parameters))
+            levels = HOLDING if self.is_one_level else ()
+            return [(shape, (x * stiffness * largest,)) for shape, x in product(shapes, levels)]
         if self.shape_names:
             return [((x * largest,), (stiffness,)) for x in _STRONG]
         (unit,) = np.abs(self.functions.arrays[0](np.array([largest]), np.zeros(1)))
         return [((), (x * stiffness * largest / unit,)) for x in _STRONG]
 
     @property
-    def is_plain_dry_friction(self) -> bool:
-        """Whether it is one level that opposes the motion."""
-        return self.functions.level is not None and len(self.formula) == 1 and not self.shape_names
+    def is_one_level(self) -> bool:
+        """Whether it is one level that opposes the motion, at all speeds or at some."""
+        return self.functions.level is not None and len(self.formula) == 1
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
@@ -256,6 +258,12 @@ def _trials(number: ShapeParameter, joint: Joint) -> list[float]:
     assert number.trials is not None, f"{number.field} has no trials: its effect needs a search of its own"
     low, high, count = number.trials
     return [float(x * _scale(number, joint)) for x in np.geomspace(low, high, count)]
+
+
+def _between(number: ShapeParameter, joint: Joint) -> tuple[float, ...]:
+    """Two of the trials, a third of the way from either end."""
+    low, *_, high = _trials(number, joint)
+    return tuple(low * (high / low) ** part for part in (1 / 3, 2 / 3))
 
 
 def _bounded(number: ShapeParameter, joint: Joint, value: float) -> float:
