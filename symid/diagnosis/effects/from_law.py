@@ -33,6 +33,8 @@ _STRONG = (0.3, 1.0, 2.5, 5.0)
 """Forces of a law in a spring, or its dead zone, relative to the spring where it is deflected most."""
 HOLDING = (0.03, 0.1, 0.3, 1.0)
 """Levels of dry friction, relative to the same."""
+_HIDDEN_SHAPES = (0.2, 1.0)
+"""Shapes of dry friction that holds a hidden joint, relative to what they are compared with."""
 
 
 class LawEffect(JointEffect):
@@ -133,7 +135,8 @@ class LawEffect(JointEffect):
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
         if not self.law.in_spring:
-            shapes = product(*(_between(number, spring) for number in self.shape_parameters))
+            scales = (_scale(number, spring) for number in self.shape_parameters)
+            shapes = product(*(tuple(x * scale for x in _HIDDEN_SHAPES) for scale in scales))
             levels = HOLDING if self.is_one_level else ()
             return [(shape, (x * stiffness * largest,)) for shape, x in product(shapes, levels)]
         if self.shape_names:
@@ -258,12 +261,6 @@ def _trials(number: ShapeParameter, joint: Joint) -> list[float]:
     assert number.trials is not None, f"{number.field} has no trials: its effect needs a search of its own"
     low, high, count = number.trials
     return [float(x * _scale(number, joint)) for x in np.geomspace(low, high, count)]
-
-
-def _between(number: ShapeParameter, joint: Joint) -> tuple[float, ...]:
-    """Two of the trials, a third of the way from either end."""
-    low, *_, high = _trials(number, joint)
-    return tuple(low * (high / low) ** part for part in (1 / 3, 2 / 3))
 
 
 def _bounded(number: ShapeParameter, joint: Joint, value: float) -> float:
