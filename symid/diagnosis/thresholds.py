@@ -72,9 +72,10 @@ class Thresholds:
         Rms of a missing force relative to the largest of the drive: a spring that holds it may carry more.
     spring_ran_away : float
         Factor by which a stiffness is beyond what any effect had hidden of it.
-    one_sided : float
-        Difference of friction by direction, relative to its mean: beyond 1 friction would push the axis one way (weight
-        of robot joints, real).
+    pushes, pushed : float
+        Force along the motion, relative to the rms of all friction, and share of the motion with it, from which on a
+        friction that differs by direction or place would push the axis (weight of robot joints, real; drawn cases
+        of a force of position times velocity).
     least_acting : float
         Share of the logged force that must act on the axis: with less, the drive has been explained away.
     explains_all : float
@@ -159,7 +160,8 @@ class Thresholds:
     deviations: float = 2.0
     largest_force: float = 5.0
     spring_ran_away: float = 1e4
-    one_sided: float = 1.1
+    pushes: float = 0.1
+    pushed: float = 0.02
     least_acting: float = 0.5
     explains_all: float = 0.01
     fit_of_noise: float = 1.5

@@ -177,3 +177,14 @@ def test_a_weight_that_the_model_lacks_is_neither_an_absolute_value_nor_friction
     light = rigid_log(lambda t, q, v, a, path: np.zeros_like(t))
     absolute = replace(light, signals={**light.signals, "F": np.abs(light["F"])})
     assert diagnose(load_axis("rigid_1m"), absolute, nominal=RIGID).verdict == "recording"
+
+
+def test_a_force_that_would_be_friction_pushing_the_axis_is_none_of_its_friction() -> None:
+    coupled = rigid_log(
+        lambda t, q, v, a, path: -6000.0 * q * v
+    )  # -6000 q v beside 150 v, where q reaches 0.1 m
+    found = diagnose(load_axis("rigid_1m"), coupled, nominal=RIGID)
+    assert "position_dependent_friction" not in {effect.effect for effect in found.effects}
+    mild = rigid_log(lambda t, q, v, a, path: -900.0 * q * v)
+    found = diagnose(load_axis("rigid_1m"), mild, nominal=RIGID)
+    assert found.effects[0].effect == "position_dependent_friction"

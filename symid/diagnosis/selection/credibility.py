@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction
-from symid.diagnosis.effects import DriveEffect, JointEffect, LinearEffect, Placed
+from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.effects.friction import declared_level
 from symid.diagnosis.fitting.blocks import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
@@ -16,6 +16,9 @@ from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _OF_MASSES = ("flexible_mode", "payload_change")
+_DIFFERS = ("asymmetric_friction", "position_dependent_friction")
+"""Friction that adds to its mean here and takes away there."""
+_FRICTIONS = (*_DIFFERS, "coulomb_friction", "viscous_friction", "stribeck_friction", "quadratic_drag")
 
 
 def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
@@ -28,7 +31,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
-    if item.effect.name == "asymmetric_friction" and friction_drives(found.state, item.at):
+    if item.effect.name in _DIFFERS and friction_drives(found.state, item.at):
         return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
@@ -56,34 +59,27 @@ def force_share(fit: Fit) -> float:
 
 
 def friction_drives(state: State, at: str) -> bool:
-    """Whether dry and viscous friction of a joint, as declared and found, would push it in one of its directions.
+    """Whether dry and viscous friction of a joint, as declared and found, would push it along for a part of its way.
 
-    A force that friction asymmetry can stand for while the axis moves is then a constant force or a weight.
+    What such friction stands for while the axis moves is a constant force, a weight, or no friction at all.
     """
-    level, coefficient = _friction(state, at)
-    given = [
-        dict(zip(item.effect.amplitudes, item.amplitudes, strict=True))
-        for item in state.placed
-        if item.key == ("asymmetric_friction", at)
-    ]
-    top = state.prediction.joints[at].top_speed
-    for speed in (SLOW_SHARE * top, top):
-        one_way = abs(sum(x.get("dFs", 0.0) + x.get("dFv", 0.0) * speed for x in given))
-        if one_way > THRESHOLDS.one_sided * (level + coefficient * speed):
-            return True
-    return False
-
-
-def _friction(state: State, at: str) -> tuple[float, float]:
-    """Coulomb level and viscous coefficient of a joint, declared and found."""
-
-    def found(*names: str) -> float:
-        return sum(p.amplitudes[0] for p in state.placed if p.at == at and p.effect.name in names)
-
+    joint, inside = state.prediction.joints[at], state.prediction.record.in_log
+    moving = inside & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed)
+    q, v = joint.q[moving], joint.v[moving]
     level, coefficient = (
         declared_level(state.prediction, at, kind) for kind in (CoulombFriction, ViscousFriction)
     )
-    return level + found("coulomb_friction", "presliding_friction"), coefficient + found("viscous_friction")
+    force = level * np.sign(v) + coefficient * v
+    for item in state.placed:
+        if item.at == at and item.effect.name in _FRICTIONS and isinstance(item.effect, LawEffect):
+            terms = item.effect.functions.arrays
+            force = force + sum(
+                c * term(q, v, *item.shape) for c, term in zip(item.amplitudes, terms, strict=True)
+            )
+        elif item.key == ("presliding_friction", at):
+            force = force + item.amplitudes[0] * np.sign(v)
+    along = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))
+    return bool(np.mean(along) > THRESHOLDS.pushed)
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:
