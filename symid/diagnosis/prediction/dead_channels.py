@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.axis import Axis, derivative_order
+from symid.axis import Axis
 from symid.data import Log
 from symid.errors import LogError
 
@@ -42,7 +42,7 @@ def without_dead_channels(axis: Axis, logs: Sequence[Log]) -> tuple[list[Log], t
         for name in (force, *(sensor.signal for sensor in axis.sensors)):
             if name in log.signals and log.n_samples and np.ptp(log[name]) == 0.0:
                 dead.setdefault(name, log.source)
-    positions = [sensor.signal for sensor in axis.sensors if derivative_order(sensor) == 0]
+    positions = [sensor.signal for sensor in axis.sensors if sensor.derivative == 0]
     present = [name for name in positions if all(name in log.signals for log in logs)]
     needed = [force] if force in dead else present if present and set(present) <= dead.keys() else []
     for name in needed:
