@@ -21,7 +21,7 @@ from symid.units import Unit
 Element: TypeAlias = Body | Spring | Damper | Weight | PendulumWeight | Law | Imperfection
 
 MOST_OPTIONAL_SENSORS = 3
-"""Up to so many optional sensors, a regressor is generated for every subset of them."""
+"""Largest number of optional sensors for which a regressor is generated for every subset."""
 
 
 _IMPERFECTIONS = ("noise", "resolution", "delay")
@@ -151,7 +151,12 @@ class Axis(Shown):
     @cached_property
     def known_parameters(self) -> dict[str, float]:
         """Values of the physical parameters that are known, SI, in the order of the declaration."""
-        numbers = {name: value for element in self.elements for name, value in _numbers_of(element)}
+        numbers = {
+            name: value
+            for element in self.elements
+            if not isinstance(element, (Weight, Imperfection))
+            for name, value in element.numbers().items()
+        }
         numbers |= {name: float(value) for name, value in self.known.items()}
         return {name: numbers[name] for name in self.parameter_units if name in numbers}
 
@@ -369,11 +374,6 @@ class Axis(Shown):
             case Law():
                 for term in element.terms():
                     yield term.parameter, term.unit(self.force_unit(element.at), length_unit(element.at))
-
-
-def _numbers_of(element: Element) -> Iterator[tuple[str, float]]:
-    if not isinstance(element, (Weight, Imperfection)):
-        yield from element.numbers().items()
 
 
 def length_unit(joint: Joint) -> Unit:

@@ -125,15 +125,11 @@ def _is_arithmetic(node: ast.AST) -> bool:
         case ast.Name(id=name):
             return not name.startswith("__")
         case ast.BinOp(left=left, op=ast.Pow(), right=right):
-            return not _is_power(left) and _is_small(right)
+            return not (isinstance(left, ast.BinOp) and isinstance(left.op, ast.Pow)) and _is_small(right)
         case ast.Constant(value=value):
             return isinstance(value, (str, int, float, bool)) or value is None
         case _:
             return True
-
-
-def _is_power(node: ast.expr) -> bool:
-    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)
 
 
 def _is_small(node: ast.expr) -> bool:

@@ -26,7 +26,7 @@ from symid.units import Unit
 
 
 class ForeignColumns(TypedDict, total=False):
-    """What must be told of a file whose columns are not named after signals, or not in SI; see `read_log`."""
+    """Options for a file whose columns are not named after signals, or not in SI units; see `read_log`."""
 
     columns: Mapping[str, str] | None
     units: Mapping[str, str] | None

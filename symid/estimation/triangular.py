@@ -111,7 +111,8 @@ class TriangularFactor:
         self._check_block(W, y, valid)
         chosen = None if valid is None or bool(np.all(valid)) else np.flatnonzero(valid)
         count = len(y) if chosen is None else len(chosen)
-        size = _chunk_rows(self.parameters + 1)
+        columns = self.parameters + 1
+        size = max(4 * columns, _CHUNK_ELEMENTS // columns)
         R: FloatArray = np.array(self.R)
         buffer = np.empty((self.parameters + 1 + min(size, count), self.parameters + 1), order="F")
         for start in range(0, count, size):
@@ -243,10 +244,6 @@ def triangle(rows: FloatArray) -> FloatArray:
     stacked = np.zeros((max(len(rows), columns), columns), order="F")
     stacked[: len(rows)] = rows
     return _factorise(stacked)
-
-
-def _chunk_rows(columns: int) -> int:
-    return max(4 * columns, _CHUNK_ELEMENTS // columns)
 
 
 def _fold(

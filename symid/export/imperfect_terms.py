@@ -85,7 +85,7 @@ class Imperfect:
 
     @property
     def remembering(self) -> tuple[Memory, ...]:
-        """The memories that there are."""
+        """Memories of the effects that have one."""
         return tuple(memory for memory in self.memories if memory is not None)
 
     @property

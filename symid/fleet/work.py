@@ -282,7 +282,7 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
 
 
 def _diagnosed(axis: FleetAxis, log: Log, message: str) -> dict[str, Value]:
-    """Columns of the diagnosis; what keeps it from being made is added to the message."""
+    """Columns of the diagnosis; where it fails, the reason is added to the message."""
     from symid.diagnosis import diagnose  # sympy takes half a second to load
 
     settings, prepared = axis.settings, axis.settings.preparation

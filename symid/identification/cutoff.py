@@ -2,7 +2,7 @@
 
 A cutoff is first chosen from spectra (`settings`). It is replaced where the estimate itself says more: by a lower one
 where the model does not describe the band, and by that of the smallest printed deviations where these are large. Too
-low a cutoff hides what tells parameters apart, too high a one lets noise into W.
+low a cutoff hides what distinguishes parameters, too high a one lets noise into W.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class Estimation:
         return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
 
     def scaled(self, first: Trial, factor: float) -> Trial | None:
-        """Rows and estimate at so many times the cutoffs of a trial; None where lower ones leave too few rows."""
+        """Rows and estimate at a multiple of the cutoffs of a trial; None where lower ones leave too few rows."""
         cutoffs = [factor * _cutoff(run) for run in first.runs]
         try:
             found = self._at([replace(self.preparation, cutoff_hz=float(f"{x:.3g}")) for x in cutoffs])

@@ -3,7 +3,7 @@
 Each log is prepared and sampled (`observe`), all of them together are solved by weighted least squares in which every
 equation of every log has its own weight (`estimate`), the deviations are corrected for the correlation of the
 residual (`corrected_covariance`), and the minimal parameters are mapped to physical ones (`physical_estimates`).
-Then the result is examined for what no deviation tells: a force recorded at another time than it acts (`timing_of`),
+Errors that no deviation shows are examined last: a force recorded at another time than it acts (`timing_of`),
 noise in W and differences that are no derivatives (`bias_of`).
 """
 

@@ -40,7 +40,7 @@ class LogMapping:
     guesses : tuple of str
         What was guessed and why; said whenever the mapping is used, until these lines are deleted.
     missing : tuple of str
-        What nothing told; a mapping with such lines cannot be used.
+        What neither the file nor an answer provided; a mapping with such lines cannot be used.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)

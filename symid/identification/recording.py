@@ -139,14 +139,9 @@ def _slew_limited(x: FloatArray) -> float:
     """Share of steps that are as large as the largest, of a channel whose values are not coarse."""
     step = np.abs(np.diff(x))
     largest = float(step.max(initial=0.0))
-    if largest == 0.0 or _is_coarse(x):
+    if largest == 0.0 or np.unique(x).size < (1.0 - _COARSE_VALUES) * x.size:
         return 0.0
     return float(np.mean(step > largest * (1.0 - _SAME)))
-
-
-def _is_coarse(x: FloatArray) -> bool:
-    """Whether values occur again and again."""
-    return np.unique(x).size < (1.0 - _COARSE_VALUES) * x.size
 
 
 def step_of(x: FloatArray) -> float:

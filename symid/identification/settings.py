@@ -43,13 +43,13 @@ class Preparation:
         Whether the force passes the same filter as the motion. False is the published recipe of EMPS; it biases
         flexible models, whose regressor holds derivatives of the force.
     decimation : int, optional
-        Every so many samples one row.
+        Number of samples for each row.
     trim : tuple of int, optional
         Samples left out at the beginning and at the end.
     standstill : float, optional
         Speed below which rows do not enter equations with a law that jumps at standstill; 0 keeps all rows.
     late : mapping of str to float
-        Seconds by which signals were recorded later than the others; they are moved back by so much. A force that acts
+        Seconds by which signals were recorded later than the others; they are moved back by it. A force that acts
         later than it is recorded has a negative value.
     held : bool, optional
         Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
@@ -141,7 +141,8 @@ class Spectra:
     def of(cls, log: AnyLog, model: GeneratedModel) -> Spectra:
         """Those of a log; of one above a million samples, of evenly spread excerpts."""
         recorded = _excerpts(log, model.most_differentiated)
-        length = min(_segment(log), recorded.shape[1])
+        segment = max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
+        length = min(segment, recorded.shape[1])
         bent = derivatives(recorded, log.sampling_period, 2)[1]
         forces = np.stack([segment_spectra(_excerpts(log, force), length) for force in model.forces])
         motion, itself = (segment_spectra(x, length) for x in (bent, recorded))
@@ -216,10 +217,6 @@ def _excerpts(log: AnyLog, name: str) -> FloatArray:
         return log.window(0, log.n_samples)[name][None]
     starts = np.linspace(0, log.n_samples - length, _EXCERPTS).astype(int).tolist()
     return np.stack([log.window(start, start + length)[name] for start in starts])
-
-
-def _segment(log: AnyLog) -> int:
-    return max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
 
 
 def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:

@@ -25,7 +25,7 @@ _STEPS = 400
 def starts(
     forward: Forward, minimal: FloatArray, deviations: FloatArray, signed: BoolArray
 ) -> Iterator[FloatArray]:
-    """Parameters whose minimal parameters have about the logarithms that were estimated, the best match first.
+    """Physical parameters to start from: their minimal parameters match the estimated logarithms, best match first.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from symid.identification import Observation
 
 @dataclass(frozen=True, eq=False)
 class InstrumentalFit:
-    """An estimate and how well its instruments did.
+    """An estimate by instrumental variables, and how strong its instruments are.
 
     Parameters
     ----------
@@ -58,7 +58,9 @@ def estimate_by_instruments(
     """
     root, p = start.rank.inverse_root, start.solution.size
     cross, own, slope = np.zeros((p, p)), np.zeros((p, p)), np.zeros(p)
-    for seen, Z, weights in _by_log(observations, instruments, start.weights):
+    for seen, Z, weights in zip(
+        observations, instruments, start.weights.reshape(len(observations), -1), strict=True
+    ):
         for j, weight in enumerate(weights):
             used = seen.valid[j]
             z, w = (weight * columns[j][used] @ root for columns in (Z, seen.W))
@@ -84,13 +86,6 @@ def estimate_by_instruments(
         residual_norm=norms,
     )
     return InstrumentalFit(fit, correlation)
-
-
-def _by_log(
-    observations: Sequence[Observation], instruments: Sequence[FloatArray], weights: FloatArray
-) -> list[tuple[Observation, FloatArray, FloatArray]]:
-    per_log = weights.reshape(len(observations), -1)
-    return list(zip(observations, instruments, per_log, strict=True))
 
 
 def _residual_norms(observations: Sequence[Observation], X: FloatArray) -> FloatArray:

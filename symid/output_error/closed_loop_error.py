@@ -105,7 +105,7 @@ class ClosedLoopError:
 
     @property
     def nuisance_steps(self) -> FloatArray:
-        """Their difference steps."""
+        """Difference steps of the nuisance parameters."""
         return np.full(len(self._positions), _OFFSET_STEP)
 
     @property

@@ -332,7 +332,8 @@ class _Drawing:
         reference, colour = sensor.reference, self.palette.other
         start = _WALL if isinstance(reference, Ground) else self.boxes[reference.name].centre
         end = self.boxes[sensor.body.name].centre
-        for x, foot in ((start, self._foot(reference)), (end, self._half)):
+        low = self.boxes[GROUND.name].height / 2 if isinstance(reference, Ground) else self._half
+        for x, foot in ((start, low), (end, self._half)):
             self.axes.plot([x, x], [foot, y + 0.08], color=colour, linewidth=0.7, zorder=1)
         self.axes.plot(
             [start, end], [y, y], color=colour, linewidth=1.4, linestyle=style, gid=f"sensor {sensor.signal}"
@@ -345,9 +346,6 @@ class _Drawing:
         )
         label = _marked(sensor.signal, _marks(self.axis, *ripples))
         self._text(end - 0.45 * side, y + 0.2, label, color=colour)
-
-    def _foot(self, body: Body | Ground) -> float:
-        return self.boxes[GROUND.name].height / 2 if isinstance(body, Ground) else self._half
 
     def _weights(self) -> None:
         for element in self.axis.elements:

@@ -12,8 +12,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import sympy as sp
 
-from symid.arrays import FloatArray
-
 _DRAWS = 400
 _RARE = 0.01
 """Share of the draws below which a second solution with the right signs is irrelevant in practice."""
@@ -48,7 +46,8 @@ def other_solutions_are_unphysical(
         Those that may be negative.
     """
     names = list(units)
-    truth = _draws(units)
+    generator = np.random.default_rng(0)
+    truth = [10 ** generator.uniform(*_RANGES.get(unit, (0.0, 3.0)), _DRAWS) for unit in units.values()]
     forward = sp.lambdify(sp.symbols(names), list(minimal.values()), "numpy")
     values = [np.broadcast_to(np.asarray(x, dtype=complex), _DRAWS) for x in forward(*truth)]
     seconds = np.zeros(_DRAWS)
@@ -66,8 +65,3 @@ def other_solutions_are_unphysical(
             same &= np.abs(value - own) < 1e-3 * np.abs(own)
         seconds += right & ~same
     return bool(np.mean(seconds > 0) < _RARE)
-
-
-def _draws(units: Mapping[str, str]) -> list[FloatArray]:
-    generator = np.random.default_rng(0)
-    return [10 ** generator.uniform(*_RANGES.get(unit, (0.0, 3.0)), _DRAWS) for unit in units.values()]

@@ -50,7 +50,10 @@ class Scaling:
 
     def scaled(self, row: Row) -> Row:
         """A row of the scaled axis."""
-        return {column: self._without_ratios(entry) for column, entry in row.items()}
+        return {
+            column: self.plain.from_dict({m: term_of(c)[0] for m, c in entry.terms()})
+            for column, entry in row.items()
+        }
 
     def operators(self, operators: OperatorModel, rows: Mapping[str, Row]) -> OperatorModel:
         """Forces and laws of the scaled axis; its motion is left out."""
@@ -85,9 +88,6 @@ class Scaling:
             {b: entry.mul_ground(scale) for b, entry in multipliers.items()},
             {c: entry.mul_ground(scale) for c, entry in entries.items()},
         )
-
-    def _without_ratios(self, entry: PolyElement) -> PolyElement:
-        return self.plain.from_dict({m: term_of(c)[0] for m, c in entry.terms()})
 
     def _with_ratios(
         self, entry: PolyElement, power: Exponents, ring: PolyRing, powers: _Powers

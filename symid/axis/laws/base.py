@@ -143,7 +143,7 @@ class Law(ABC):
     in_spring: ClassVar[bool] = False
     """Whether it belongs to a spring, so that q is the deflection of that."""
     moves_hidden: ClassVar[bool] = True
-    """Whether it may change the motion of a joint that no sensor sees so much that a diagnosis must integrate it."""
+    """Whether it may change the motion of an unmeasured joint so much that a diagnosis must integrate that motion."""
     imitates: ClassVar[tuple[type[Law], ...]] = ()
     """Simpler laws whose lack it may explain as well: a diagnosis tries them too, and prefers them in a tie."""
     advice: ClassVar[str] = ""

@@ -46,7 +46,9 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
         raise damaged(path, "MATLAB", error) from error
     public = {name: value for name, value in variables.items() if not name.startswith("__")}
     found = [(names, array) for names, array in _arrays(public) if array.size != 1]
-    table = table_of_arrays(dict(zip(short_names([names for names, _ in found]), _only(found), strict=True)))
+    table = table_of_arrays(
+        dict(zip(short_names([names for names, _ in found]), [array for _, array in found], strict=True))
+    )
     if (
         public
         and not table.headers
@@ -76,10 +78,6 @@ def _arrays(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
         items: Sequence[object] = list(np.ravel(np.array(value, dtype=object))) if len(value) else []
         for i, inner in enumerate(items):
             yield from _arrays(inner, (*names[:-1], f"{names[-1]}({i + 1})") if names else (str(i + 1),))
-
-
-def _only(found: Sequence[tuple[tuple[str, ...], npt.NDArray[Any]]]) -> list[npt.NDArray[Any]]:
-    return [array for _, array in found]
 
 
 def _require_room_for(path: Path, memory: int | None) -> None:
