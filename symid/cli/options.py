@@ -166,14 +166,17 @@ def assignments(values: tuple[str, ...], option: str) -> dict[str, str]:
     Raises
     ------
     SettingError
-        If one has no equals sign.
+        If one has no equals sign, or a name has two values.
     """
-    pairs = {}
+    pairs: dict[str, str] = {}
     for value in values:
         name, equals, right = value.partition("=")
         if not (name and equals and right):
             raise SettingError(f"{option} {value!r} is not NAME=VALUE: write for example {option} q2=pos_mm")
-        pairs[name.strip()] = right.strip()
+        if pairs.setdefault(name.strip(), right.strip()) != right.strip():
+            raise SettingError(
+                f"{option} {name.strip()} is given as {pairs[name.strip()]} and as {right.strip()}: give it once"
+            )
     return pairs
 
 

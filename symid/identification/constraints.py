@@ -32,6 +32,10 @@ _AT_BOUND = 1e-7
 """Distance from a bound, in deviations or in the value, that counts as none."""
 
 
+_SHARPEST, _SMALLEST = 1e-13, 1e-100
+"""Least deviation of a prior relative to its mean, and at all: its inverse square must not overflow."""
+
+
 @dataclass(frozen=True)
 class Constraints:
     """Bounds and priors of physical parameters, SI.
@@ -79,6 +83,13 @@ class Constraints:
         for name, (low, high) in given.bounds.items():
             if low is not None and high is not None and not low < high:
                 raise SettingError(f"bounds of {name}: {low:g} is not below {high:g}")
+        highest = {name: high for name, (_, high) in given.bounds.items() if high is not None}
+        for name, value in (*highest.items(), *((name, mean) for name, (mean, _) in given.prior.items())):
+            if value < 0 and name not in model.signed:
+                said = "bounds say" if name in highest else "prior says"
+                raise SettingError(
+                    f"{name} is at least 0 by its declaration, and its {said} {value:g}: give positive values, in SI units"
+                )
         return given
 
     def ranges(self, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
@@ -109,6 +120,11 @@ def _prior(name: str, value: object) -> tuple[float, float]:
     if mean is None or deviation is None or deviation <= 0:
         raise SettingError(
             f"the prior of {name} is {shortened(value)}: give its mean and a deviation above 0, in SI units"
+        )
+    if deviation < max(_SHARPEST * abs(mean), _SMALLEST):
+        raise SettingError(
+            f"the prior of {name} has a deviation of {deviation:g}, finer than numbers are: give the value as known "
+            f"(--fix {name}={mean:g})"
         )
     return mean, deviation
 

@@ -27,7 +27,7 @@ def judged(found: Identification) -> Identification:
     free = restricted.free
     deviations = free.propagated_deviations(found.covariance)
     outside = _outside(found, free.parameters, deviations, estimate.parameters)
-    if found.status != "ok" or not outside:
+    if found.status not in ("ok", "undetermined") or not outside:
         return replace(found, notes=notes)
     message = f"bounds or priors contradict the log: {outside}: correct them, the model or the log"
     return replace(found, status="contradicted", message=message, notes=notes)

@@ -82,12 +82,15 @@ def _undetermined(found: Identification, criteria: Criteria) -> str:
     if not found.physical:
         return ""
     values, deviations = found.physical[0].parameters, found.physical_deviations
+    restricted = found.physical[0].restricted
+    held = restricted.held if restricted else {}  # a bound says what the log does not
     vague = [
         f"{name} ({value:.2g} +- {deviation:.2g} {unit})"
-        for (name, unit), value, deviation in zip(
-            found.model.physical_units.items(), values, deviations, strict=True
+        for i, ((name, unit), value, deviation) in enumerate(
+            zip(found.model.physical_units.items(), values, deviations, strict=True)
         )
         if name not in found.model.signed
+        and i not in held
         and not deviation < criteria.undetermined * value
         and np.isfinite(value)
     ]

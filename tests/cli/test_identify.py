@@ -157,6 +157,7 @@ def test_units_and_foreign_columns_give_the_same_parameters(folder: Path, argume
         ("identify rigid_1m good.csv --trim 3000", "trim"),
         ("identify rigid_1m good.csv --trim a,b", "--trim"),
         ("identify rigid_1m good.csv --gain q", "NAME=VALUE"),
+        ("identify rigid_1m good.csv --fix M=5 --fix M=6", "--fix M is given as 5 and as 6: give it once"),
         ("identify rigid_1m good.csv --late q=1parsec", "parsec"),
         ("identify rigid_1m good.csv --late x=1us", "no signal 'x'"),
         ("identify rigid_1m good.csv --held x", "--held x is not the force"),

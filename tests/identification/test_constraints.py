@@ -121,6 +121,9 @@ def test_a_negative_friction_is_held_at_zero_and_not_ok() -> None:
     found = plain(log, bounds="physical")
     assert found.physical_parameters["Fv"] == 0.0
     assert found.status == "contradicted"
+    examined = identify("rigid_1m", log, preparation=RAW, bounds="physical")
+    assert examined.status == "contradicted", examined.message
+    assert "Fv is 0 where the log alone says -" in examined.message
 
 
 def test_bounds_that_do_not_bind_change_nothing() -> None:
@@ -161,9 +164,12 @@ def test_a_fixed_stiffness_separates_what_one_frequency_does_not() -> None:
     ("knowledge", "message"),
     [
         ({"bounds": {"M": (3.0, 2.0)}}, "3 is not below 2"),
+        ({"bounds": {"M": (-5.0, -1.0)}}, "M is at least 0 by its declaration, and its bounds say -1"),
+        ({"prior": {"Fv": (-3.0, 1.0)}}, "Fv is at least 0 by its declaration, and its prior says"),
         ({"bounds": {"M": 3.0}}, "give a pair of numbers"),
         ({"bounds": "possible"}, "give 'physical'"),
         ({"prior": {"M": (3.0, 0.0)}}, "a deviation above 0"),
+        ({"prior": {"M": (3.0, 1e-20)}}, r"finer than numbers are: give the value as known \(--fix M=3\)"),
         ({"prior": {"Q": (3.0, 1.0)}}, "'Q' is no unknown parameter"),
         ({"fixed": {"Q": 3.0}}, "no parameter 'Q'"),
         ({"fixed": {"M": 5.0}, "bounds": {"M": (0.0, 9.0)}}, "its value is known"),
