@@ -88,7 +88,7 @@ class Constraints:
             if value < 0 and name not in model.signed:
                 said = "bounds say" if name in highest else "prior says"
                 raise SettingError(
-                    f"{name} is at least 0 by its declaration, and its {said} {value:g}: give positive values, in SI units"
+                    f"{name} is at least 0 by its declaration, and its {said} {value:g}: give SI values above 0"
                 )
         return given
 
