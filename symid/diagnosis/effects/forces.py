@@ -43,6 +43,9 @@ _MODES = 40
 _MOST_OF_MASS = 0.95
 _INSIDE = 0.99
 _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
+_USUAL_CHANGE = 0.1
+_MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
+"""Of the log, at which the most usual change is also tried."""
 _DAMPINGS = (0.01, 0.05, 0.2)
 
 
@@ -210,24 +213,34 @@ class PayloadChange(Effect):
         score = (later - after * later[0]) ** 2 / (after * (1 - after) + 1e-2)
         step = max(1, score.size // 400)
         times = best_peaks(score[::step], record.fine_time[::step], _TRIALS)
-        mass = float(body.direction @ prediction.response.plant.mass @ body.direction)
+        mass = abs(float(body.direction @ prediction.response.plant.mass @ body.direction))
         first, last = _CHANGES_WITHIN * record.log.n_samples * record.log.sampling_period
-        return [(x * abs(mass), t) for t in times if first < t < last for x in _MASS_CHANGES]
+        spread = record.duration * _MOMENTS_TRIED
+        moments = {
+            x: [*times, *map(float, spread)] if abs(x) == _USUAL_CHANGE else times for x in _MASS_CHANGES
+        }
+        return [(x * mass, t) for x in _MASS_CHANGES for t in moments[x] if first < t < last]
 
     def shapes_of_log(self, record: Record, shape: Shape) -> Iterable[Shape]:
         return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         record, (change, moment) = prediction.record, shape
-        direction = prediction.bodies[place].direction
+        body = prediction.bodies[place]
+        changed = body.remembered(self, (change,), lambda: self._changed(prediction, body.direction, change))
+        time = record.fine_time
+        later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
+        return record.from_grid(record.fine(changed) * later)[None]
+
+    def _changed(self, prediction: Prediction, direction: FloatArray, change: float) -> ComplexArray:
+        """What the axis with the other mass makes of the outputs."""
+        record = prediction.record
         inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
         other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
         outputs = other.of_position * record.motion + other.of_forces(
             prediction.law_forces + prediction.forces
         )
-        time = record.fine_time
-        later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
-        return record.from_grid(record.fine(outputs - prediction.outputs) * later)[None]
+        return outputs - prediction.outputs
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)

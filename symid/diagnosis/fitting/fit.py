@@ -20,6 +20,8 @@ from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError
 
 _LARGEST_SHAPE_STEP = 0.3
+_LARGEST_MOMENT_STEP = 0.01
+"""Of the moment of a change, relative to the log: what the error says of it holds nearby only."""
 _SMALLER = 0.3
 """Factor by which a mass or a stiffness may fall in a step: it stays positive while all else moves."""
 _DAMPINGS = (0.0, 1e-4, 1e-2, 0.3, 5.0)
@@ -269,7 +271,12 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
             changes = step[place : place + len(amplitudes)]
             amplitudes = tuple(float(a + c) for a, c in zip(amplitudes, changes, strict=True))
             place += len(amplitudes)
-        limits = [_LARGEST_SHAPE_STEP * abs(x) for x in item.shape]
+        limits = [
+            _LARGEST_MOMENT_STEP * state.prediction.record.duration
+            if name in item.effect.moments
+            else _LARGEST_SHAPE_STEP * abs(x)
+            for name, x in zip(item.effect.shape_names, item.shape, strict=True)
+        ]
         changes = np.clip(step[place : place + len(item.shape)], np.negative(limits), limits)
         moved = tuple(float(x + c) for x, c in zip(item.shape, changes, strict=True))
         shape = item.effect.bounded(state.prediction, item.at, moved)
