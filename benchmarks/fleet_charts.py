@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symid.fleet import Change, control_chart, judge_spread, spread_between
+from symid.fleet import TrendChange, control_chart, judge_spread, spread_between
 
 FloatArray = np.ndarray
 
@@ -55,7 +55,7 @@ def detection(kind: str, runs: int, size: float, draws: int, between: float = 2.
     """How a step two thirds into the series, or a drift over all of it, is found."""
     sigma, at = np.hypot(1.0, between), 2 * runs // 3
     shape = np.linspace(0, 1, runs) if kind == "drift" else np.arange(runs) >= at
-    hits: list[Change] = []
+    hits: list[TrendChange] = []
     for k in range(draws):
         x, s = drawn(runs, between, k)
         changes = control_chart(x + size * sigma * shape, s).changes

@@ -36,7 +36,7 @@ from symid.cli.saying import say
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.fleet.batch_settings import METHODS
 from symid.fleet.worker_limits import LONGEST
-from symid.report.batch import print_batch
+from symid.report.batch_tables import print_batch
 
 batch_options = shared(
     click.option(

@@ -23,7 +23,7 @@ from symid.fleet import (
     review_fleet,
     units_in,
 )
-from symid.report.fleet import fleet_record, print_fleet
+from symid.report.fleet_tables import fleet_record, print_fleet
 from symid.signals import is_signal_name
 
 

@@ -90,7 +90,7 @@ def command(log: str, **options: Any) -> None:
     look = replace(look, period=1 / known.rate) if known.rate else look
     mapping = _mapping(look, declared, known) if declared else None
     if options["plot"]:
-        from symid.report.foreign import plot_foreign  # matplotlib takes a second to load
+        from symid.report.foreign_figure import plot_foreign  # matplotlib takes a second to load
 
         palette = palette_of(options["dark"])
         plot_foreign(look.table, look.columns, look.period, options["plot"], palette)

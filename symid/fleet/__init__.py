@@ -3,13 +3,13 @@
 from symid.fleet.batch import Batch, Interrupted, identify_batch
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.control_chart import ControlChart, control_chart
-from symid.fleet.joint import JointIdentification, LogFactors, identify_jointly, log_factors
+from symid.fleet.joint_estimate import JointIdentification, LogFactors, identify_jointly, log_factors
 from symid.fleet.journal import journal_file, read_journal
 from symid.fleet.kept_factors import join_results
 from symid.fleet.result_table import read_rows
 from symid.fleet.results import UNITS, read_results, units_in
 from symid.fleet.review import AxisReview, FleetReview, ParameterReview, review_fleet
-from symid.fleet.segments import Change, TrendSegment
+from symid.fleet.segments import TrendChange, TrendSegment
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
 from symid.fleet.summary import summary_of
 
@@ -18,7 +18,6 @@ __all__ = [
     "AxisReview",
     "Batch",
     "BatchSettings",
-    "Change",
     "ControlChart",
     "FleetReview",
     "Interrupted",
@@ -27,6 +26,7 @@ __all__ = [
     "ParameterReview",
     "Spread",
     "SpreadVerdict",
+    "TrendChange",
     "TrendSegment",
     "control_chart",
     "identify_batch",

@@ -25,7 +25,7 @@ import scipy
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
-from symid.fleet.segments import Change, TrendSegment, cut, fitted_segment, places_of_step
+from symid.fleet.segments import TrendChange, TrendSegment, cut, fitted_segment, places_of_step
 
 LEAST_RUNS = 8
 """Runs from which changes are looked for."""
@@ -62,7 +62,7 @@ class ControlChart:
         Standard deviation between runs within the segments.
     segments : tuple of TrendSegment
         Their times are days since the first run, or numbers of runs.
-    changes : tuple of Change
+    changes : tuple of TrendChange
         In order of time.
     """
 
@@ -76,7 +76,7 @@ class ControlChart:
     isolated: BoolArray
     between: float
     segments: tuple[TrendSegment, ...]
-    changes: tuple[Change, ...]
+    changes: tuple[TrendChange, ...]
 
 
 def control_chart(
@@ -265,7 +265,7 @@ def _changes(
     x: FloatArray,
     weights: FloatArray,
     segments: Sequence[TrendSegment],
-) -> tuple[Change, ...]:
+) -> tuple[TrendChange, ...]:
     """Steps between the segments and drifts within them."""
     freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
     factor = float(scipy.special.stdtrit(freedom, 0.975))
@@ -299,7 +299,7 @@ def _steps(
     weights: FloatArray,
     before: TrendSegment,
     after: TrendSegment,
-) -> list[Change]:
+) -> list[TrendChange]:
     """The step between two segments; none where a drift begins or ends without one."""
     (old, old_variance), (new, new_variance) = before.at(time[after.first]), after.at(time[after.first])
     std = math.sqrt(old_variance + new_variance)
@@ -308,7 +308,7 @@ def _steps(
     first, last = places_of_step(time, x, weights, before, after)
     when = series.when
     return [
-        Change(
+        TrendChange(
             kind="step",
             log=after.first,
             when=when[after.first],
@@ -323,13 +323,13 @@ def _steps(
     ]
 
 
-def _drift(series: _Series, time: FloatArray, segment: TrendSegment) -> Change:
+def _drift(series: _Series, time: FloatArray, segment: TrendSegment) -> TrendChange:
     first, last = segment.first, segment.end - 1
     length = float(time[last] - time[first])
     begin, end = segment.at(time[first])[0], segment.at(time[last])[0]
     std = math.sqrt(segment.slope_variance) * length
     when = series.when
-    return Change(
+    return TrendChange(
         kind="drift",
         log=first,
         when=when[first],

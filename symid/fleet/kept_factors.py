@@ -11,7 +11,7 @@ import polars as pl
 from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import TriangularFactor
-from symid.fleet.joint import JointIdentification, LogFactors, identify_jointly
+from symid.fleet.joint_estimate import JointIdentification, LogFactors, identify_jointly
 from symid.fleet.results import UNKNOWN, groups
 from symid.fleet.row import FACTORS
 

@@ -18,7 +18,7 @@ from symid.data.formats import FOLDER_SUFFIXES, suffix_of
 from symid.errors import GeneratedModuleError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS
-from symid.identification.logs import axis_columns
+from symid.identification.axis_logs import axis_columns
 
 PathLike = str | os.PathLike[str]
 

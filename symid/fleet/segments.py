@@ -68,7 +68,7 @@ class TrendSegment:
 
 
 @dataclass(frozen=True)
-class Change:
+class TrendChange:
     """A step between two runs, or a drift over several.
 
     Parameters

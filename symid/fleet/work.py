@@ -19,7 +19,7 @@ from symid.data import AnyLog, Log, columns_in
 from symid.errors import LogError
 from symid.files import irregular
 from symid.fleet.batch_settings import ROW_METHODS
-from symid.fleet.joint import log_factors
+from symid.fleet.joint_estimate import log_factors
 from symid.fleet.kept_factors import packed
 from symid.fleet.plan import FleetAxis
 from symid.fleet.row import FACTORS, Row, Value, finite, time_text, trouble, with_deviations

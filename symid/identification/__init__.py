@@ -1,12 +1,12 @@
 """Identification: observation of logs, estimation, physical parameters."""
 
+from symid.identification.axis_logs import measured_signals, open_axis_log, read_axis_log
 from symid.identification.bias import Bias, bias_of
 from symid.identification.constraints import Constraints
 from symid.identification.contradiction import judged, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
 from symid.identification.identify import distrusted, found_from, identify
 from symid.identification.known_per_log import SharedIdentification, identify_with_known
-from symid.identification.logs import measured_signals, open_axis_log, read_axis_log
 from symid.identification.mapping import LogMapping, guessed_mapping, read_mapping, stated_period
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates

@@ -25,8 +25,8 @@ from symid.identification import (
     judged,
     observe,
 )
-from symid.instrumental.controller import cascade_of_log
 from symid.instrumental.estimate import InstrumentalFit, estimate_by_instruments
+from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import ClosedLoop
 
 _MOST_ROUNDS = 4

@@ -16,9 +16,9 @@ from symid import __version__
 from symid.files import write_whole
 from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview
 from symid.fleet.results import numbers, parameter_names
-from symid.report import control_chart
-from symid.report.control_chart import ChartShapes, DistributionShapes, chart_shapes, distribution_shapes
-from symid.report.fleet import fleet_record
+from symid.report import control_chart_svg
+from symid.report.control_chart_svg import ChartShapes, DistributionShapes, chart_shapes, distribution_shapes
+from symid.report.fleet_tables import fleet_record
 from symid.report.pages import html_path, page_templates
 
 _MOST_OPEN = 6
@@ -94,7 +94,7 @@ def write_fleet_html(
         outliers=outliers[:_MOST_OUTLIERS],
         outlying=len(outliers),
         logs=_logs(found),
-        drawing=control_chart,
+        drawing=control_chart_svg,
         version=__version__,
     )
     write_whole(path, text)

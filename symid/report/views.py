@@ -18,7 +18,7 @@ from symid.files import write_whole
 from symid.fleet import Batch, review_fleet, summary_of
 from symid.identification import Identification, SharedIdentification
 from symid.output_error import OutputErrorIdentification
-from symid.report.batch import print_batch
+from symid.report.batch_tables import print_batch
 from symid.report.console import ReportConsole
 from symid.report.derivation import print_derivation
 from symid.report.diagnosis import diagnosis_record, print_diagnosis

@@ -30,7 +30,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 from symid.symbolic.branch_signs import other_solutions_are_unphysical
 from symid.symbolic.minimal import MinimalModel, ParameterFunction
 from symid.symbolic.span import Span
-from symid.symbolic.triangular import MOST_TERMS, TriangularSolution, triangular_solution
+from symid.symbolic.triangular_systems import MOST_TERMS, TriangularSolution, triangular_solution
 
 Identifiability = Literal["unique", "several", "none"]
 

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from symid.axis import Axis
 from symid.data import AnyLog, Frame, Log, LongLog
-from symid.identification import logs as files
+from symid.identification import axis_logs as files
 from symid.verbs.axes import of_any_axis
 
 Recorded: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.formats.columns import short_names, vector
+from symid.data.formats.channels import short_names, vector
 from symid.data.formats.extra import required
 from symid.data.memory import require_room
 from symid.data.table import Table, damaged

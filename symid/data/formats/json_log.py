@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symid.data.formats.columns import short_names, table_of_arrays
+from symid.data.formats.channels import short_names, table_of_arrays
 from symid.data.memory import require_room
 from symid.data.table import Table, damaged
 from symid.data.time_stamps import seconds_of_stamps

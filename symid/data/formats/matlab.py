@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from symid.data.formats.columns import short_names, table_of_arrays
+from symid.data.formats.channels import short_names, table_of_arrays
 from symid.data.formats.hdf5 import MAGIC, open_hdf5
 from symid.data.memory import require_room
 from symid.data.table import Table, damaged

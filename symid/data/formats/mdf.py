@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from symid.data.formats.columns import Channel, short_names, table_of_channels
+from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import require_installed
 from symid.data.memory import require_room
 from symid.data.table import Table, damaged

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from symid.data.formats.columns import Channel, short_names, table_of_channels
+from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.table import Table
 
 _DEEPEST, _LONGEST_ARRAY = 8, 64

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symid.data.formats.columns import table_of_arrays
+from symid.data.formats.channels import table_of_arrays
 from symid.data.memory import require_room
 from symid.data.table import Table, damaged
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.csv_table import open_laid_out
-from symid.data.formats.columns import Channel, table_of_channels
+from symid.data.formats.channels import Channel, table_of_channels
 from symid.data.layout import Layout, encoding_of, fields, has_decimal_comma, is_number, lines_of
 from symid.data.table import Table
 from symid.errors import LogError

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.formats.columns import Channel, short_names, table_of_channels
+from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import required
 from symid.data.memory import require_room
 from symid.data.table import Table, damaged

@@ -31,7 +31,7 @@ from symid.diagnosis.prediction.joined import Joined
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.errors import SettingError
-from symid.instrumental.controller import cascade_of_log
+from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import Cascade, Plant, Replay, Trajectory, plant_of, simulate
 from symid.simulation.imperfect_plant import misreading
 

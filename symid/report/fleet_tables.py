@@ -9,7 +9,7 @@ from typing import Any
 
 from rich.console import Console
 
-from symid.fleet import AxisReview, Change, FleetReview, JointIdentification, ParameterReview
+from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview, TrendChange
 from symid.report.console import TextTable, plain, report_console
 from symid.report.number_text import MISSING, percent, probability, significant, with_deviation, words
 
@@ -105,7 +105,7 @@ def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
     }
 
 
-def change_record(change: Change) -> dict[str, Any]:
+def change_record(change: TrendChange) -> dict[str, Any]:
     """A change as a record; times in ISO."""
     return {
         "kind": change.kind,
@@ -137,12 +137,12 @@ def moment(when: datetime | float) -> str:
     return f"{when:%Y-%m-%d %H:%M}" if isinstance(when, datetime) else f"log {when + 1:.0f}"
 
 
-def change_sentence(change: Change) -> str:
+def change_sentence(change: TrendChange) -> str:
     """A change in words: parameter, time and size.
 
     Examples
     --------
-    >>> change_sentence(Change("step", 29, 29.0, 28.0, 30.0, 0.5, 0.05, (0.4, 0.6), 4.0, 4.5))
+    >>> change_sentence(TrendChange("step", 29, 29.0, 28.0, 30.0, 0.5, 0.05, (0.4, 0.6), 4.0, 4.5))
     'steps by +12.5 % (+10 to +15 %) at log 30, between log 29 and log 31'
     """
     if abs(change.before) > 2 * change.std and abs(change.relative) < _LARGE:

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.fleet import ControlChart, ParameterReview
 from symid.fleet.spread import robust_deviation
-from symid.report.fleet import change_sentence
+from symid.report.fleet_tables import change_sentence
 
 WIDTH, HEIGHT = 760, 190
 _LEFT, _RIGHT, _TOP, _BOTTOM = 64, 10, 12, 24
