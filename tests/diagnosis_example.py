@@ -19,7 +19,7 @@ from symid.diagnosis import (
     ParameterChange,
     Signals,
 )
-from symid.diagnosis.findings.gap import Removed, Reversal
+from symid.diagnosis.findings.gap import NotRepeated, Removed, Reversal
 
 KINDS = ("effect", "two effects", "partly", "no gap", "parameters", "unexplained", "recording")
 """Diagnoses that can be made."""
@@ -116,7 +116,8 @@ def _gap(kind: str, signals: Signals) -> Gap:
     reversal = Reversal(
         *(level_of(near.measured - force, near) for force in (near.reidentified, near.explained))
     )
-    return Gap("Fm", "N", 120.0, nominal, before, after, floor, steps, closed, interval, left, reversal)
+    new = NotRepeated(2.5, level_of(near.measured - near.explained, near))
+    return Gap("Fm", "N", 120.0, nominal, before, after, floor, steps, closed, interval, left, reversal, new)
 
 
 def _location(kind: str) -> tuple[Location, ...]:

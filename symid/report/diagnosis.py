@@ -142,7 +142,12 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     for fault in record["faults"]:
         console.print(f"fault of the recording: {fault}", markup=False)
     console.print(
-        "", _gap_table(record), closed_line(record["gap"]), *_reversal_line(record["gap"]), sep="\n"
+        "",
+        _gap_table(record),
+        closed_line(record["gap"]),
+        *_reversal_line(record["gap"]),
+        *_repetition_line(record["gap"]),
+        sep="\n",
     )
     for make in (
         _motion_table,
@@ -188,6 +193,17 @@ def _reversal_line(gap: dict[str, Any]) -> tuple[str, ...]:
     return (
         f"within 50 ms of reversals: {before} {gap['unit']} re-identified, {after} {gap['unit']} explained",
     )
+
+
+def _repetition_line(gap: dict[str, Any]) -> tuple[str, ...]:
+    """What of the error is new each time that the motion repeats; nothing where it does not."""
+    if gap["not_repeated"] is None:
+        return ()
+    rms, period = (
+        significant(gap["not_repeated"]["level"]["rms"]),
+        significant(gap["not_repeated"]["period"], 3),
+    )
+    return (f"the motion repeats every {period} s: {rms} {gap['unit']} of the error are new each time",)
 
 
 def _gap_table(record: dict[str, Any]) -> TextTable:

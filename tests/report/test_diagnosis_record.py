@@ -86,6 +86,7 @@ def test_a_part_is_printed_with_its_interval_and_the_error_at_reversals():
     text = printed(diagnosis_record(diagnosis_example("partly")))
     assert "71 % (66 to 75 %)" in text
     assert "within 50 ms of reversals: " in text
+    assert "the motion repeats every 2.5 s: " in text
     found = diagnosis_example("partly")
     still = replace(found, gap=replace(found.gap, reversal=None))
     assert diagnosis_record(still)["gap"]["reversal"] is None

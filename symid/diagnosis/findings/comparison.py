@@ -10,7 +10,8 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.data.density import power_density
-from symid.diagnosis.findings.gap import Gap, Level, Removed, Reversal
+from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
+from symid.diagnosis.findings.repetition import repetition
 from symid.diagnosis.findings.result import Signals, Spectrum
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
 from symid.diagnosis.fitting.applied import applied, errors_of
@@ -153,6 +154,7 @@ class Comparison:
             closed_interval=closed_interval(re, explained, self.floor),
             unexplained_share=self.unexplained_share,
             reversal=self.reversal(),
+            not_repeated=self.not_repeated(),
         )
 
     @property
@@ -199,6 +201,16 @@ class Comparison:
             self._level(float(np.sqrt(np.mean(self.squares(i)[near])))) for i in (1, len(self.errors) - 1)
         )
         return Reversal(re, explained)
+
+    def not_repeated(self) -> NotRepeated | None:
+        """What of the last model's force error is new each time; None where the motion does not repeat."""
+        record, inside = self.record, self.record.row_time < self.record.duration
+        errors = self.errors[-1]
+        if errors is None:
+            return None
+        motion, error = record.rows(record.motion)[inside], np.nan_to_num(errors[0])[inside]
+        found = repetition(motion, error, self.weighting.kept[inside])
+        return None if found is None else NotRepeated(found.rows / self.row_rate, self._level(found.rms))
 
     @cached_property
     def half_power_hz(self) -> float:

@@ -82,7 +82,7 @@ def concluded(
         probabilities={k: v for k, v in chances.as_mapping.items() if k != "effect"},
         parameters=_parameters(fits, nominal),
         faults=faults,
-        assumptions=_assumptions(comparison, logs[1]),
+        assumptions=_assumptions(comparison, gap, logs[1]),
         next_experiment=next_experiment(verdict, effects, alternatives),
         signals=comparison.signals(),
         spectrum=comparison.spectrum(),
@@ -113,10 +113,9 @@ def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
     verdict = chances.verdict
     if damaged and verdict not in ("no_gap", "parameters"):
         return "recording"
-    floor = gap.noise_floor.rms
     if (
         verdict == "effect"
-        and gap.explained.rms > THRESHOLDS.noise_alone * floor
+        and gap.explained.rms > THRESHOLDS.noise_alone * gap.least
         and gap.unexplained_share > THRESHOLDS.all_of_it
     ):
         return "partly"
@@ -236,12 +235,18 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
     return tuple(found)
 
 
-def _assumptions(comparison: Comparison, validation: Log | None) -> tuple[str, ...]:
+def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tuple[str, ...]:
     record = comparison.record
+    new = "not of what a repetition of the log would"
+    if gap.not_repeated is not None:
+        new = (
+            f"while {gap.not_repeated.level.rms:.3g} {gap.unit} of the error are new each time that the motion "
+            f"repeats, every {gap.not_repeated.period:.3g} s"
+        )
     return (
         "Each sample is the value at its time; the force is compared as it is recorded.",
         f"Noise is white, at the level of the readings beyond their motion, which ends at {record.motion_hz:.0f} Hz; "
-        "it is the floor of what the sensors alone leave, not of what a repetition of the log would.",
+        f"it is the floor of what the sensors alone leave, {new}.",
         "Rests and some milliseconds around them are left out, as no model tells friction at rest; reversals count.",
         "The gap is measured on "
         + (

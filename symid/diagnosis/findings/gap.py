@@ -56,6 +56,22 @@ class Reversal:
 
 
 @dataclass(frozen=True)
+class NotRepeated:
+    """What of the force error is new each time where the motion repeats: no law of the motion explains it.
+
+    Parameters
+    ----------
+    period : float
+        Of the motion, s.
+    level : Level
+        Of that part of the error, with the effects found.
+    """
+
+    period: float
+    level: Level
+
+
+@dataclass(frozen=True)
 class MotionError:
     """How a simulated axis moves beside the measured one.
 
@@ -148,6 +164,8 @@ class Gap:
         Share of the mean square of the re-identified model's error above the floor that stays; nan if it has none.
     reversal : Reversal or None
         The same error near reversals and standstills; None if the log has none.
+    not_repeated : NotRepeated or None
+        What of the error is new each time; None where the motion does not repeat within the validation data.
     motion : Motion or None
         What the error makes of the simulated motion; None where it was not simulated.
     """
@@ -164,7 +182,13 @@ class Gap:
     closed_interval: tuple[float, float]
     unexplained_share: float
     reversal: Reversal | None
+    not_repeated: NotRepeated | None = None
     motion: Motion | None = None
+
+    @property
+    def least(self) -> float:
+        """Rms that no model can be expected to go below: the noise floor, or what does not repeat if that is more."""
+        return max(self.noise_floor.rms, self.not_repeated.level.rms if self.not_repeated else 0.0)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,96 @@
+"""What of an error does not repeat where the motion repeats: no law of the motion can explain it.
+
+The noise floor of a diagnosis is that of the sensors. A machine does not repeat itself that well: where a log runs
+through the same motion several times, half the mean square of the difference between an error and itself one repetition
+later is that part of it which is new each time, as with periodic excitation in the frequency domain (R. Pintelon and
+J. Schoukens, System Identification: A Frequency Domain Approach, 2012).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.fft
+
+from symid.arrays import BoolArray, FloatArray
+
+_SAME = 0.02
+"""Rms difference of a motion from itself one repetition later, relative to its own rms, at most."""
+_SAME_SPEED = 0.1
+"""The same of the velocity: faster motion on a repeated stroke must repeat too."""
+_OTHER = 0.5
+"""The same somewhere within a repetition, at least: a slow motion differs little from itself shortly after."""
+_FEWEST = 40
+"""Rows that are compared, at least."""
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """A motion that repeats, and what does not repeat of an error.
+
+    Parameters
+    ----------
+    rows : int
+        From one repetition to the next.
+    rms : float
+        Of what is new each time, in the unit of the error.
+    """
+
+    rows: int
+    rms: float
+
+
+def repetition(motion: FloatArray, error: FloatArray, kept: BoolArray) -> Repetition | None:
+    """What of an error is new in each repetition of a motion; None where the motion does not repeat.
+
+    Parameters
+    ----------
+    motion : array of shape (n,)
+        Position at evenly spaced rows.
+    error : array of shape (n,)
+        At the same rows.
+    kept : bool array of shape (n,)
+        Rows at which the error counts.
+
+    Examples
+    --------
+    >>> t = np.arange(4000) / 1000
+    >>> new = np.random.default_rng(1).standard_normal(t.size)
+    >>> found = repetition(np.sin(2 * np.pi * t), 5 * np.cos(6 * np.pi * t) + new, np.ones(t.size, dtype=bool))
+    >>> found.rows, round(found.rms, 1)
+    (1000, 1.0)
+    """
+    lag = repeated_after(motion)
+    if lag is None:
+        return None
+    both = kept[lag:] & kept[:-lag]
+    if both.sum() < _FEWEST:
+        return None
+    difference = (error[lag:] - error[:-lag])[both]
+    return Repetition(lag, float(np.sqrt(np.mean(difference**2) / 2)))
+
+
+def repeated_after(motion: FloatArray) -> int | None:
+    """Rows after which a motion is the same for the first time, within the first half of it; None if it never is."""
+    x = motion - motion.mean()
+    n = x.size
+    spectrum = scipy.fft.rfft(x, scipy.fft.next_fast_len(2 * n, real=True))
+    products = scipy.fft.irfft(np.abs(spectrum) ** 2)[: n // 2 + 1]
+    squares = np.concatenate([[0.0], np.cumsum(x**2)])
+    lags = np.arange(products.size)
+    apart = squares[n - lags] + squares[n] - squares[lags] - 2 * products
+    power = float(np.mean(x**2))
+    if power == 0.0:
+        return None
+    differs = np.sqrt(np.maximum(apart, 0.0) / (n - lags) / power)
+    away = int(np.argmax(differs > _OTHER))
+    same = np.flatnonzero(differs[away:] < _SAME) + away
+    if not away or not same.size:
+        return None
+    # the smallest difference of the first run of rows that are the same
+    first = same[: int(np.argmax(np.diff(same, append=n) > 1)) + 1]
+    lag = int(first[np.argmin(differs[first])])
+    speed = np.diff(motion)
+    faster = np.sqrt(np.mean((speed[lag:] - speed[:-lag]) ** 2) / np.mean(speed**2))
+    return lag if faster < _SAME_SPEED else None
