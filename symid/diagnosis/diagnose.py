@@ -24,8 +24,9 @@ from symid.diagnosis.prediction.dead_channels import without_dead_channels
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of, signals_of
 from symid.diagnosis.selection.backward import backward_elimination, without
-from symid.diagnosis.selection.forward import SelectionStep, forward_selection
+from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
+from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.settings import with_hold
 from symid.simulation import Cascade

@@ -26,8 +26,8 @@ from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.evidence import Key
-from symid.diagnosis.selection.forward import Confirmed, SelectionStep
 from symid.diagnosis.selection.priors import temperature
+from symid.diagnosis.selection.step import Confirmed, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import LogError
 from symid.simulation import Trajectory

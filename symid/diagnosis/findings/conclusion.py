@@ -24,7 +24,7 @@ from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.selection.evidence import Errors, Key, Outcome, Verdict, is_there, outcome, probabilities
-from symid.diagnosis.selection.forward import LATE_FORCES, SelectionStep
+from symid.diagnosis.selection.step import LATE_FORCES, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LISTED = 20

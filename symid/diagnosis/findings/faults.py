@@ -12,7 +12,7 @@ from symid.data import Log
 from symid.data.stuck import inspect_spans
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.diagnosis.selection.forward import SelectionStep
+from symid.diagnosis.selection.step import SelectionStep
 from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault
 

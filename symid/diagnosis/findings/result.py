@@ -15,7 +15,7 @@ from symid.shown import Shown
 if TYPE_CHECKING:
     from symid.diagnosis.experiment.design import Experiment
     from symid.diagnosis.prediction.record import Record
-    from symid.diagnosis.selection.forward import SelectionStep
+    from symid.diagnosis.selection.step import SelectionStep
 
 
 @dataclass(frozen=True)

@@ -18,18 +18,10 @@ from symid.diagnosis.fitting.blocks import deviation
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
-from symid.diagnosis.selection.forward import (
-    LATE_FORCES,
-    LATE_READING,
-    Confirmed,
-    SelectionStep,
-    confirmed_from,
-    prefer_coulomb,
-    ranked,
-    takes,
-)
+from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.priors import prior
 from symid.diagnosis.selection.screening import screened
+from symid.diagnosis.selection.step import LATE_FORCES, LATE_READING, Confirmed, SelectionStep, takes
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _ITERATIONS = 3

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from symid.diagnosis.fitting.blocks import deviation
-from symid.diagnosis.selection.forward import SelectionStep
 from symid.diagnosis.selection.priors import prior, temperature
+from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _HALF = 0.5

@@ -5,7 +5,8 @@ from __future__ import annotations
 from symid.diagnosis.effects import ACTUATOR, Delay, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
-from symid.diagnosis.selection.forward import LATE_FORCES, confirmed_from
+from symid.diagnosis.selection.confirmation import confirmed_from
+from symid.diagnosis.selection.step import LATE_FORCES
 from symid.diagnosis.thresholds import THRESHOLDS
 
 HELD = (

@@ -1,0 +1,131 @@
+"""Candidates fitted with all parameters free, judged and put into an order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from symid.diagnosis.effects import LawEffect, Placed
+from symid.diagnosis.fitting.blocks import certainty, deviation, log_likelihood
+from symid.diagnosis.fitting.deviations import standard_deviations
+from symid.diagnosis.fitting.fit import Fit, fitted, refitted
+from symid.diagnosis.fitting.hidden_starts import Start
+from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.selection.credibility import is_credible
+from symid.diagnosis.selection.priors import prior, temperature
+from symid.diagnosis.selection.step import LATE_READING, Confirmed
+from symid.diagnosis.thresholds import THRESHOLDS
+from symid.errors import SettingError
+
+_COULOMB, _COGGING, _PERIODIC = "coulomb_friction", "cogging", "periodic_disturbance"
+_DIRECT = (4, 4, 3)
+_INTEGRATION = (4, 8, 8)
+"""Iterations at most: before a hopeless fit is given up, after that, and with the weights of the values found."""
+
+
+def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed | None:
+    """A candidate fitted from a start, and its gain over the model without it.
+
+    Parameters
+    ----------
+    fit : Fit
+        The model without it.
+    start : Start
+        Its values to begin with.
+    most : float
+        Mean square from which on it is not fitted any better, as others leave much less.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            state = start.best_state()
+            if state is None:
+                return None
+            first, further, then = _INTEGRATION if start.placed.integrated else _DIRECT
+            found = fitted(state, start.weighting, first)
+            if found.mean_square < most:
+                found = refitted(fitted(found.state, start.weighting, further), then)
+            return _judged(fit, found)
+    except (SettingError, np.linalg.LinAlgError, OverflowError):
+        return None
+
+
+def _judged(fit: Fit, found: Fit) -> Confirmed | None:
+    """The gain of a model over that without its last effect, on blocks that are left out."""
+    if not (np.isfinite(found.mean_square) and np.isfinite(found.columns).all()):
+        return None
+    blocks = found.blocks
+    if not is_credible(fit, found, blocks):
+        return None
+    n = found.n_rows
+    own, before = blocks.squares, fit.blocks.squares
+    grown = (own.sum(axis=1) > THRESHOLDS.spoiled * before.sum(axis=1)) & (found.squares > THRESHOLDS.spoiled)
+    gain = log_likelihood(own, n) - log_likelihood(before, n)
+    return Confirmed(found.released(), gain, certainty(before, own, n), own, spoils=bool(grown.any()))
+
+
+def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
+    """Candidates, the best first: one whose values the log does not determine is none.
+
+    What spoils another output goes last. Timing goes before what it looks like, and where places cannot be told apart,
+    the driven body goes first.
+    """
+    candidates = list(confirmed)
+    driven = getattr(before.state.prediction.axis.only_drive.at, "name", None)
+    most = max((c.penalised_gain for c in candidates), default=0.0)
+
+    def order(own: Confirmed) -> tuple[bool, bool, float]:
+        timing = own.key[0] == LATE_READING and own.penalised_gain > THRESHOLDS.timing_first * most
+        return own.spoils, not timing, -own.penalised_gain - THRESHOLDS.tie * (own.key[1] == driven)
+
+    found = sorted(candidates, key=order)
+    while found and not _is_certain(found[0].fit):
+        found.pop(0)
+    return sorted(found, key=lambda own: not _likelier(own, found[0], before))
+
+
+def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
+    """Whether what may stand for the best candidate and explains as much is likelier than it by what else is known."""
+    of_position = (best.key, own.key) == ((_PERIODIC, best.key[1]), (_COGGING, best.key[1]))
+    if not (own.placed.contains(best.key) or of_position):
+        return False
+    doubt = temperature(best.penalised_gain) + THRESHOLDS.doubt * deviation(
+        best.squares, own.squares, before.n_rows
+    )
+    odds = prior(own.fit.state, before.nominal) - prior(best.fit.state, before.nominal)
+    return odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
+
+
+def _is_certain(fit: Fit) -> bool:
+    """Whether each shape of the last effect exceeds its deviation, by whichever route this is larger."""
+    item = fit.state.placed[-1]
+    shapes = range(-len(item.shape), 0)
+    deviations = standard_deviations(fit)
+    names = item.effect.shape_names
+    return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.moments)
+
+
+def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
+    """Drop what explains hardly more than the Coulomb friction that it contains: the next step finds the rest."""
+    for name, place in list(confirmed):
+        plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]
+        if plain is None or not more.placed.contains(plain.key):
+            continue
+        doubt = deviation(plain.squares, more.squares, plain.fit.n_rows)
+        clearly = more.penalised_gain - plain.penalised_gain > max(
+            THRESHOLDS.hardly_more * plain.penalised_gain, doubt
+        )
+        clearly = clearly and more.fit.mean_square < plain.fit.mean_square
+        if not clearly or _is_nearly_constant(more.fit.state.prediction, more.placed):
+            del confirmed[name, place]
+
+
+def _is_nearly_constant(prediction: Prediction, item: Placed) -> bool:
+    """Whether a friction level that varies along the stroke varies by less than some tens of percent."""
+    effect = item.effect
+    if not (isinstance(effect, LawEffect) and effect.varies_along_stroke):
+        return False
+    level = effect.level(prediction.joints[item.at], item.shape, item.amplitudes)
+    course = level[prediction.record.in_log]
+    return bool(np.ptp(course) / 2 < THRESHOLDS.varies * abs(course.mean()))

@@ -1,0 +1,145 @@
+"""A step of the selection: candidates that were fitted, and whether the best of them is accepted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.diagnosis.effects import Effect, Placed
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.selection.screening import Candidate
+from symid.diagnosis.thresholds import THRESHOLDS
+
+LATE_FORCES = ("delay", "actuator_lag")
+"""Nearly the same: beside each other they tell nothing."""
+LATE_READING = "sensor_delay"
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmed:
+    """A candidate fitted with all parameters free.
+
+    Parameters
+    ----------
+    fit : Fit
+        The model with it.
+    gain : float
+        Of the logarithm of the likelihood over the model without it, on blocks left out.
+    certainty : float
+        Probability that it predicts such blocks better than the model without it.
+    squares : array of shape (n_outputs, n_blocks)
+        Sums of squares of its errors of each of these blocks.
+    spoils : bool
+        Whether it makes the error of another output grow by much.
+    """
+
+    fit: Fit
+    gain: float
+    certainty: float
+    squares: FloatArray
+    spoils: bool = False
+
+    @property
+    def penalised_gain(self) -> float:
+        """The gain, less what its free values would gain in noise."""
+        return self.gain - THRESHOLDS.penalty * self.placed.n_free
+
+    @property
+    def placed(self) -> Placed:
+        """What was added, with its place and values."""
+        return self.fit.state.placed[-1]
+
+    @property
+    def effect(self) -> Effect:
+        """What was added."""
+        return self.placed.effect
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Names of effect and place."""
+        return self.placed.key
+
+
+@dataclass(frozen=True, eq=False)
+class SelectionStep:
+    """One step of the search.
+
+    Parameters
+    ----------
+    before : Fit
+        The model without the effect of this step.
+    confirmed : tuple of Confirmed
+        Candidates that were fitted, the largest gain first.
+    screened : tuple of Candidate
+        All candidates.
+    refused : frozenset of (str, str)
+        Effects and places that were fitted and that no machine can have with the values found.
+    """
+
+    before: Fit
+    confirmed: tuple[Confirmed, ...]
+    screened: tuple[Candidate, ...]
+    refused: frozenset[tuple[str, str]] = frozenset()
+
+    @property
+    def accepts(self) -> bool:
+        """Whether the best candidate is worth its acceptance."""
+        return bool(self.confirmed) and self._accepts(self.confirmed[0])
+
+    def _accepts(self, own: Confirmed) -> bool:
+        closed = _taken(self.before, own.fit, self.before)
+        gains = own.penalised_gain > THRESHOLDS.least_penalised_gain and closed > THRESHOLDS.least_share
+        return gains and own.certainty > THRESHOLDS.least_certainty
+
+    def with_acceptable(self) -> SelectionStep:
+        """The same, where the best candidate is not accepted with the next one first that is, if it gains enough.
+
+        An effect that a few blocks show, such as a mass that changes once, is certain when the others are dealt with.
+        """
+        if self.accepts or not self.confirmed:
+            return self
+        least = THRESHOLDS.beside_best * self.confirmed[0].penalised_gain
+        found = [own for own in self.confirmed if own.penalised_gain > least and self._accepts(own)]
+        if not found:
+            return self
+        others = (own for own in self.confirmed if own is not found[0])
+        return replace(self, confirmed=(found[0], *others))
+
+    def other_timing(self) -> tuple[SelectionStep, ...]:
+        """The same with the lag accepted in place of the delay, or the other way round, if it explains as much or less.
+
+        Which of the two it is shows at high frequencies, where what is not yet modelled may decide wrongly: a lag
+        makes more of a ripple of the encoder than a delay does.
+        """
+        if not self.accepts or self.confirmed[0].effect.name not in LATE_FORCES:
+            return ()
+        least = THRESHOLDS.other_timing * self.confirmed[0].penalised_gain
+        others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES]
+        return tuple(
+            replace(self, confirmed=(own, *(c for c in self.confirmed if c is not own)))
+            for own in others
+            if own.penalised_gain > least and self._accepts(own)
+        )
+
+    def justifies_another(self, first: Fit) -> bool:
+        """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
+        if not self.accepts:
+            return False
+        return takes(self.before, self.confirmed[0].fit, first)
+
+
+def takes(before: Fit, after: Fit, first: Fit) -> bool:
+    """Whether an effect beside others takes away what counts, where `first` was to be explained."""
+    most = float(np.max(before.squares - after.squares)) / before.squares.size
+    return most > THRESHOLDS.least_power and _taken(before, after, first) > THRESHOLDS.least_of_first
+
+
+def _taken(before: Fit, after: Fit, first: Fit) -> float:
+    """Share of what a first model leaves that an effect takes away: in the mean of the outputs, or of their shares.
+
+    Errors of one output may be thousands of times those of another in multiples of the noise, and hide what is taken.
+    """
+    taken = before.squares - after.squares
+    return float(max(np.mean(taken / first.squares), np.mean(taken) / first.mean_square))
