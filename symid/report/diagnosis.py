@@ -97,6 +97,10 @@ def _experiment(planned: Experiment) -> dict[str, Any]:
         "seconds": None if planned.trajectory is None else planned.trajectory.duration,
         "probability": None if run is None else run.probability,
         "probability_if_right": None if run is None else [found.probability for found in run.separations],
+        "further": [
+            {"effect": effect, "at": at, "probability": None if math.isnan(p) else p}
+            for (effect, at), p in planned.further.items()
+        ],
         "demand": None if run is None else {**asdict(run.demand), "force": run.force},
         "message": planned.message,
     }

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from benchmarks.next_experiment import experiment, rivals, rows
+from symid.diagnosis.experiment import design
 from symid.diagnosis.experiment.design import next_experiment_of
 from symid.diagnosis.experiment.discrimination import Rivals, Separation
 from symid.diagnosis.experiment.simulated import simulated_experiment
+from symid.diagnosis.findings.wording import spoken
 from symid.report.diagnosis import diagnosis_record
 from symid.simulation import Limits
 
@@ -76,5 +78,20 @@ def test_the_record_says_how_surely_it_decides(found) -> None:
     assert told["causes"] == [{"effect": effect, "at": at} for effect, at in planned.causes]
     assert told["probability"] == planned.probability == min(told["probability_if_right"])
     assert f"{100 * min(planned.probability, 0.999):.3g} %" in planned.text
+    assert {(one["effect"], one["at"]) for one in told["further"]} == set(planned.further)
     assert json.dumps(told)
     assert "experiment" not in diagnosis_record(diagnosis)
+
+
+def test_every_cause_that_remains_is_simulated_against(
+    found, pair: Rivals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(design, "_LEAST_CHANCE", 0.0)  # the lag is all that remains of the delay's rivals
+    diagnosis, _ = found
+    planned = next_experiment_of(diagnosis, acceleration=3.0, seconds=2.0)
+    others = {candidate.key for candidate in pair.step.confirmed} - set(planned.causes)
+    assert planned.further
+    assert set(planned.further) <= others
+    for (effect, at), chance in planned.further.items():
+        assert math.isnan(chance) or chance > 0.5
+        assert f"{spoken(effect, at)} (" in planned.text

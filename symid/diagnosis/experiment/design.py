@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from symid.simulation import Limits, Trajectory
 _SMOOTH = 20.0
 _HIGHEST_HZ = 100.0
 _MOST_LOG_ODDS = math.log(1e6)
+_LEAST_CHANCE = 0.01
+"""Probability of a further candidate from which on the motion is simulated against it too."""
+_MOST_FURTHER = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,9 @@ class Experiment:
         The motion on the axis with either cause; None if they cannot be simulated.
     message : str
         Why they cannot, or which motions were put aside because the simulated axis exceeds a limit.
+    further : mapping of (str, str) to float
+        Probability that the motion tells the first cause from each further one that remains; nan if that cannot be
+        simulated.
     """
 
     text: str
@@ -53,6 +59,7 @@ class Experiment:
     considered: Mapping[str, float] | None = None
     simulated: SimulatedExperiment | None = None
     message: str = ""
+    further: Mapping[Key, float] = field(default_factory=dict)
 
     @property
     def probability(self) -> float:
@@ -134,9 +141,31 @@ def next_experiment_of(
     chosen, run, message = _kept(rivals, penalised_gain, limits, largest)
     if chosen is None:
         return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
-    text = _words(rivals, chosen.trajectory, chosen.log_odds) + _words_of(run, message)
+    further = {one.keys[1]: _probability(one, chosen.trajectory) for one in _further(rivals)} if run else {}
+    text = (
+        _words(rivals, chosen.trajectory, chosen.log_odds)
+        + _words_of(run, message)
+        + _words_of_further(further)
+    )
     odds = _odds(chosen.log_odds)
-    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message)
+    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message, further)
+
+
+def _further(rivals: Rivals) -> list[Rivals]:
+    """The first cause beside each further one of the same step that remains, the most probable first."""
+    first, step = rivals.pair[0], rivals.step
+    confirmed = {c.key: c for c in step.confirmed}
+    chances = probabilities(step, driven(rivals.record))
+    keys = [k for k in chances if k in confirmed and k not in rivals.keys and chances[k] >= _LEAST_CHANCE]
+    return [Rivals(step, (first, confirmed[key]), chances[key]) for key in keys[:_MOST_FURTHER]]
+
+
+def _probability(rivals: Rivals, trajectory: Trajectory) -> float:
+    """That a motion tells two causes apart; nan if it cannot be simulated."""
+    try:
+        return simulated_experiment(rivals, trajectory).probability
+    except (SymidError, np.linalg.LinAlgError, OverflowError):
+        return math.nan
 
 
 def _kept(
@@ -213,13 +242,26 @@ def _words_of(run: SimulatedExperiment | None, message: str) -> str:
     """What simulation says of a motion."""
     if run is None:
         return f" It could not be simulated: {message}."
-    demand, chance = run.demand, 100 * min(run.probability, 0.999)
+    demand = run.demand
     return (
         f" Simulated with either cause under a controller, it tells them apart with a probability of "
-        f"{'more than ' * (run.probability > 0.999)}{chance:.3g} % at the noise of the log, "
+        f"{_per_cent(run.probability)} at the noise of the log, "
         f"and takes positions from {demand.lowest:.3g} to {demand.highest:.3g}, speeds to {demand.speed:.3g}, "
         f"accelerations to {demand.acceleration:.3g} and forces to {run.force:.3g} (SI)."
     )
+
+
+def _words_of_further(further: Mapping[Key, float]) -> str:
+    """How surely the motion decides against the causes beyond the strongest rival."""
+    told = [
+        f"{spoken(*key)} ({'cannot be simulated' if math.isnan(p) else _per_cent(p)})"
+        for key, p in further.items()
+    ]
+    return f" Against what else remains: {', '.join(told)}." if told else ""
+
+
+def _per_cent(probability: float) -> str:
+    return f"{'more than ' * (probability > 0.999)}{100 * min(probability, 0.999):.3g} %"
 
 
 def _none_is_kept(rivals: Rivals, message: str) -> str:
