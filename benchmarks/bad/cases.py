@@ -46,6 +46,10 @@ BASES = (
     "new own",
     "generate own_axis.py",
     "tune rigid_1m --parameters P.json",
+    "diagnose rigid_1m run.csv",
+    "excite rigid_1m --parameters P.json --noise q=1e-6 --noise F=0.1 --limits travel=0.1,speed=0.5,acceleration=5 "
+    "--seconds 2 --rate 500 --seeds 0 --output out/e.csv",
+    "demo",
 )
 """Commands that work and are quick."""
 _LEFT_OUT = ("--help", "--scheduler", "--dark", "--light")
@@ -66,7 +70,7 @@ def _options_of(base: str) -> tuple[tuple[str, bool], ...]:
 READ_BY = {
     "P.json": ("export rigid_1m --parameters P.json --to json", "simulate rigid_1m --parameters P.json --rate 500 "
                "--travel 0.01 --output out/s.csv --overwrite", "identify rigid_1m run.csv --nominal P.json",
-               "compare R.json P.json"),
+               "compare R.json P.json", "diagnose rigid_1m run.csv --nominal P.json"),
     "R.json": ("export rigid_1m --parameters R.json --to json", "identify rigid_1m run.csv --nominal R.json",
                "compare R.json R.json", "compare P.json R.json"),
     "M.json": ("identify rigid_1m foreign.csv --mapping M.json", "batch rigid_1m foreign.csv --mapping M.json --output "
@@ -139,7 +143,7 @@ def _options(draw: st.DrawFn) -> Case:
     for option, flag in draw(st.lists(st.sampled_from(_options_of(base)), min_size=1, max_size=3)):
         word = draw(st.sampled_from(WORDS) | st.text(max_size=12))
         arguments += [option] if flag else [option, word]
-    if draw(st.integers(0, 9)) == 0:
+    if len(base.split()) > 1 and draw(st.integers(0, 9)) == 0:
         arguments[draw(st.integers(1, len(base.split()) - 1))] = draw(st.sampled_from(WORDS))
     return Case(tuple(arguments))
 

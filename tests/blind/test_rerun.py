@@ -36,8 +36,8 @@ def test_the_true_axis_moves_as_the_independent_simulator_has_it(setting: draw.S
 
 def test_the_table_counts_cases_by_kind() -> None:
     label = {"axis": "rigid_1m", "effects": [{"effect": "delay", "at": "actuator"}]}
-    cases = [rerun.Rerun("case", label, 1e-7, off, "", 0.05) for off in (1.1e-7, 1.3e-7, 0.9e-7)]
+    cases = [rerun.Rerun("case", label, 1e-7, 1.4e-7, off, "", 0.05) for off in (1.1e-7, 1.3e-7, 0.9e-7)]
     rows = rerun.table(cases).splitlines()
-    assert rows[1].split() == ["delay", "2/3", "1.10", "1.30"]
-    assert rows[2].split() == ["all", "2/3", "1.10", "1.30"]
+    assert rows[1].split() == ["delay", "2/3", "3/3", "1.10", "1.30"]
+    assert rows[2].split() == ["all", "2/3", "3/3", "1.10", "1.30"]
     assert rows[-1].endswith("median 20.0, least 20.0")
