@@ -2,8 +2,8 @@
 
 Hypothesis draws commands with strange options, JSON files with strange fields, tables of results and journals with
 strange columns, and CSV files with strange headers (benchmarks/bad/cases.py). Each runs in this process in a copy of a
-folder of good files. A failure is a traceback, a warning, a hang of two minutes, a message of another form than one line,
-an input that is changed or gone, an unfinished file left behind, or an escape sequence on the terminal. Printed are the
+folder of good files. A failure is a traceback, a warning, a hang of two minutes, a message other than one line, an
+input that is changed or gone, an unfinished file left behind, or an escape sequence on the terminal. Printed are the
 counts by command and outcome, and every failure once for each place in the code. The exit code is 1 if there is one.
 
 Usage: python -m benchmarks.bad_input [--examples 2000] [--seed 0]

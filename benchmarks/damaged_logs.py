@@ -2,7 +2,7 @@
 
 Hypothesis draws the kind of damage (benchmarks/damage/kinds.py), the kind of file, how far the damage goes, and whether
 the log is read in blocks. Every log is identified in this process by the command's own function. A failure is a
-traceback, a warning, a message of several lines, more than a minute, or a status "ok" beside a parameter that is off by
+traceback, a warning, a message of several lines, a hang of 120 s, or a status "ok" beside a parameter that is off by
 more than 5 % and by more than 6 corrected standard deviations. Printed are the counts by kind and verdict, and every
 failure with the argument that repeats it. The exit code is 1 if there is one.
 

@@ -164,7 +164,7 @@ def test_an_accepted_effect_is_never_among_those_that_are_folded_away():
     last = found.alternatives[0]
     others = tuple(replace(last, effect=f"other_{k}", probability=0.01) for k in range(12))
     page = written(replace(found, alternatives=(*others, last)))
-    section = re.search('<section id="candidates">.*?</section>', page, re.DOTALL)[0]
+    section = re.search('<section id="candidates".*?>.*?</section>', page, re.DOTALL)[0]
     before, folded = section.split("<details>")
     assert "accepted" in before
     assert "<td>13</td>" in before
