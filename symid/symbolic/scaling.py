@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from operator import mul
-from typing import Any
+from typing import Any, NamedTuple
 
 from sympy import QQ
 from sympy.polys.fields import FracElement
@@ -145,14 +145,16 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
     ring = operators.ring
     ratios = [str(symbol) for symbol in ring.domain.symbols]
     terms = list(_terms(rows, operators))
-    mixed = {name for _, _, _, c in terms if term_of(c)[1] is None for name in _names_in(c)}
+    mixed = {
+        name for term in terms if term_of(term.coefficient)[1] is None for name in _names_in(term.coefficient)
+    }
     if mixed:
         return tuple(name for name in ratios if name in mixed)
     names = [str(symbol) for symbol in ring.symbols[1:]]
     own = _constants_of_laws(operators, rows)
-    unknowns = {("balance", b): i for i, b in enumerate(dict.fromkeys(b for b, *_ in terms))}
+    unknowns = {("balance", b): i for i, b in enumerate(dict.fromkeys(term.balance for term in terms))}
     for key in (
-        *(("column", c) for c in dict.fromkeys(c for _, c, *_ in terms)),
+        *(("column", c) for c in dict.fromkeys(term.column for term in terms)),
         *(("parameter", p) for p in names),
     ):
         unknowns[key] = len(unknowns)
@@ -187,10 +189,17 @@ def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:
     return a / b, tuple(x - y for x, y in zip(up, down, strict=True))
 
 
-def _terms(
-    rows: Mapping[str, Row], operators: OperatorModel
-) -> Iterator[tuple[str, str, tuple[int, ...], Any]]:
-    """Balance, column, monomial and coefficient of every term; forces and laws have separate columns."""
+class _Term(NamedTuple):
+    """A term of an entry: its row and column, and the polynomial's monomial and coefficient."""
+
+    balance: str
+    column: str
+    monomial: tuple[int, ...]
+    coefficient: Any
+
+
+def _terms(rows: Mapping[str, Row], operators: OperatorModel) -> Iterator[_Term]:
+    """Every term of the equations; forces and laws have separate columns."""
     inputs = _split_inputs(operators, rows)
     for balance, row in rows.items():
         columns = {
@@ -199,7 +208,7 @@ def _terms(
             **{f"force {signal}": entry for signal, entry in operators.force[balance].items()},
         }
         for column, entry in columns.items():
-            yield from ((balance, column, monomial, c) for monomial, c in entry.terms())
+            yield from (_Term(balance, column, monomial, c) for monomial, c in entry.terms())
 
 
 def _constants_of_laws(operators: OperatorModel, rows: Mapping[str, Row]) -> set[str]:
@@ -231,7 +240,7 @@ def _names_in(coefficient: Any) -> set[str]:
 
 
 def _exponents(
-    terms: list[tuple[str, str, tuple[int, ...], Any]],
+    terms: list[_Term],
     names: list[str],
     unknowns: Mapping[tuple[str, str], int],
     ratio: int,
