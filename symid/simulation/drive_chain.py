@@ -69,8 +69,9 @@ class ThroughDrive(Controller):
         object.__setattr__(self, "_given", np.zeros(0))
         law = linear_law(self.inner, self.period)
         if law is not None and law.given.size and self._is_late and not self._bends:
-            object.__setattr__(self, "_given_late", self._late(law.given))
-            object.__setattr__(self, "_given", law.given)
+            given = law.given[np.minimum(np.arange(self.sent.size), law.given.size - 1)]
+            object.__setattr__(self, "_given_late", self._late(given))
+            object.__setattr__(self, "_given", given)
 
     @property
     def signals(self) -> tuple[str, ...]:

@@ -1,0 +1,53 @@
+"""Blocks of samples behind an imperfect drive are what single samples make, recorded force included."""
+
+import numpy as np
+import pytest
+
+from symid import ActuatorDelay, ActuatorLag, ForceLimit, load_axis
+from symid.axis import DriveImperfection
+from symid.simulation import Cascade, Replay, chirp, plant_of, simulate, tuned_cascade
+
+PERIOD = 1 / 2000
+VALUES = {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
+AXIS = load_axis("rigid_1m")
+CASCADE = tuned_cascade(plant_of(AXIS, VALUES), "q", 10.0)
+FORCES = 3.0 * np.sin(np.arange(4000) / 90.0)
+
+
+class CalledCascade(Cascade):
+    """The same law, which the simulation does not know to be linear."""
+
+    def force(self, *arguments):
+        return super().force(*arguments)
+
+
+class CalledReplay(Replay):
+    """The same law, which the simulation does not know to be linear."""
+
+    def force(self, *arguments):
+        return super().force(*arguments)
+
+
+CALLED = CalledCascade(**vars(CASCADE))
+DRIVES = {
+    "lag": (ActuatorLag(2e-3),),
+    "delay": (ActuatorDelay(1.3e-3),),
+    "both": (ActuatorLag(1e-3), ActuatorDelay(1e-3)),
+    "limit": (ForceLimit(20.0),),
+}
+
+
+@pytest.mark.parametrize(
+    "pair", [(CASCADE, CALLED), (Replay(FORCES, CASCADE), CalledReplay(FORCES, CASCADE))]
+)
+@pytest.mark.parametrize("name", DRIVES)
+def test_blocks_are_what_single_samples_make(name: str, pair: tuple) -> None:
+    drive: tuple[DriveImperfection, ...] = DRIVES[name]
+    path = chirp(0.5, 8.0, 2.0, 0.01, sampling_period=PERIOD, quantity="position")
+    axis = AXIS.with_effect(*drive)
+    blocks, singly = (simulate(axis, VALUES, path, controller) for controller in pair)
+    for signal in ("q", "F"):
+        scale = np.abs(singly.log[signal]).max()
+        np.testing.assert_allclose(blocks.log[signal], singly.log[signal], atol=1e-9 * scale)
+    np.testing.assert_allclose(blocks.forces, singly.forces, atol=1e-9 * np.abs(singly.forces).max())
+    assert np.abs(blocks.forces - blocks.log["F"]).max() > 0.1  # the drive does something
