@@ -82,14 +82,23 @@ def _between(low: float, high: float, rng: np.random.Generator) -> float:
 def draw_case(rng: np.random.Generator, axis: str | None = None) -> Case:
     """A random undamaged log."""
     axis = axis or str(rng.choice(list(SHARES), p=list(SHARES.values())))
-    measured = SENSORS[axis][rng.integers(len(SENSORS[axis]))]
+    case = draw_machine(axis, SENSORS[axis][rng.integers(len(SENSORS[axis]))], rng)
+    signals = {}
+    for name, x in case.signals.items():
+        signals[name] = with_noise(x, draw_noise(case, name, rng), rng)
+    return replace(case, signals=signals)
+
+
+def draw_machine(axis: str, measured: tuple[str, ...], rng: np.random.Generator) -> Case:
+    """The log of a random machine and motion, without noise."""
     rate = int(rng.choice(RATES))
     seconds = rng.uniform(4, 20)
     mode = None if axis == "rigid_1m" else _between(12, min(110, rate / 8), rng)
     motion, kind = draw_motion(seconds, mode, rng)
-    return simulated(
-        axis, measured, rate, seconds, motion, kind, draw_truth(axis, mode, motion, rng), mode or 0.0, rng
-    )
+    truth = draw_truth(axis, mode, motion, rng)
+    clean = clean_signals(axis, rate, seconds, motion, truth, rng)
+    signals = {name: clean[name] for name in (*measured, FORCE[axis])}
+    return Case(axis, truth, signals, rate, kind, mode or 0.0)
 
 
 def draw_truth(axis: str, mode_hz: float | None, motion, rng: np.random.Generator) -> dict[str, float]:
@@ -117,14 +126,6 @@ def draw_truth(axis: str, mode_hz: float | None, motion, rng: np.random.Generato
         "Ml": load,
         "Fvl": viscous * rng.uniform(0.3, 1),
     }
-
-
-def simulated(axis, measured, rate, seconds, motion, kind, truth, mode_hz, rng) -> Case:
-    """The log of a motion, with noise."""
-    clean = clean_signals(axis, rate, seconds, motion, truth, rng)
-    force = FORCE[axis]
-    noisy = {name: _noisy(name, clean[name], name == force, rng) for name in (*measured, force)}
-    return Case(axis, truth, noisy, rate, kind, mode_hz)
 
 
 def clean_signals(axis, rate, seconds, motion, truth, rng) -> dict[str, np.ndarray]:
@@ -160,11 +161,21 @@ def _friction(v: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return np.where(sign != 0, sign, rng.uniform(0, 1) * sign[last])
 
 
-def _noisy(name: str, x: np.ndarray, is_force: bool, rng: np.random.Generator) -> np.ndarray:
-    """Encoders: 2 nm to 2 um, or steps of 5 nm to 1 um; force and accelerometers: 0.02 to 2 % of the rms signal."""
-    if is_force or name.startswith("dd"):
-        return x + _between(2e-4, 2e-2, rng) * np.sqrt(np.mean(x**2)) * rng.standard_normal(x.size)
+def draw_noise(case: Case, name: str, rng: np.random.Generator) -> tuple[str, float]:
+    """Kind and size of the noise of a signal.
+
+    Encoders: 2 nm to 2 um, or steps of 5 nm to 1 um; force and accelerometers: 0.02 to 2 % of the rms signal.
+    """
+    if name == case.force or name.startswith("dd"):
+        return "white", _between(2e-4, 2e-2, rng) * np.sqrt(np.mean(case.signals[name] ** 2))
     if rng.random() < 0.3:
-        step = _between(5e-9, 1e-6, rng)
-        return np.round((x + 0.3 * step * rng.standard_normal(x.size)) / step) * step
-    return x + _between(2e-9, 2e-6, rng) * rng.standard_normal(x.size)
+        return "steps", _between(5e-9, 1e-6, rng)
+    return "white", _between(2e-9, 2e-6, rng)
+
+
+def with_noise(x: np.ndarray, noise: tuple[str, float], rng: np.random.Generator) -> np.ndarray:
+    """A signal with noise of a kind and size; steps are of an encoder whose own noise is 0.3 of one."""
+    kind, size = noise
+    if kind == "steps":
+        return np.round((x + 0.3 * size * rng.standard_normal(x.size)) / size) * size
+    return x + size * rng.standard_normal(x.size)

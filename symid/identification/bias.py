@@ -6,6 +6,8 @@ J. Vandewalle, The Total Least Squares Problem, SIAM 1991, chapter 8). The estim
 
     (W'S^2 W - C)^-1 (c - C X^)
 
+which `identify` takes off; its deviations grow by (W'S^2 W - C)^-1 W'S^2 W.
+
 Rows made with sharper differences, laws of motion that is filtered less, and a force filtered as the motion is, have a
 residual r at the estimate. Where they are right, the estimate is off by -(W'S^2 W)^-1 W'S^2 r.
 """
@@ -17,10 +19,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, read_only
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.estimation import LeastSquares
+from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
 from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
 from symid.identification.observation import Observation, observe
@@ -31,6 +33,11 @@ _COUNTS = 0.1
 _NOWHERE = -1
 _MOST_NOISE = 0.9
 """Share of a column's power up to which its noise is taken off again."""
+_TAKEN = 0.5
+"""Such a share up to which the bias by it is taken off the estimate: with more the log tells nothing of the direction."""
+_LEFT = 0.2
+"""Part of the bias by noise that may remain once it is taken off: the noise is read to some ten per cent, and taken as
+white."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +50,13 @@ class Bias:
         By noise of the sensors in the columns of W.
     preparation : array of shape (n_parameters,)
         By central differences, by reversals that the filter moves, by a force that is not filtered as the motion is.
+    removed : array of shape (n_parameters,), optional
+        What has been taken off the estimate already.
     """
 
     noise: FloatArray
     preparation: FloatArray
+    removed: FloatArray | None = None
 
     @property
     def total(self) -> FloatArray:
@@ -55,7 +65,8 @@ class Bias:
 
     def mapped(self, sensitivity: FloatArray) -> Bias:
         """Bias of other parameters that are a function of these, to first order."""
-        return Bias(sensitivity @ self.noise, sensitivity @ self.preparation)
+        removed = None if self.removed is None else sensitivity @ self.removed
+        return Bias(sensitivity @ self.noise, sensitivity @ self.preparation, removed)
 
     def dominates(self, deviations: FloatArray) -> tuple[int, ...]:
         """Parameters of which the bias exceeds a tenth of the standard deviation.
@@ -80,6 +91,13 @@ def bias_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) 
     fit : LeastSquares
         The parameters, all determined.
     """
+    return replace(_bias_and_growth(model, parts, fit)[0], removed=None)
+
+
+def _bias_and_growth(
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
+) -> tuple[Bias, FloatArray]:
+    """Bias of an estimate with what of it can be taken off, and by what matrix its errors grow if that is done."""
     p, root = fit.solution.size, fit.rank.inverse_root
     noise, slope = np.zeros((p, p + 1)), np.zeros(p)
     for part, share in zip(parts, share_of_rows(parts, fit.rows), strict=True):
@@ -88,15 +106,58 @@ def bias_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) 
         rows, levels = part.observation.valid.sum(axis=1), noise_levels(model, part.log)
         in_rows = noise_of_rows(model, part.log, part.observation.preparation, levels)
         noise += np.einsum("j,jab->ab", weights * rows, in_rows)[:p]
-        rest = _rest_of_sharper_rows(model, part.log, part.observation, fit.solution, levels)
-        slope += np.einsum("j,jt,jta->a", weights, rest, part.observation.W)
+        seen = part.observation
+        rest = _rest_of_sharper_rows(model, part.log, seen, fit.solution, levels)
+        own = np.where(seen.valid, seen.y - seen.W @ fit.solution, 0.0)  # of all rows it is orthogonal to W
+        slope += np.einsum("j,jt,jta->a", weights, rest - own, seen.W)
     # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
     shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
-    gain = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
-    by_noise = (
-        root @ (directions * gain) @ directions.T @ root.T @ (noise[:, p] - noise[:, :p] @ fit.solution)
-    )
-    return Bias(by_noise, -root @ (root.T @ slope))
+    growth = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
+    taken, steps = shares < _TAKEN, root @ directions
+    moves = growth * (steps.T @ (noise[:, p] - noise[:, :p] @ fit.solution))
+    removed = steps @ np.where(taken, moves, 0.0)
+    whole = Bias(steps @ moves, -root @ (root.T @ slope), removed)
+    return whole, steps @ np.diag(np.where(taken, growth, 1.0)) @ np.linalg.pinv(steps)
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """What is taken off an estimate for the noise in W.
+
+    Parameters
+    ----------
+    bias : Bias
+        What remains then.
+    growth : array of shape (n_parameters, n_parameters)
+        Of errors by that.
+    """
+
+    bias: Bias
+    growth: FloatArray
+
+    @classmethod
+    def of(cls, model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Correction:
+        """From the logs that were identified; parameters as in `bias_of`."""
+        found, growth = _bias_and_growth(model, parts, fit)
+        assert found.removed is not None
+        return cls(replace(found, noise=found.noise - (1.0 - _LEFT) * found.removed), growth)
+
+    def grown(self, covariance: FloatArray) -> FloatArray:
+        """Covariance of the parameters once it is taken off."""
+        return self.growth @ covariance @ self.growth.T
+
+    def applied(
+        self, fit: LeastSquares, correlated: CorrelatedCovariance
+    ) -> tuple[LeastSquares, CorrelatedCovariance]:
+        """The estimate and its covariances with the bias taken off."""
+        assert self.bias.removed is not None
+        fit = replace(
+            fit,
+            parameters=read_only(fit.parameters - self.bias.removed),
+            solution=read_only(fit.solution - self.bias.removed),
+            covariance=read_only(self.grown(fit.covariance)),
+        )
+        return fit, replace(correlated, covariance=read_only(self.grown(correlated.covariance)))
 
 
 def bias_of_instruments(
@@ -134,7 +195,9 @@ def _rest_of_sharper_rows(
 ) -> FloatArray:
     """Residual of an estimate in rows with differences of higher order; 0 in rows that are not used."""
     scheme = sharper(seen.preparation.difference_order)
-    widening = quiet_widening(model, log, seen.preparation, levels, scheme.widening)
+    assert seen.preparation.cutoff_hz is not None
+    quiet = quiet_widening(model, log, seen.preparation.cutoff_hz, levels, scheme.widening)
+    widening = max(quiet, seen.preparation.widening or 1.0)
     preparation = replace(
         seen.preparation, filter_force=True, standstill=0.0
     )  # its rows are those that were fitted

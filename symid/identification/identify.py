@@ -24,7 +24,7 @@ from symid.estimation import (
     ObservationBlock,
     corrected_covariance_of_blocks,
 )
-from symid.identification.bias import bias_of, bias_of_instruments
+from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.blocks import blocks_of_runs
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
@@ -121,19 +121,13 @@ def identify(
             blocks=lambda: blocks_of_runs(trial.runs),
             nominal=nominal,
             constraints=constraints,
+            examine=examine,
         )
-
-    def widened(trial: Trial) -> Identification:
-        found, fit = found_at(trial), trial.fit
-        if fit.status != "ok":
-            return found
-        parts = excerpts(model, every, found.observations)
-        return replace(found, bias=bias_of(model, parts, fit), scatter=_scatter(segments(parts, fit), fit))
 
     trial = estimation.trial()
     if not examine or trial.fit.status != "ok":
         return judged(found_at(trial))
-    return distrusted(least_uncertain(estimation, trial, widened), every)
+    return distrusted(least_uncertain(estimation, trial, found_at), every)
 
 
 def found_from(
@@ -146,6 +140,7 @@ def found_from(
     instruments: tuple[FloatArray, ...] | None = None,
     nominal: Mapping[str, float] | None = None,
     constraints: Constraints | None = None,
+    examine: bool = False,
 ) -> Identification:
     """Identification of an estimate: its corrected covariance, physical parameters and status.
 
@@ -161,9 +156,18 @@ def found_from(
         Returns all rows each time it is called, where the observations do not hold them.
     instruments : tuple of array, optional
         For each observation an array of the shape of its W, for an estimate by instrumental variables.
+    examine : bool
+        Whether the bias by noise is estimated and taken off, and what widens the deviations is added.
     """
     rows = blocks or partial(iter, blocks_of(observations, instruments))
     correlated = corrected_covariance_of_blocks(rows, fit)
+    bias: Bias | None = None
+    spread: FloatArray | None = None
+    if examine and fit.status == "ok":
+        parts = excerpts(model, logs, observations)
+        correction = Correction.of(model, parts, fit)
+        bias, spread = correction.bias, correction.grown(_scatter(segments(parts, fit), fit))
+        fit, correlated = correction.applied(fit, correlated)
     physical: tuple[PhysicalEstimate, ...] = ()
     if fit.status == "ok":
         covariance = trusted_covariance(fit, correlated)
@@ -172,8 +176,7 @@ def found_from(
             physical = (
                 constrained_estimates(model, fit.parameters, covariance, physical, constraints) or physical
             )
-    status, message = verdict(model, fit, physical, correlated, has_start=nominal is not None)
-    return Identification(
+    found = Identification(
         model=model,
         logs=tuple(log.source for log in logs),
         sampling_period=logs[0].sampling_period,
@@ -181,27 +184,35 @@ def found_from(
         fit=fit,
         correlated=correlated,
         physical=physical,
-        status=status,
-        message=message,
+        status="ok",
+        message="",
         notes=tuple(note for log in logs for note in log.notes),
+        bias=bias,
+        scatter=spread,
     )
+    deviations = found.physical_deviations if physical else None
+    status, message = verdict(
+        model, fit, physical, correlated, has_start=nominal is not None, deviations=deviations
+    )
+    return replace(found, status=status, message=message)
 
 
 def distrusted(
     found: Identification, logs: Sequence[AnyLog], instruments: tuple[FloatArray, ...] | None = None
 ) -> Identification:
     """The identification with what was found about timing and bias; parameters as in `found_from`."""
-    model, fit = found.model, found.fit
+    model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
+    if bias is not None and bias.removed is not None:
+        fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
     parts = excerpts(model, logs, found.observations)
-    bias = found.bias
-    if instruments is None:
-        bias = bias or bias_of(model, parts, fit)
-    else:
+    sums = segments(parts, fit)
+    if spread is None:
+        spread = _scatter(sums, fit)
+    if instruments is not None:
         whole = [log.window(0, log.n_samples) for log in logs]
         bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
-    timing, sums = timing_of(model, parts, fit), segments(parts, fit)
-    examined = replace(found, timing=timing, bias=bias, scatter=_scatter(sums, fit))
-    return judged(distrust(examined, _faults(examined, parts, sums)))
+    examined = replace(found, timing=timing_of(model, parts, fit), bias=bias, scatter=spread)
+    return judged(distrust(examined, _faults(examined, fit, parts, sums)))
 
 
 def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
@@ -209,9 +220,11 @@ def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
     return scatter(sums, fit) * (sum(s.rows for s in sums) / sum(fit.rows))
 
 
-def _faults(found: Identification, parts: Sequence[Excerpt], sums: Sequence[Segment]) -> Faults:
+def _faults(
+    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment]
+) -> Faults:
     """What contradicts the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
-    model, fit = found.model, found.fit
+    model = found.model
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit, inflation)
     return Faults(

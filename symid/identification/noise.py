@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -18,8 +19,10 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log, LowPass, central_difference_gain, decimation_filter
 from symid.data.density import incoherent_density, power_density
-from symid.identification.settings import Preparation
 from symid.signals import split_derivative
+
+if TYPE_CHECKING:
+    from symid.identification.settings import Preparation
 
 _FROM = 0.35
 """Of the sampling frequency: from here on, up to half of it, a log is taken to hold noise only."""
@@ -114,23 +117,24 @@ def noise_of_rows(
 
 
 def quiet_widening(
-    model: GeneratedModel, log: Log, chosen: Preparation, levels: Mapping[str, float], widest: float
+    model: GeneratedModel, log: Log, cutoff_hz: float, levels: Mapping[str, float], widest: float
 ) -> float:
     """How many times wider motion may be filtered, up to `widest`, before noise hides the reversals of laws that jump.
 
-    The noise of a sliding velocity stays below 0.03 % of the highest speed.
+    The noise of a sliding velocity stays below 0.3 % of the highest speed.
 
     Parameters
     ----------
-    model, log, chosen, levels
+    model, log, levels
         As in `noise_of_rows`.
+    cutoff_hz : float
+        Cutoff of the rows.
     widest : float
         At most, 1 or more; 1 is returned if nothing jumps.
     """
     if not any(model.sliding):
         return 1.0
-    assert chosen.cutoff_hz is not None
-    lag = max(1, min(int(log.sampling_frequency / (4 * chosen.cutoff_hz)), log.n_samples // 4))
+    lag = max(1, min(int(log.sampling_frequency / (4 * cutoff_hz)), log.n_samples // 4))
     still = np.zeros(log.n_samples - 2 * lag)
     noise, coarse = [], []
     for flat in model.signals:
@@ -143,7 +147,7 @@ def quiet_widening(
     )
     allowed = (_QUIET_SHARE * np.max(np.abs(model.sliding_velocities(*coarse)), axis=1)) ** 2
     cube = np.min(allowed / np.maximum(factors**2 @ np.array(noise), np.finfo(float).tiny))
-    widening = min(float(np.cbrt(cube)) / chosen.cutoff_hz, widest)
+    widening = min(float(np.cbrt(cube)) / cutoff_hz, widest)
     return widening if widening > _LEAST_WIDENING else 1.0
 
 

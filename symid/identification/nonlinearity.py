@@ -8,6 +8,7 @@ itself explains. A force that was smoothed lacks, in the same way, a part of its
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,8 +17,11 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.misfit import unexplained
 from symid.identification.whitened import whitened
 
+_NOISE_EXPLAINS = 1.5
+"""Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
 _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
@@ -40,6 +44,8 @@ def nonlinearity_of(
     """
     of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
     every = list(whitened(parts, fit))
+    seen = [(part.log, part.observation) for part in parts]
+    beyond_noise = unexplained(model, seen, fit, replace(criteria, noise_explains=_NOISE_EXPLAINS))
     for j, force in of_force:
         rows = [r for r in every if r.equation == j]
         Z, rest, y = (
@@ -56,6 +62,8 @@ def nonlinearity_of(
             )
         if any(name.startswith(f"{force}_d") for name in model.signals):
             continue  # flexible bodies make the same difference
+        if not beyond_noise[j]:
+            continue  # noise in W does too
         bent = np.concatenate([_bent(parts[r.part], fit, j) for r in rows])
         share, size = _share(Z, rest, bent, y)
         if share > criteria.nonlinear and size > criteria.smoothed_output:

@@ -90,7 +90,9 @@ def observe(
     """
     chosen = completed(preparation, log, model)
     before, after = ends_of(chosen, log.n_samples)
-    sampling = sampling_of(model, log, chosen, scheme or Scheme(chosen.difference_order))
+    sampling = sampling_of(
+        model, log, chosen, scheme or Scheme(chosen.difference_order, chosen.widening or 1.0)
+    )
     if sampling.n_samples <= sampling.padding:
         raise SettingError(
             f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
@@ -121,8 +123,8 @@ def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> Floa
     chosen : Preparation
         Complete.
     """
-    sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order))
-    signals = sampling.window(0, sampling.n_samples)
+    sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
+    signals = sampling.window(0, sampling.n_samples, sampling.wide)
     velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
     return np.asarray(np.max(np.abs(velocities), axis=1))
 
@@ -145,7 +147,7 @@ def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[
     signals += max(model.highest_derivatives.values()) * scheme.reach
     if chosen.late:
         signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
-    rows = Sampling(model, chosen, scheme, period, {}, 0, 0).reach
+    rows = Sampling(model, chosen, scheme, period, {}, {}, 0, 0).reach
     return signals, rows + (_standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
 
 
@@ -180,10 +182,10 @@ class SignalRows:
         before, after = chosen.trim or (0, 0)
         still = np.broadcast_to(0.0, log.n_samples)
         scheme = Scheme(chosen.difference_order)
-        own = filtered(model, log, chosen, scheme.widening, (name,))
+        own = filtered(model, log, chosen, 1.0, (name,))
         signals = {**dict.fromkeys(model.highest_derivatives, still), **own}
         rest = log.n_samples - before - after
-        sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, before, rest)
+        sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, {}, before, rest)
         return cls(sampling, name, QuinticSpline(signals[name]))
 
     def rows(self) -> tuple[FloatArray, FloatArray]:

@@ -51,6 +51,8 @@ class Sampling:
         Sampling period, s.
     signals : mapping of str to array of shape (n,)
         Filtered signals of the whole log.
+    wide : mapping of str to array of shape (n,)
+        The same, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of `signals`.
     before : int
         Samples trimmed at the beginning.
     n_samples : int
@@ -62,6 +64,7 @@ class Sampling:
     scheme: Scheme
     period: float
     signals: Mapping[str, FloatArray]
+    wide: Mapping[str, FloatArray]
     before: int
     n_samples: int
 
@@ -72,17 +75,12 @@ class Sampling:
 
     @cached_property
     def low_pass(self) -> ZeroPhaseFilter | None:
-        """Filter of what has not passed it as a signal: of nonlinear laws, if the force is filtered, or of all rows."""
+        """Filter of what has not passed it as a signal: of nonlinear laws, if the force is filtered."""
         assert self.chosen.cutoff_hz is not None
         laws = self.model.law_columns or self.model.known_laws
-        if not (self.filters_all or (laws and self.chosen.filter_force)):
+        if not (laws and self.chosen.filter_force):
             return None
         return LowPass(self.chosen.cutoff_hz, self.chosen.order).zero_phase(1 / self.period)
-
-    @property
-    def filters_all(self) -> bool:
-        """Whether rows are filtered rather than signals."""
-        return self.scheme.widening > 1.0
 
     @cached_property
     def row_filter(self) -> ZeroPhaseFilter | None:
@@ -104,15 +102,18 @@ class Sampling:
         """Samples that there must be more of for the filters."""
         return max((f.padding for f in (self.low_pass, self.row_filter) if f is not None), default=0)
 
-    def window(self, first: int, last: int) -> dict[str, FloatArray]:
+    def window(
+        self, first: int, last: int, recorded: Mapping[str, FloatArray] | None = None
+    ) -> dict[str, FloatArray]:
         """Flat names with the derivatives that the model needs, from sample `first` to before sample `last`.
 
-        The differences are those of the whole log: they are taken of as many more samples as they need.
+        The differences are those of the whole log: they are taken of as many more samples as they need; of `signals`
+        if not of others.
         """
         flat: dict[str, FloatArray] = {}
         first, last = first + self.before, last + self.before
         for name, highest in self.model.highest_derivatives.items():
-            whole = self.signals[name]
+            whole = (recorded or self.signals)[name]
             margin = highest * self.scheme.reach
             lead = min(margin, first)
             current = whole[first - lead : min(last + margin, whole.size)]
@@ -126,9 +127,13 @@ class Sampling:
 def sampling_of(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Scheme) -> Sampling:
     """A model and a log with its signals filtered, for a complete preparation."""
     before, after = chosen.trim or (0, 0)
-    signals = filtered(model, log, chosen, scheme.widening, model.highest_derivatives)
+    signals, wide = filtered(model, log, chosen, 1.0, model.highest_derivatives), {}
+    if scheme.widening > 1.0 and (model.law_columns or model.coulomb_at_drive):
+        still = np.broadcast_to(0.0, log.n_samples)  # laws do not hold forces
+        motion = [name for name in model.highest_derivatives if name not in model.forces]
+        wide = dict.fromkeys(model.forces, still) | filtered(model, log, chosen, scheme.widening, motion)
     n_samples = log.n_samples - before - after
-    found = Sampling(model, chosen, scheme, log.sampling_period, signals, before, n_samples)
+    found = Sampling(model, chosen, scheme, log.sampling_period, signals, wide, before, n_samples)
     if not chosen.coulomb:
         return found
     for force, friction in _coulomb_friction(found, log).items():
@@ -140,7 +145,7 @@ def _coulomb_friction(sampling: Sampling, log: Log) -> dict[str, FloatArray]:
     """Friction beside each drive along a whole log, filtered as the force is."""
     model, chosen = sampling.model, sampling.chosen
     assert chosen.coulomb is not None
-    motion = replace(sampling, before=0, n_samples=log.n_samples).window(0, log.n_samples)
+    motion = replace(sampling, before=0).window(0, log.n_samples, sampling.wide)
     velocities = model.sliding_velocities(*(motion[name] for name in model.signals))
     found: dict[str, FloatArray] = {}
     for (row, _), force, level in zip(
@@ -149,10 +154,7 @@ def _coulomb_friction(sampling: Sampling, log: Log) -> dict[str, FloatArray]:
         found[force] = found.get(force, 0.0) + level * direction(velocities[row])
     if not chosen.filter_force:
         return found
-    lowpass, rate = (
-        low_pass_of(chosen, sampling.scheme.widening, log.sampling_frequency),
-        log.sampling_frequency,
-    )
+    lowpass, rate = low_pass_of(chosen, 1.0, log.sampling_frequency), log.sampling_frequency
     return {force: lowpass.apply(friction, rate, workers=WORKERS) for force, friction in found.items()}
 
 
@@ -199,12 +201,16 @@ def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, Floa
         signals = sampling.window(piece.first, piece.last)
         columns, output = model.sample(signals)
         columns = columns.transpose(0, 2, 1)
+        if sampling.wide:
+            signals = sampling.window(piece.first, piece.last, sampling.wide)
+            laws = model.regressor(*(signals[name] for name in model.signals)).transpose(0, 2, 1)
+            for place in model.law_columns:
+                columns[place] = laws[place]
         if sampling.low_pass is not None:
-            every = sampling.filters_all
-            for place in np.ndindex(columns.shape[:2]) if every else model.law_columns:
+            for place in model.law_columns:
                 columns[place] = sampling.low_pass.apply(columns[place])
-            for row in output if every else (output[j] for j in model.known_laws):
-                row[:] = sampling.low_pass.apply(row)
+            for j in model.known_laws:
+                output[j] = sampling.low_pass.apply(output[j])
         _thin(columns, sampling.row_filter, W[..., places], chosen)
         _thin(output, sampling.row_filter, y[..., places], chosen)
         if with_velocities:

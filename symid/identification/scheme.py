@@ -24,8 +24,8 @@ class Scheme:
     order : int
         Order of accuracy of the central differences; higher derivatives are taken one after the other.
     widening : float
-        Multiple of the cutoff at which motion is filtered before the model is sampled; beyond 1, all columns
-        are filtered at the cutoff afterwards. Reversals then stay where they were in the laws that jump there.
+        Multiple of the cutoff at which motion is filtered before nonlinear laws are evaluated, which are filtered at
+        the cutoff afterwards. Beyond 1, reversals stay where they were in the laws that jump there.
     """
 
     order: int

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.physical import PhysicalEstimate
@@ -45,10 +46,12 @@ def verdict(
     correlated: CorrelatedCovariance | None = None,
     *,
     has_start: bool = False,
+    deviations: FloatArray | None = None,
 ) -> tuple[Status, str]:
     """Status of an identification, and a sentence on its meaning and cure.
 
-    `has_start` is whether nominal values were given as a start.
+    `has_start` is whether nominal values were given as a start, `deviations` those of the physical parameters as they
+    are printed, if not those of the estimate.
     """
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
@@ -84,7 +87,7 @@ def verdict(
             "no_physical_parameters",
             f"the inverse map has no closed form, and a search finds no single solution: {cure}",
         )
-    if negative := certainly_negative(physical[0].negative(model), model, physical[0]):
+    if negative := certainly_negative(model, physical[0], deviations):
         cause = "the model, the filter, the timing or the log does not fit"
         return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
     if not model.known and (unexplained := _unexplained(model, fit)):
@@ -94,12 +97,13 @@ def verdict(
 
 
 def certainly_negative(
-    negative: tuple[str, ...], model: GeneratedModel, estimate: PhysicalEstimate
+    model: GeneratedModel, estimate: PhysicalEstimate, deviations: FloatArray | None
 ) -> tuple[str, ...]:
-    """Parameters whose deviation is smaller than the value; the others are not determined."""
-    deviations = dict(zip(model.physical_units, estimate.standard_deviations, strict=True))
+    """Negative parameters whose deviation is smaller than the value; the others are not determined."""
+    own = estimate.standard_deviations if deviations is None else deviations
+    spread = dict(zip(model.physical_units, own, strict=True))
     values = dict(zip(model.physical_units, estimate.parameters, strict=True))
-    return tuple(name for name in negative if abs(values[name]) > deviations[name])
+    return tuple(name for name in estimate.negative(model) if abs(values[name]) > spread[name])
 
 
 def _rows_needed(correlated: CorrelatedCovariance) -> int:

@@ -95,6 +95,8 @@ def identify_output_error(
         to_begin_with = replace(prepared, held=bool(held))
         regression = _least_squares(visible, runs, to_begin_with, nominal)
         starts = _starts(whole, comparisons[0].dynamics, runs, regression, nominal)
+        if regression is not None and regression.status == "recording":
+            starts = starts[:1]  # a channel is damaged: no start leads to parameters that can be trusted
         fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
         for comparison in comparisons:
             alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []

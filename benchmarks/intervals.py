@@ -1,0 +1,117 @@
+"""How often printed 95 % intervals hold the true parameters, at the default preparation, on machines drawn at random.
+
+Eleven machines with 61 parameters, motions and noise are drawn as in `benchmarks.ok_promise`, whose simulator shares
+nothing with symid. Each log then gets new noise of the same size again and again, and is identified with nothing
+chosen. An interval is the printed one: 1.96 printed deviations to either side. Per parameter: how often it holds the
+truth, the mean error and the spread between draws, in per cent of the truth, and the printed deviation over the root
+mean square of the error: 1 would be exact.
+
+Usage: python -m benchmarks.intervals [--draws 60] [--seed 1] [--settings 0 1 ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from benchmarks.promise.machines import Case, draw_machine, draw_noise, with_noise
+from symid import Log, identify, load_generated
+from symid.errors import SymidError
+
+SETTINGS = (
+    *(("rigid_1m", ("q",)),) * 3,
+    ("direct_2m1s", ("q2",)),
+    ("direct_2m1s", ("q2", "ddq1")),
+    ("direct_2m1s", ("q2", "ddq2")),
+    ("direct_2m1s", ("q2", "ddq1", "ddq2")),
+    *(("ballscrew_2m1s", ("qm",)),) * 2,
+    *(("ballscrew_2m1s", ("qm", "ql")),) * 2,
+)
+HALF = 1.96
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """Results of all draws of a setting: of each draw and parameter the error and the printed deviation."""
+
+    case: Case
+    errors: np.ndarray
+    deviations: np.ndarray
+    statuses: Counter[str]
+
+    @property
+    def coverage(self) -> np.ndarray:
+        """Share of draws whose interval holds the truth, for each parameter."""
+        return np.mean(np.abs(self.errors) <= HALF * self.deviations, axis=0)
+
+
+def measured(number: int, seed: int, draws: int) -> Setting:
+    """Draw a machine and its noise, then noise of that size again and again."""
+    rng = np.random.default_rng([seed, number])
+    axis, sensors = SETTINGS[number]
+    case = draw_machine(axis, sensors, rng)
+    noise = {name: draw_noise(case, name, rng) for name in case.signals}
+    model, truth = load_generated(axis, sensors), np.array(list(case.truth.values()))
+    errors, deviations, statuses = [], [], Counter()
+    for _ in range(draws):
+        signals = {name: with_noise(x, noise[name], rng) for name, x in case.signals.items()}
+        try:
+            found = identify(model, Log.from_arrays(signals, sampling_period=1 / case.rate))
+        except SymidError:
+            statuses["refused"] += 1
+            continue
+        statuses[found.status] += 1
+        if found.physical_parameters:
+            errors.append(np.array([found.physical_parameters[name] for name in case.truth]) - truth)
+            places = [list(found.physical_parameters).index(name) for name in case.truth]
+            deviations.append(found.physical_deviations[places])
+    return Setting(replace(case, signals=signals), np.array(errors), np.array(deviations), statuses)
+
+
+def print_setting(number: int, found: Setting) -> None:
+    """A line of the setting, and one for each parameter."""
+    case = found.case
+    statuses = ", ".join(f"{status} {n}" for status, n in found.statuses.most_common())
+    print(
+        f"\n{number}: {case.axis} {','.join(case.measured)}, {case.motion}, {case.rate} Hz, mode {case.mode_hz:.0f} Hz: {statuses}"
+    )
+    sizes = np.sqrt(np.mean(found.errors**2, axis=0))
+    for i, (name, true) in enumerate(case.truth.items()):
+        percent = 100 / abs(true)
+        print(
+            f"    {name:4} covered {100 * found.coverage[i]:5.1f} %   off by {percent * found.errors[:, i].mean():+9.3g} %, "
+            f"spread {percent * found.errors[:, i].std():8.3g} %, printed {percent * np.median(found.deviations[:, i]):8.3g} %, "
+            f"printed / rms error {np.median(found.deviations[:, i]) / sizes[i]:6.2f}",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Measure all settings and print how many intervals cover as often as they say."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--draws", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--settings", type=int, nargs="+", default=range(len(SETTINGS)))
+    chosen = parser.parse_args()
+    coverages = []
+    with threadpool_limits(1):
+        for number in chosen.settings:
+            found = measured(number, chosen.seed, chosen.draws)
+            print_setting(number, found)
+            coverages.append(found.coverage)
+    covered = np.concatenate(coverages)
+    print(
+        f"\n{covered.size} parameters, {chosen.draws} draws each, seed {chosen.seed}: covered in 90 to 99 % "
+        f"{np.sum((covered >= 0.9) & (covered <= 0.99))}, above {np.sum(covered > 0.99)}, in 85 to 90 % "
+        f"{np.sum((covered >= 0.85) & (covered < 0.9))}, below {np.sum(covered < 0.85)}; mean {100 * covered.mean():.1f} %"
+    )
+
+
+if __name__ == "__main__":
+    main()
