@@ -76,18 +76,27 @@ def print_setting(number: int, found: Setting) -> None:
     """A line of the setting, and one for each parameter."""
     case = found.case
     statuses = ", ".join(f"{status} {n}" for status, n in found.statuses.most_common())
+    mode = f", mode {case.mode_hz:.0f} Hz" if case.mode_hz else ""
     print(
-        f"\n{number}: {case.axis} {','.join(case.measured)}, {case.motion}, {case.rate} Hz, mode {case.mode_hz:.0f} Hz: {statuses}"
+        f"\n{number}: {case.axis} {','.join(case.measured)}, {case.motion}, {case.rate} Hz{mode}: {statuses}"
     )
-    sizes = np.sqrt(np.mean(found.errors**2, axis=0))
-    for i, (name, true) in enumerate(case.truth.items()):
-        percent = 100 / abs(true)
+    percent = 100 / np.abs(list(case.truth.values()))
+    mean, spread = percent * found.errors.mean(axis=0), percent * found.errors.std(axis=0)
+    printed = percent * np.median(found.deviations, axis=0)
+    for i, name in enumerate(case.truth):
         print(
-            f"    {name:4} covered {100 * found.coverage[i]:5.1f} %   off by {percent * found.errors[:, i].mean():+9.3g} %, "
-            f"spread {percent * found.errors[:, i].std():8.3g} %, printed {percent * np.median(found.deviations[:, i]):8.3g} %, "
-            f"printed / rms error {np.median(found.deviations[:, i]) / sizes[i]:6.2f}",
+            f"    {name:4} covered {100 * found.coverage[i]:5.1f} %   off by {mean[i]:+9.3g} %, "
+            f"spread {spread[i]:8.3g} %, printed {printed[i]:8.3g} %, "
+            f"printed / rms error {printed[i] / np.hypot(mean[i], spread[i]):6.2f}",
             flush=True,
         )
+
+
+def summary(covered: np.ndarray) -> str:
+    """How many parameters are covered how often."""
+    edges = (("below 85 %", 0.0, 0.85), ("in 85 to 90 %", 0.85, 0.9), ("in 90 to 99 %", 0.9, 0.99))
+    counts = [f"{np.sum((covered >= low) & (covered < high))} {name}" for name, low, high in edges]
+    return f"covered {', '.join(counts)}, {np.sum(covered >= 0.99)} above; mean {100 * covered.mean():.1f} %"
 
 
 def main() -> None:
@@ -106,11 +115,7 @@ def main() -> None:
             print_setting(number, found)
             coverages.append(found.coverage)
     covered = np.concatenate(coverages)
-    print(
-        f"\n{covered.size} parameters, {chosen.draws} draws each, seed {chosen.seed}: covered in 90 to 99 % "
-        f"{np.sum((covered >= 0.9) & (covered <= 0.99))}, above {np.sum(covered > 0.99)}, in 85 to 90 % "
-        f"{np.sum((covered >= 0.85) & (covered < 0.9))}, below {np.sum(covered < 0.85)}; mean {100 * covered.mean():.1f} %"
-    )
+    print(f"\n{covered.size} parameters, {chosen.draws} draws each, seed {chosen.seed}: {summary(covered)}")
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ _NOWHERE = -1
 _MOST_NOISE = 0.9
 """Share of a column's power up to which its noise is taken off again."""
 _TAKEN = 0.5
-"""Such a share up to which the bias by it is taken off the estimate: with more the log tells nothing of the direction."""
+"""Such a share up to which the bias by it is taken off the estimate: with more a log says nothing of it."""
 _LEFT = 0.2
 """Part of the bias by noise that may remain once it is taken off: the noise is read to some ten per cent, and taken as
 white."""

@@ -148,7 +148,7 @@ def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[
     if chosen.late:
         signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
     rows = Sampling(model, chosen, scheme, period, {}, {}, 0, 0).reach
-    return signals, rows + (_standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
+    return signals, rows + (2 * _standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
 
 
 def _standstill_margin(chosen: Preparation, period: float) -> int:
@@ -227,7 +227,8 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
     """Rows of each equation that are not near the standstill of a law that jumps there.
 
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
-    them are left out: there filtered velocity and filtered friction have different signs.
+    them are left out: there filtered velocity and filtered friction have different signs. Of rests, in which friction
+    is any part of its level, filters carry that twice as far.
     """
     chosen, factor = sampling.chosen, sampling.factor
     usable = np.ones((len(sampling.model.sliding), -(-sampling.n_samples // factor)), dtype=bool)
@@ -244,11 +245,13 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
         # Friction that is taken off the force leaves reversals clean: of equations that hold none of it, rests go.
         jumping = {equation for equation, _ in sampling.model.law_columns}
         taken_off = bool(sampling.model.coulomb_at_drive) and chosen.coulomb != ()
-        for only_rests in (False, True):
-            rows = [usable[j] for j in concerned if (taken_off and j not in jumping) == only_rests]
-            mark = partial(_leave_out, velocity, threshold, margin, (offset, factor), rows, only_rests)
+        held = [usable[j] for j in concerned if not taken_off or j in jumping]
+        free = [usable[j] for j in concerned if taken_off and j not in jumping]
+        core = margin // 3
+        for rows, reach, rest in ((held, margin, 0), (held + free, 2 * margin, core)):
+            mark = partial(_leave_out, velocity, threshold, reach, (offset, factor), rows, rest)
             if rows:
-                in_pieces(mark, sampling.n_samples, margin + 1, WORKERS)
+                in_pieces(mark, sampling.n_samples, reach + 2 * rest + 1, WORKERS)
     return usable
 
 
@@ -258,15 +261,14 @@ def _leave_out(
     margin: int,
     kept: tuple[int, int],
     usable: list[BoolArray],
-    only_rests: bool,
+    rest: int,
     piece: Piece,
 ) -> None:
-    """Mark the rows of a piece that are near standstill as not usable; near rests of some length alone if so wanted."""
+    """Mark the rows of a piece near standstill as not usable; with `rest`, near rests of more than twice that."""
     v = velocity[piece.first : piece.last]
     slow = np.abs(v) < threshold
-    if only_rests:
-        core = margin // 3
-        slow, margin = ~_near(~slow, core), margin - core
+    if rest:
+        slow, margin = ~_near(~slow, rest), margin + rest
     else:
         backward = np.signbit(v)
         slow[1:] |= backward[1:] != backward[:-1]

@@ -134,7 +134,7 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
         f"{name} ({_size(values[i], bias.total[i])}, {abs(bias.total[i]) / deviations[i]:.2g} standard deviations)"
         for name, i in zip(names, places, strict=True)
     )
-    return f"intervals leave out the bias of {', '.join(parts)}: {cause}", bool(np.any(large))
+    return f"deviations hold an expected bias of {', '.join(parts)}: {cause}", bool(np.any(large))
 
 
 def _size(value: float, bias: float) -> str:

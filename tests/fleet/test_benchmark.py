@@ -12,9 +12,10 @@ from benchmarks import fleet_charts as charts
 def test_script_of_the_benchmark_finds_the_parameters_of_a_batch(tmp_path: Path) -> None:
     (path,) = batches.write_logs(tmp_path, 1, 20_000)
     batches.batch([path], jobs=1)
-    (row,) = symid.identify_batch("emps", path, jobs=1).rows
+    alike = symid.Preparation(widening=1.0)  # as the script filters laws
+    row = symid.identify("emps", path, preparation=alike, examine=False).minimal_parameters
     (found,) = batches.plain([path], "script", batches.chosen(path))
-    wanted = [row[name] for name in ("M", "Fv", "Fc", "OF")]  # the script keeps rows at standstill
+    wanted = list(row.values())  # the script keeps rows at standstill
     assert found["parameters"][:3] == pytest.approx(wanted[:3], rel=0.03)
     assert found["parameters"][3] == pytest.approx(wanted[3], rel=0.1)
 

@@ -96,7 +96,7 @@ def with_noise(log: Log, noise: dict[str, float], seed: int) -> Log:
 def test_noise_of_encoders_biases_least_squares_and_not_instruments(
     axis: str, measured: tuple[str, ...], noise: dict[str, float], biased: int
 ) -> None:
-    """Errors of the mean of five draws, beyond what differences cause, in its deviations."""
+    """Errors of the mean of five draws in its deviations, beyond what differences cause; nothing is taken off."""
     model, loop = load_generated(axis, measured), ClosedLoop(load_axis(axis))
     settings = Preparation(cutoff_hz=60.0, standstill=0.005, late={model.force: -0.5 / RATE})
     truth = model.minimal_parameters(*VALUES[axis].values())
@@ -113,7 +113,14 @@ def test_noise_of_encoders_biases_least_squares_and_not_instruments(
 
 
 def mean_error(results: list[Identification], truth: np.ndarray) -> np.ndarray:
-    errors = [found.fit.parameters - truth - found.bias.preparation for found in results if found.bias]
+    errors = [
+        found.fit.parameters
+        + (0.0 if found.bias.removed is None else found.bias.removed)
+        - truth
+        - found.bias.preparation
+        for found in results
+        if found.bias
+    ]
     deviation = np.mean([found.sampling_deviations for found in results], axis=0) / np.sqrt(len(results))
     assert len(errors) == len(results)
     return np.asarray(np.mean(errors, axis=0) / deviation)
