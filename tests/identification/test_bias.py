@@ -147,3 +147,38 @@ def test_the_rest_of_sharper_rows_is_what_all_their_columns_leave(wide: bool) ->
     rest = _rest_of_sharper_rows(model, log, seen, X, levels)
     assert rest == pytest.approx(expected, abs=1e-9 * np.abs(whole.y).max())
     assert np.abs(rest).max() > 1.0
+
+
+def reversing_log(seconds: float) -> Log:
+    """An exact log of a mass with much Coulomb friction, that reverses often."""
+    t = np.arange(int(seconds * RATE)) / RATE
+    q, v, a = np.zeros((3, t.size))
+    for amplitude, frequency, phase in ((0.05, 1.3, 0.4), (0.02, 4.1, 1.9), (0.008, 9.7, 3.3)):
+        w = 2 * np.pi * frequency
+        q += amplitude * np.sin(w * t + phase)
+        v += amplitude * w * np.cos(w * t + phase)
+        a -= amplitude * w**2 * np.sin(w * t + phase)
+    force = 20.0 * a + 60.0 * v + 200.0 * np.sign(v)
+    return Log.from_arrays({"q": q, "F": force}, sampling_period=1 / RATE)
+
+
+def test_laws_of_motion_that_is_filtered_less_keep_their_reversals() -> None:
+    model, log = load_generated("rigid_1m"), reversing_log(12.0)
+    alike, wide = (
+        identify(model, log, preparation=Preparation(cutoff_hz=14.0, widening=widening))
+        for widening in (1.0, None)
+    )
+    before, after = (abs(found.physical_parameters["Fv"] / 60.0 - 1) for found in (alike, wide))
+    assert before > 0.01
+    assert after < before / 5
+    assert wide.physical_deviations[1] < alike.physical_deviations[1] / 3
+
+
+def test_the_bias_of_a_long_log_is_not_that_of_its_excerpts() -> None:
+    """Above 65 536 samples parts of a log are examined, to whose rows alone the residual is not orthogonal."""
+    model, log = load_generated("rigid_1m"), reversing_log(90.0)
+    noise = 20.0 * np.random.default_rng(3).standard_normal(log.n_samples)
+    log = Log.from_arrays({"q": log["q"], "F": log["F"] + noise}, sampling_period=1 / RATE)
+    found = identify(model, log, preparation=Preparation(cutoff_hz=60.0))
+    assert found.bias is not None
+    assert np.all(np.abs(found.bias.preparation) < 0.02 * found.sampling_deviations)

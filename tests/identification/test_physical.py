@@ -116,3 +116,17 @@ def test_a_covariance_that_is_singular_to_rounding_is_no_obstacle() -> None:
     direction = 1e-9 * exact
     (found,) = physical_estimates(model, exact, np.outer(direction, direction))
     assert found.parameters == pytest.approx(DIRECT, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "measured", [("q2",), ("q2", "ddq1"), ("q2", "ddql"), ("q2", "ddq1", "ddql")], ids=",".join
+)
+def test_proportional_damping_of_two_structures_is_no_obstacle(measured: tuple[str, ...]) -> None:
+    """Fvs / Ks = Fl / Kl: no basis and no inverse map may divide by their difference."""
+    model = load_generated("direct_3m2s", measured)
+    values = {"Ms": 900.0, "Fvs": 3000.0, "Ks": 4e7, "Mm": 200.0, "Fvm": 150.0, "Fsm": 20.0}
+    truth = np.array([{**values, "Kl": 6e7, "Fl": 4500.0, "Ml": 60.0}[name] for name in model.physical_units])
+    minimal = model.minimal_parameters(*truth)
+    first = physical_estimates(model, minimal, np.diag((1e-6 * minimal) ** 2))[0]
+    assert first.parameters == pytest.approx(truth, rel=1e-9)
+    assert np.all(first.standard_deviations < 1e-4 * truth)
