@@ -137,7 +137,7 @@ def test_examination_can_be_left_out() -> None:
 def test_the_rest_of_sharper_rows_is_what_all_their_columns_leave(wide: bool) -> None:
     """Filtered as one row an equation it is the same, whether laws are evaluated of wider motion or not."""
     model, log = load_generated("rigid_1m"), sine_log(5.0, 95.0, 200.0)
-    seen = observe(model, log, Preparation(cutoff_hz=40.0, decimation=3))
+    seen = observe(model, log, Preparation(cutoff_hz=40.0, decimation=3, widening=1.0))
     levels = {"q": 0.0, "F": 0.0} if wide else {"q": 1e-3, "F": 0.0}
     X = np.array([90.0, 180.0, 2.0])
     widening = quiet_widening(model, log, 40.0, levels, SHARP.widening)
