@@ -36,8 +36,8 @@ _MOST_NOISE = 0.9
 _TAKEN = 0.5
 """Such a share up to which the bias by it is taken off the estimate: with more a log says nothing of it."""
 _LEFT = 0.1
-"""Part of the bias by noise that may remain once it is taken off (5 to 8 % on seed 501 of benchmarks.intervals): noise is
-read from the log, and taken as white."""
+"""Part of the bias by noise that may remain once it is taken off; 5 to 8 % on seed 501 of benchmarks.intervals, where
+noise is white, as it is taken to be."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ lost 47 % of its table's mass at 1010 Hz, 0.03 % at 154 Hz)."""
 _WIDEST = 4.0
 """Times the cutoff that motion in laws is filtered at most: from there on reversals are off by next to nothing (a mass
 on a multisine: Fv +1.6 % at 1, +0.04 % at 4, +0.03 % at 16)."""
-_LAWS_SEEN = 65_536
+_LAWS_SEEN = 32_768
 """Samples in the middle of a log that tell how much noise its velocities have."""
 _LONGEST = 1_048_576
 """Samples from which spectra are taken; of a longer log, evenly spread excerpts."""
