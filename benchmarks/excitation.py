@@ -1,6 +1,6 @@
 """Designed references: what `symid excite` expects, beside the spread of a dozen identifications.
 
-Usage: python -m benchmarks.excitation [AXIS ...]
+Usage: python -m benchmarks.excitation [--method iv] [AXIS ...]
 
 For each axis the worst relative deviations of the designed reference and of the default ones, within 0.4 m, 1 m/s,
 8 m/s^2 and 20 kN in 10 s at 4 kHz with noise of 0.1 um and 1 N, and for each parameter the standard deviation of
@@ -9,7 +9,8 @@ identifications of simulated logs with other noise along the designed reference 
 
 from __future__ import annotations
 
-import sys
+import argparse
+from typing import Literal
 
 import numpy as np
 
@@ -26,12 +27,12 @@ LIMITS, FORCE = Limits((-0.2, 0.2), speed=1.0, acceleration=8.0), 20e3
 SECONDS, RATE, RUNS = 10.0, 4000.0, 12
 
 
-def experiment_of(name: str) -> IdentificationTrial:
+def experiment_of(name: str, method: Literal["wls", "iv"]) -> IdentificationTrial:
     """An axis with noise of its force and of the position that is controlled."""
     axis, values = load_axis(name), VALUES[name]
     axis = axis.with_signal(axis.controlled, noise=1e-7).with_signal(axis.drive.signal, noise=1.0)
     controller = tuned_cascade(plant_of(axis, values), axis.controlled, 20.0)
-    return IdentificationTrial(axis, model_of(name), values, controller, LIMITS, FORCE)
+    return IdentificationTrial(axis, model_of(name), values, controller, LIMITS, FORCE, method=method)
 
 
 def spread(
@@ -47,19 +48,17 @@ def spread(
         )
 
 
-def main(names: list[str]) -> None:
+def main(names: list[str], method: Literal["wls", "iv"]) -> None:
     """Print both for each axis."""
     for name in names:
-        experiment = experiment_of(name)
+        experiment = experiment_of(name, method)
         best = design(experiment, SECONDS, RATE)
         others = ", ".join(f"{kind} {one.worst:.3%}" for kind, one in best.defaults.items() if one)
         print(f"{name}: designed {best.best.worst:.3%}, {others}: {best.best.trajectory.name}", flush=True)
         found = {}
         for seed in range(100, 100 + RUNS):
-            trajectory = best.best.trajectory
-            run = simulate(
-                experiment.axis, experiment.parameters, trajectory, experiment.controller, seed=seed
-            )
+            paths = best.best.references
+            run = simulate(experiment.axis, experiment.parameters, paths, experiment.controller, seed=seed)
             if one := experiment.identified(run):
                 found[seed] = one
         spread(experiment, found)
@@ -70,4 +69,8 @@ def main(names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or list(VALUES))
+    parser = argparse.ArgumentParser()
+    parser.add_argument("axes", nargs="*", default=list(VALUES))
+    parser.add_argument("--method", choices=["wls", "iv"], default="wls")
+    options = parser.parse_args()
+    main(options.axes, options.method)

@@ -48,6 +48,13 @@ _run_options = shared(
     bandwidth_option,
     gain_option,
     click.option(
+        "--method",
+        type=click.Choice(["wls", "iv"]),
+        default="wls",
+        show_default=True,
+        help="How the log will be identified: iv is free of the bias of encoder noise and takes several times as long.",
+    ),
+    click.option(
         "--seeds",
         type=click.IntRange(0, 100),
         default=2,
@@ -99,7 +106,9 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     limits, force, apart = _limits(options["limits_text"], declared)
     controllers = cascades_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
     model = model_of(axis, signal_list(options["measured"]))
-    experiment = IdentificationTrial(declared, model, parameters, controllers, limits, force, apart)
+    experiment = IdentificationTrial(
+        declared, model, parameters, controllers, limits, force, apart, options["method"]
+    )
     found = design(
         experiment,
         options["seconds"],

@@ -1,6 +1,6 @@
 """Expected result of an identification along a reference: simulated, identified, limits verified.
 
-The inverse of the covariance of weighted least squares is the information that the log holds for it, at the filter and
+The inverse of the covariance of the estimate is the information that the log holds for it, at the filter and
 differences that `identify` chooses. The truth is known here, so that a systematic error is seen as well.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -17,7 +18,16 @@ from symid.codegen import GeneratedModel
 from symid.errors import LogError, SettingError
 from symid.excitation.references import scaled
 from symid.identification import Preparation, identify
-from symid.simulation import Controller, Limits, Simulation, Trajectory, plant_of, simulate
+from symid.instrumental import identify_by_instruments
+from symid.simulation import (
+    ClosedLoop,
+    Controller,
+    Limits,
+    Simulation,
+    Trajectory,
+    plant_of,
+    simulate,
+)
 
 _TRIES = 4
 _MARGIN = 0.99
@@ -79,6 +89,9 @@ class IdentificationTrial:
         Largest force of a drive, SI.
     apart : float, optional
         Most by which the positions of several drives may differ, SI. Only with it drives get references that differ.
+    method : {"wls", "iv"}
+        Least squares, or instrumental variables: reference and controller are known here, and noise of an encoder in
+        the regressor biases least squares.
     """
 
     axis: Axis
@@ -88,6 +101,7 @@ class IdentificationTrial:
     limits: Limits
     force: float = math.inf
     apart: float | None = None
+    method: Literal["wls", "iv"] = "wls"
 
     def within_limits(
         self, paths: Sequence[Trajectory], seed: int = 0
@@ -129,12 +143,22 @@ class IdentificationTrial:
         """Physical parameters and their deviations from a simulated log; None if they are not determined."""
         settings = Preparation(held=True)
         try:
-            found = identify(
-                self.model, run.log, preparation=settings, nominal=self.parameters, examine=False
-            )
+            if self.method == "wls":
+                found = identify(
+                    self.model, run.log, preparation=settings, nominal=self.parameters, examine=False
+                )
+            else:
+                found = identify_by_instruments(
+                    self.model,
+                    run.log,
+                    ClosedLoop(self.axis, self.controller, run.log.sampling_frequency),
+                    preparation=settings,
+                    nominal=self.parameters,
+                    examine=False,
+                )
         except (SettingError, LogError):
             return None
-        if found.fit.status != "ok" or not found.physical:
+        if found.fit.status != "ok" or found.status == "weak_instruments" or not found.physical:
             return None
         values = found.physical_parameters
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from symid.axis import load_axis
+from symid.axis import Axis, load_axis
 from symid.codegen import load_generated
 from symid.errors import SettingError
 from symid.excitation import IdentificationTrial, design, references
@@ -46,6 +46,26 @@ def test_expected_deviations_are_those_of_a_dozen_identifications(found):
     low, high = np.sqrt(scipy.stats.chi2.ppf([1e-3, 1 - 1e-3], RUNS - 1) / (RUNS - 1))
     for name, deviation in zip(TRUTH, spread, strict=True):
         assert low < deviation / found.best.deviations[name] < high, name
+
+
+def test_encoder_noise_biases_least_squares_and_not_instruments():
+    """The fourth derivative of the encoder stands in the regressor: beside what an encoder without noise gives."""
+    values = {"Ms": 1700.0, "Fvs": 24000.0, "Ks": 1.3e8, "Mm": 460.0, "Fvm": 104.0, "Fsm": 98.0}
+    axis = load_axis("direct_2m1s").with_signal("q2", noise=1e-7).with_signal("Fm", noise=1.0)
+    controller, model = tuned_cascade(plant_of(axis, values), "q2", 20.0), load_generated("direct_2m1s")
+    limits = Limits((-0.2, 0.2), speed=1.0, acceleration=8.0)
+    moves = next(one for one in references(limits, 10.0, 4000.0, 44.0, 0) if "over 0.0114 at one" in one.name)
+
+    def masses(sensed: Axis, method: str, runs: int) -> tuple[float, float]:
+        trial = IdentificationTrial(sensed, model, values, controller, limits, method=method)
+        found = [trial.identified(simulate(sensed, values, moves, controller, seed=i)) for i in range(runs)]
+        mass, deviation = (np.mean([one[i]["Ms"] for one in found]) for i in (0, 1))
+        return mass, deviation / math.sqrt(runs)
+
+    exact, _ = masses(axis.with_signal("q2", noise=0.0), "wls", 1)
+    (biased, first), (unbiased, second) = (masses(axis, method, 2) for method in ("wls", "iv"))
+    assert biased < exact - 5 * first
+    assert abs(unbiased - exact) < 4 * second
 
 
 def test_the_simulated_axis_keeps_its_limits():
