@@ -8,8 +8,9 @@ import scipy
 import sympy as sp
 
 from symid.arrays import FloatArray
-from symid.axis import CoulombFriction, load_axis
+from symid.axis import CoulombFriction, LoadDependentFriction, load_axis
 from symid.diagnosis.effects import effects_of
+from symid.diagnosis.effects.friction import LoadDependentFriction as LoadDependence
 from symid.diagnosis.effects.friction import dahl_state
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
@@ -138,25 +139,32 @@ def test_what_the_drive_alone_feels_does_not_act_on_hidden_motion(name: str, act
     assert acts_on_hidden(plant, other, plant.sensors["q2"][0]) is acts
 
 
-def test_a_structure_that_friction_holds_is_found_from_weak_to_strong() -> None:
+STRUCTURE = next(body for body in load_axis("direct_2m1s").bodies if body.name == "structure")
+HELD = {
+    "coulomb": (CoulombFriction(STRUCTURE, "Fc"), effects_of(CoulombFriction)[0], 400.0),
+    "by the load": (LoadDependentFriction(STRUCTURE, 0.25), LoadDependence(), 0.25),
+}
+
+
+@pytest.mark.parametrize("kind", HELD)
+def test_a_structure_that_friction_holds_is_found_from_weak_to_strong(kind: str) -> None:
     """The linear model absorbs it in mass and damping of the structure, and no search leads back from there."""
+    element, effect, size = HELD[kind]
     axis = load_axis("direct_2m1s").with_signal("q2", noise=1e-8).with_signal("Fm", noise=1.0)
-    structure = next(body for body in axis.bodies if body.name == "structure")
     values = {"Ms": 2800.0, "Fvs": 3e4, "Ks": 2.2e8, "Mm": 390.0, "Fvm": 150.0, "Fsm": 150.0}
-    held = axis.with_effect(CoulombFriction(structure, "Fc"))
+    held = axis.with_effect(element)
     gains = Cascade("q2", position_gain=30.0, velocity_gain=5e4, integral_gain=15.0)
     moves = trapezoids([0.05, 0.1, 0.02], [0.3, 0.15], acceleration=4.0, jerk=200.0, sampling_period=1e-3)
-    log = simulate(held, values | {"Fc": 400.0}, moves, gains).log
+    log = simulate(held, values | ({"Fc": size} if kind == "coulomb" else {}), moves, gains).log
     record = record_of(
         forward_dynamics(axis), log, None, {"Fm": -0.5e-3}
     )  # a force that is held acts half a sample late
     nominal = {name: value * (1.1 if name == "Ks" else 0.95) for name, value in values.items()}
     state, weighting = first_state(record, nominal)
-    (coulomb,) = effects_of(CoulombFriction)
     plain = fitted_axis(state, weighting)
-    starts = of_grid(plain, Fit(state, weighting), [coulomb])
+    starts = of_grid(plain, Fit(state, weighting), [effect])
     fits = [fitted(best, start.weighting, 12) for start in starts if (best := start.best_state()) is not None]
     found = min(fits, key=lambda fit: fit.mean_square)
-    assert found.state.placed[-1].amplitudes[0] == pytest.approx(400.0, rel=0.02)
+    assert found.state.placed[-1].amplitudes[0] == pytest.approx(size, rel=0.05)
     assert found.mean_square < 0.2 * plain.mean_square
     assert found.parameters["Ks"] == pytest.approx(values["Ks"], rel=0.05)
