@@ -19,11 +19,11 @@ from symid.cli.options import (
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.saying import say
 from symid.errors import SettingError
-from symid.export import Exported, c_source, mjcf, parameter_record, structured_text, write_fmu
+from symid.export import Exported, c_source, mjcf, parameter_record, structured_text, urdf, write_fmu
 from symid.files import is_finite_number, read_json, write_whole
 from symid.symbolic import derive
 
-FORMATS = ("c", "mjcf", "fmu", "st", "json")
+FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
 
 
 @click.command(
@@ -42,7 +42,7 @@ FORMATS = ("c", "mjcf", "fmu", "st", "json")
     "--to",
     type=click.Choice(FORMATS),
     required=True,
-    help="C99, MuJoCo, unit for co-simulation (FMI 2.0), feed-forward in Structured Text, or JSON.",
+    help="C99, MuJoCo, URDF, unit for co-simulation (FMI 2.0), feed-forward in Structured Text, or JSON.",
 )
 @measured_option
 @click.option(
@@ -78,6 +78,8 @@ def command(axis: str, **options: Any) -> None:
 def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any]) -> Exported:
     if options["to"] == "mjcf":
         return mjcf(declared, values)
+    if options["to"] == "urdf":
+        return urdf(declared, values)
     if options["to"] == "st":
         return structured_text(declared, values)
     if options["to"] == "fmu":

@@ -20,6 +20,7 @@ _BEGINNINGS: Final[Mapping[str, tuple[bytes, ...]]] = {
     "picture": (b"\x89png", b"%pdf", b"<?xml", b"<svg"),
     "c": (b"#include <math.h>", b"/* axis "),
     "mjcf": (b"<",),
+    "urdf": (b"<",),
     "st": (b"(* feed-forward of axis",),
     "fmu": (b"pk\x03\x04",),
     "log": (),
@@ -62,7 +63,7 @@ class Output(click.types.StringParamType):
     Parameters
     ----------
     kind : str or callable
-        One of json, mapping, html, picture, c, mjcf, fmu, st, log, axis, results; or a function of all options
+        One of json, mapping, html, picture, c, mjcf, urdf, fmu, st, log, axis, results; or a function of all options
         that gives it.
     """
 

@@ -6,5 +6,6 @@ from symid.export.fmu import write_fmu
 from symid.export.mjcf import mjcf
 from symid.export.parameters import parameter_record
 from symid.export.structured_text import structured_text
+from symid.export.urdf import urdf
 
-__all__ = ["Exported", "c_source", "mjcf", "parameter_record", "structured_text", "write_fmu"]
+__all__ = ["Exported", "c_source", "mjcf", "parameter_record", "structured_text", "urdf", "write_fmu"]

@@ -1,0 +1,91 @@
+"""An axis as URDF: links with masses, prismatic and continuous joints with damping and friction.
+
+URDF has neither springs nor drives nor sensors: what it lacks is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from xml.sax.saxutils import quoteattr
+
+from symid.axis import Axis, Body
+from symid.export.exported import Exported, losses_of_signals
+from symid.export.mechanism import Mechanism, mechanism
+
+_NO_MASS = 1e-9
+"""Mass of a link whose inertia URDF cannot hold, as readers demand one."""
+_WIDE = "1e9"
+"""Limits that URDF demands of a prismatic joint and the axis does not have."""
+_HELD = ("damping", "frictionloss")
+_LOST = ("stiffness", "cubic", "drag", "constant", "armature")
+
+
+def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
+    """URDF of an axis: slides along x, hinges about x, SI units.
+
+    Parameters
+    ----------
+    axis : Axis
+        What URDF cannot express becomes losses.
+    values : mapping of str to float
+        Physical parameters, SI.
+
+    Raises
+    ------
+    SettingError
+        If a parameter is missing, or a mass is not positive.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> exported = urdf(load_axis("rigid_1m"), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
+    >>> '<dynamics damping="200.0" friction="20.0"/>' in exported.text
+    True
+    """
+    machine = mechanism(axis, values)
+    losses = (*machine.losses, *losses_of_signals(axis), *_losses(axis, machine))
+    lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(axis.name)}>"]
+    lines += [f"  <!-- Lost: {loss.replace('--', '- -')} -->" for loss in losses]
+    lines += ['  <link name="ground"/>']
+    for body in machine.roots:
+        lines += _linked(machine, "ground", body)
+    return Exported({".urdf": "\n".join([*lines, "</robot>", ""])}, losses)
+
+
+def _linked(machine: Mechanism, parent: str, body: Body) -> Iterator[str]:
+    """Link and joint of a body, then those of what it carries."""
+    inertia, moment = machine.inertia[body.name] or _NO_MASS, machine.moments.get(body.name, 0.0)
+    # A pendulum's centre of mass hangs below its hinge; half of its inertia is then about that centre.
+    mass = 2 * moment**2 / inertia if moment else inertia
+    height, own = (-moment / mass, inertia / 2) if moment else (0.0, inertia)
+    found = machine.paths.get(((body.name, 1.0),))
+    damping, friction = (found.damping, found.frictionloss) if found else (0.0, 0.0)
+    yield f"  <link name={quoteattr(body.name)}>"
+    yield f'    <inertial><origin xyz="0 0 {height!r}"/><mass value="{mass!r}"/>'
+    yield f'      <inertia ixx="{own!r}" iyy="{own!r}" izz="{own!r}" ixy="0" ixz="0" iyz="0"/></inertial>'
+    yield "  </link>"
+    kind = "continuous" if body.turns else "prismatic"
+    yield f'  <joint name={quoteattr(f"{body.name}_joint")} type="{kind}">'
+    yield f'    <parent link={quoteattr(parent)}/><child link={quoteattr(body.name)}/><axis xyz="1 0 0"/>'
+    if not body.turns:
+        yield f'    <limit lower="-{_WIDE}" upper="{_WIDE}" effort="{_WIDE}" velocity="{_WIDE}"/>'
+    yield f'    <dynamics damping="{damping!r}" friction="{friction!r}"/>'
+    yield "  </joint>"
+    for carried in machine.children(body):
+        yield from _linked(machine, body.name, carried)
+
+
+def _losses(axis: Axis, machine: Mechanism) -> Iterator[str]:
+    """What an axis has and URDF has not."""
+    yield f"{', '.join(d.signal for d in axis.drives)}: URDF has no drives; force acts on the joints."
+    yield f"{', '.join(s.signal for s in axis.sensors)}: URDF has no sensors."
+    for path, found in machine.paths.items():
+        is_joint = len(path) == 1 and path[0][1] == 1.0
+        where = " and ".join(body for body, _ in path)
+        for name in _LOST if is_joint else (*_LOST, *_HELD):
+            if value := getattr(found, name):
+                yield f"{name} {value:.6g} of {where}, SI: URDF has none{'' if is_joint else ' between joints'}."
+    for play in machine.plays:
+        yield f"play of {play.gap:.6g} m or rad: URDF has none."
+    for element in axis.imperfections:
+        yield f"{type(element).__name__}: URDF has no such element; left out: {element.formula}."
