@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.estimation import estimate, triangular_factors
 from symid.identification.observation import Observation, observe
 from symid.identification.residuals import EquationResidual
-from symid.identification.result import Identification
+
+if TYPE_CHECKING:
+    from symid.identification.result import Identification
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,12 @@ import polars as pl
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
+from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.bias import Bias
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate
+from symid.identification.prediction import Prediction, predict
 from symid.identification.residuals import EquationResidual
 from symid.identification.timing import Timing
 from symid.identification.verdict import Status
@@ -114,6 +116,15 @@ class Identification(EstimatedParameters, Shown):
         units = self.model.physical_units if physical else self.model.minimal_units
         deviations = self.physical_deviations if physical else self.standard_deviations
         return headline_of(self.model, self.status, values, deviations, units)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Physical parameters by name, SI; minimal ones where there are none."""
+        return self.physical_parameters or self.minimal_parameters
+
+    def predict(self, log: Log) -> Prediction:
+        """The output that the parameters predict on another log, as `symid.identification.predict`."""
+        return predict(self, log)
 
     @property
     def covariance(self) -> FloatArray:

@@ -191,10 +191,4 @@ def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputEr
     LogError, SettingError
         If the log lacks a signal, or there is no estimate.
     """
-    if found.fit is None:
-        raise SettingError(f"there are no parameters to predict with: {found.message}")
-    search, nuisance = found.fit.search, found.fit.search.nuisance[0]
-    error = found.comparison.error(log, late=found.late)
-    if not error.is_settled:
-        error, nuisance = error.updated(search.parameters, nuisance)
-    return error.prediction(log, search.parameters, nuisance)
+    return found.predict(log)

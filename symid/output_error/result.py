@@ -12,6 +12,7 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
+from symid.errors import SettingError
 from symid.identification.physical import jacobian
 from symid.identification.result import headline_of
 from symid.output_error.comparison import ErrorModel
@@ -83,6 +84,36 @@ class OutputErrorIdentification(Shown):
             return {}
         values = self.model.minimal_parameters(*self._all_values)
         return dict(zip(self.model.minimal_units, map(float, values), strict=True))
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Physical parameters by name, SI: the same as `physical_parameters`."""
+        return self.physical_parameters
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the minimal parameters, as deviations are printed, (n_minimal, n_minimal)."""
+        return self.minimal_covariance(corrected=True)
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Of the minimal parameters, as they are printed."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def bias(self) -> None:
+        """None: maximum likelihood takes the noise for what it is, and no other bias is estimated."""
+        return
+
+    def predict(self, log: Log) -> OutputErrorPrediction:
+        """The readings of another log that parameters, noise and timing predict, as `predict_output_error`."""
+        if self.fit is None:
+            raise SettingError(f"there are no parameters to predict with: {self.message}")
+        search, nuisance = self.fit.search, self.fit.search.nuisance[0]
+        error = self.comparison.error(log, late=self.late)
+        if not error.is_settled:
+            error, nuisance = error.updated(search.parameters, nuisance)
+        return error.prediction(log, search.parameters, nuisance)
 
     @property
     def reading_units(self) -> dict[str, str]:
