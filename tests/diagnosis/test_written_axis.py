@@ -42,6 +42,7 @@ from symid import (
 )
 from symid.axis import Between
 from symid.diagnosis import LIBRARY, diagnose, explained_axis
+from symid.diagnosis.in_motion.declared import impossible_values
 from symid.diagnosis.in_motion.replayed import without_noise
 from symid.export import c_source, mjcf
 from symid.report.derivation import derivation_record
@@ -211,3 +212,9 @@ def test_exports_say_what_they_lack_and_the_regressor_passes_it_over() -> None:
 def test_no_effect_of_the_library_is_left_out_here() -> None:
     here = {*RIGID_KINDS, *SPRING_KINDS, "flexible_mode", "sensor_delay"}
     assert {effect.name for effect in LIBRARY} == here
+
+
+def test_a_value_that_no_axis_has_is_named() -> None:
+    assert impossible_values(ELASTIC, VALUES) == ()
+    told = impossible_values(ELASTIC, VALUES | {"K": -6e5, "Ml": -1.0, "Fv": -3.0})
+    assert [sentence.split(" is no value")[0] for sentence in told] == ["Ml = -1", "K = -6e+05"]

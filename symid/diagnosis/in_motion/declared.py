@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from symid.axis import (
@@ -50,7 +50,8 @@ class ExplainedAxis:
     values : dict of str to float
         Values of its physical parameters, SI.
     left_out : tuple of str
-        A sentence for each effect that is no element of an axis: a force or a reading that is early.
+        A sentence for each effect that is no element of an axis: a force or a reading that is early; of an axis to be
+        written also one for each value that no real axis has.
     """
 
     axis: Axis
@@ -77,7 +78,27 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
     if explained.axis == found.axis.without(*found.axis.imperfections):
         raise SettingError("; ".join(explained.left_out))
-    return explained
+    impossible = impossible_values(explained.axis, explained.values)
+    return replace(explained, left_out=(*explained.left_out, *impossible))
+
+
+def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
+    """A sentence for each inertia and stiffness that is not positive: a log that does not fix them lets them go there.
+
+    Examples
+    --------
+    >>> from symid.axis import load_axis
+    >>> impossible_values(load_axis("rigid_1m"), {"M": -2.0, "Fv": 1.0, "Fs": 1.0})
+    ('M = -2 is no value of a real axis: these logs do not fix it, and the axis may run away in simulation',)
+    """
+    names = [body.inertial for body in axis.free_bodies]
+    names += [e.stiffness for e in axis.elements if isinstance(e, Spring) and isinstance(e.stiffness, str)]
+    return tuple(
+        f"{name} = {values[name]:.4g} is no value of a real axis: these logs do not fix it, "
+        "and the axis may run away in simulation"
+        for name in names
+        if name in values and values[name] < 0
+    )
 
 
 def axis_of(state: State) -> ExplainedAxis:
