@@ -1,5 +1,6 @@
-"""Array types of the numeric packages."""
+"""Array types of the numeric packages, and lengths that are fast to transform."""
 
+from functools import lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,3 +32,23 @@ def read_only(values: Values) -> Values:
     view = values.view()
     view.flags.writeable = False
     return view
+
+
+@lru_cache(maxsize=256)
+def fast_length(least: int) -> int:
+    """Smallest number from `least` on that has no prime factor above 5: its Fourier transform is fast.
+
+    Examples
+    --------
+    >>> fast_length(7), fast_length(1000), fast_length(1001)
+    (8, 1000, 1024)
+    """
+    found = 1 << (least - 1).bit_length()
+    of_five = 1
+    while of_five < found:
+        odd = of_five
+        while odd < found:
+            found = min(found, odd << (-(-least // odd) - 1).bit_length())
+            odd *= 3
+        of_five *= 5
+    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -124,14 +125,14 @@ class GeneratedModel:
             physical_parameters=namespace.get("physical_parameters"),
         )
 
-    @property
-    def highest_derivatives(self) -> dict[str, int]:
+    @cached_property
+    def highest_derivatives(self) -> Mapping[str, int]:
         """Highest derivative needed of each measured signal and of the force."""
         highest: dict[str, int] = {}
         for name in self.signals:
             signal, order = split_derivative(name)
             highest[signal] = max(order, highest.get(signal, 0))
-        return highest
+        return MappingProxyType(highest)
 
     @property
     def forces(self) -> tuple[str, ...]:

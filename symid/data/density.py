@@ -5,8 +5,9 @@ It does what `scipy.signal.welch` does by default, whose import takes as long as
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
-import scipy.fft
 
 from symid.arrays import ComplexArray, FloatArray
 
@@ -95,7 +96,7 @@ def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
     ]
     level = segments - segments.mean(axis=-1, keepdims=True)
     level *= _hann(segment)
-    return np.asarray(scipy.fft.rfft(level, axis=-1, overwrite_x=True).reshape(-1, segment // 2 + 1))
+    return np.asarray(np.fft.rfft(level, axis=-1).reshape(-1, segment // 2 + 1))
 
 
 def mean_power(spectra: ComplexArray) -> FloatArray:
@@ -130,5 +131,6 @@ def _scaled(density: FloatArray, sampling_frequency: float, segment: int) -> tup
     return np.asarray(np.fft.rfftfreq(segment, 1 / sampling_frequency)), np.asarray(density)
 
 
+@lru_cache(maxsize=16)
 def _hann(segment: int) -> FloatArray:
     return np.asarray(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(segment) / segment))

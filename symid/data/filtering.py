@@ -14,13 +14,14 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-import scipy
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, fast_length
+from symid.data.sections import butterworth, chebyshev
 from symid.data.zero_phase import ZeroPhaseFilter
 from symid.errors import SettingError
 
 _BLOCK: Final = 32_768  # samples of a block that stays in the cache between two operations on it
+_BISECTIONS: Final = 52  # to the last digit of a frequency
 _PERIODS: Final = 5.0  # of the cutoff, by which a signal is continued where its spectrum is filtered
 _DECIMATION_ORDER: Final = 8
 _DECIMATION_RIPPLE_DB: Final = 0.05
@@ -96,7 +97,7 @@ class LowPass:
         return filtered
 
     def by_spectrum(self, x: FloatArray, sampling_frequency: float) -> FloatArray:
-        """Low-passed vector by `gain`, whose ends are continued oddly: needs no scipy.signal, which is slow to import.
+        """Low-passed vector by `gain`, whose ends are continued oddly.
 
         Examples
         --------
@@ -108,9 +109,9 @@ class LowPass:
         """
         n = min(x.size - 1, math.ceil(_PERIODS * sampling_frequency / self.cutoff_hz))
         extended = np.concatenate([2 * x[0] - x[n:0:-1], x, 2 * x[-1] - x[-2 : -n - 2 : -1]])
-        size = scipy.fft.next_fast_len(extended.size, real=True)
+        size = fast_length(extended.size)
         gain = self.gain(np.fft.rfftfreq(size, 1 / sampling_frequency))
-        return np.asarray(scipy.fft.irfft(scipy.fft.rfft(extended, size) * gain, size)[n : n + x.size])
+        return np.fft.irfft(np.fft.rfft(extended, size) * gain, size)[n : n + x.size]
 
     def zero_phase(self, sampling_frequency: float) -> ZeroPhaseFilter:
         """Filter that `apply` runs over a signal sampled at `sampling_frequency` (Hz), above twice the cutoff."""
@@ -133,8 +134,7 @@ class LowPass:
 
 @lru_cache(maxsize=64)  # a design takes as long as filtering ten thousand samples
 def _low_pass(order: int, cutoff_hz: float, sampling_frequency: float) -> ZeroPhaseFilter:
-    sections = scipy.signal.butter(order, cutoff_hz, fs=sampling_frequency, output="sos")
-    return ZeroPhaseFilter(np.asarray(sections), 3 * order)
+    return ZeroPhaseFilter(butterworth(order, 2.0 * cutoff_hz / sampling_frequency), 3 * order)
 
 
 def _squared_butterworth(ratio: FloatArray, order: int) -> FloatArray:
@@ -270,6 +270,7 @@ def central_difference_gain(
     return np.asarray(sum(2.0 * k * factor * np.sinc(2.0 * k * turns) for k, factor in factors))[()]
 
 
+@lru_cache(maxsize=64)
 def differencing_bandwidth(differences: int, gain: float, *, order: int = 2) -> float:
     """Frequency over sampling frequency at which successive central differences keep a gain, equation [36].
 
@@ -302,15 +303,12 @@ def differencing_bandwidth(differences: int, gain: float, *, order: int = 2) -> 
             f"{differences} differences with a gain of {gain:g} are not possible: give 1 or more, "
             "and a gain between 0 and 1"
         )
-    return float(
-        scipy.optimize.brentq(
-            lambda share: (
-                max(float(central_difference_gain(share, 1.0, order=order)), 0.0) ** differences - gain
-            ),
-            1e-9,
-            0.5,
-        )
-    )
+    low, high = 1e-9, 0.5
+    for _ in range(_BISECTIONS):
+        share = 0.5 * (low + high)
+        kept = max(float(central_difference_gain(share, 1.0, order=order)), 0.0) ** differences
+        low, high = (share, high) if kept > gain else (low, share)
+    return low
 
 
 def kept_indices(n_samples: int, factor: int) -> slice:
@@ -367,10 +365,8 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
 @lru_cache(maxsize=64)
 def decimation_filter(factor: int) -> ZeroPhaseFilter:
     """Filter that `decimate` runs over a signal before samples are left out; `factor` is 2 or more."""
-    sections = scipy.signal.cheby1(
-        _DECIMATION_ORDER, _DECIMATION_RIPPLE_DB, _DECIMATION_CUTOFF / factor, output="sos"
-    )
-    return ZeroPhaseFilter(np.asarray(sections), 3 * _DECIMATION_ORDER)
+    sections = chebyshev(_DECIMATION_ORDER, _DECIMATION_RIPPLE_DB, _DECIMATION_CUTOFF / factor)
+    return ZeroPhaseFilter(sections, 3 * _DECIMATION_ORDER)
 
 
 def _check_length(values: FloatArray, padding: int, what: str) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
-import narwhals.stable.v2 as nw
 import numpy as np
 import numpy.typing as npt
 
@@ -109,6 +108,8 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
     index = getattr(given, "index", None)
     if getattr(index, "name", None) == TIME and TIME not in getattr(given, "columns", ()):
         given = given.reset_index()
+    import narwhals.stable.v2 as nw  # only frames need it
+
     try:
         native = nw.from_native(given, eager_only=True)
     except TypeError as error:
@@ -121,7 +122,9 @@ def _columns_of(frame: Frame) -> dict[str, Any]:
 
 def _values(column: Any) -> FloatArray | str:
     """Numbers of a column, NaN where it has none, or the reason why it has no numbers."""
-    if isinstance(column, nw.Series):
+    if not isinstance(column, np.ndarray):
+        import narwhals.stable.v2 as nw
+
         if column.dtype.is_numeric():
             return np.asarray(column.cast(nw.Float64).to_numpy(), dtype=np.float64)
         column = column.to_numpy()

@@ -5,14 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import scipy
 
 from symid.arrays import FloatArray
+from symid.data.zero_phase import ZeroPhaseFilter
 
 _BEYOND = 32
 """Samples by which a signal is continued at its ends: there a spline has forgotten them to 1e-11."""
 _REACH = 2
 """Coefficients before the one at or before a point that enter the value there; one more enters behind it."""
+
+
+_SLOWER, _FASTER = -0.4305753470999737915, -0.0430962882032646536
+"""Roots of the samples of the cardinal spline, z^4 + 26 z^3 + 66 z^2 + 26 z + 1, within the unit circle."""
+_INVERSE = ZeroPhaseFilter(
+    np.array([[(1 - _SLOWER) * (1 - _FASTER), 0.0, 0.0, 1.0, -_SLOWER - _FASTER, _SLOWER * _FASTER]]),
+    padding=1,
+)
 
 
 class QuinticSpline:
@@ -36,7 +44,7 @@ class QuinticSpline:
     def __init__(self, values: FloatArray) -> None:
         self.values = values
         continued = np.pad(values, _BEYOND, mode="edge")
-        self._coefficients: FloatArray = scipy.ndimage.spline_filter1d(continued, order=5)
+        self._coefficients = _INVERSE.apply(continued)
 
     @staticmethod
     def reach(samples: float) -> int:

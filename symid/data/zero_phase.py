@@ -12,17 +12,19 @@ import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
-import scipy
 
 from symid.arrays import FloatArray
-from symid.errors import SettingError
+from symid.data.sections import run, settled_states
 
 _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8 rows of 1e7 samples
 _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
+_FEW: Final = 8  # distance of kept samples from which products of blocks are faster than filtering all
+_LENGTH: Final = 2048  # samples of a block
+_MOST_KEPT: Final = 32  # of them
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
@@ -98,24 +100,69 @@ class ZeroPhaseFilter:
 
     @cached_property
     def _settled(self) -> FloatArray:
-        try:
-            return np.asarray(scipy.signal.sosfilt_zi(self.sections))
-        except np.linalg.LinAlgError as error:
-            raise SettingError(
-                "the cutoff is so low against the sampling rate that the filter does not settle: raise it"
-            ) from error
+        return settled_states(self.sections)
 
     def apply(self, x: FloatArray) -> FloatArray:
         """Vector, filtered forward and backward."""
-        if x[0] == x[-1] == x[x.size // 2] and bool(np.all(x == x[0])):
+        if _is_constant(x):
             return np.full(x.size, x[0] * self.constant_gain)
-        before = 2.0 * x[0] - x[self.padding : 0 : -1]
-        after = 2.0 * x[-1] - x[-2 : -self.padding - 2 : -1]
-        extended: FloatArray = np.concatenate((before, x, after))
+        extended = self._continued(x[None])
         for _ in ("forward", "backward"):
-            passed, _ = scipy.signal.sosfilt(self.sections, extended, zi=self._settled * extended[0])
-            extended = passed[::-1]
-        return extended[self.padding : -self.padding]
+            passed, _ = run(self.sections, extended, self._states(extended[:, 0]))
+            extended = passed[:, ::-1]
+        return extended[0, self.padding : -self.padding]
+
+    def _continued(self, rows: FloatArray) -> FloatArray:
+        """Rows with their ends continued oddly."""
+        before = 2.0 * rows[:, :1] - rows[:, self.padding : 0 : -1]
+        after = 2.0 * rows[:, -1:] - rows[:, -2 : -self.padding - 2 : -1]
+        return np.concatenate((before, rows, after), axis=1)
+
+    def apply_thinned(self, rows: FloatArray, kept: slice) -> FloatArray:
+        """Samples `kept` of each filtered row, shape (n_rows, n_kept): of few samples without filtering all."""
+        first, stop, step = kept.indices(rows.shape[1])
+        thinned = np.empty((len(rows), len(range(first, stop, step))))
+        moving = []
+        for row, x in enumerate(rows):
+            if step < _FEW or _is_constant(x):
+                thinned[row] = self.apply(x)[kept]
+            else:
+                moving.append(row)
+        if moving:
+            extended = self._continued(rows[moving])
+            thinned[moving] = self._in_blocks(extended, self.padding + first, step, thinned.shape[1])
+        return thinned
+
+    def _in_blocks(self, x: FloatArray, first: int, step: int, count: int) -> FloatArray:
+        """`count` samples of filtered rows, every `step`-th from `first` on; what is before and behind is settled."""
+        of = _block_maps(self, step)
+        n_rows, begin = len(x), first % of.length
+        n_blocks = (x.shape[1] - 1 - begin) // of.length
+        end, n = begin + n_blocks * of.length, len(of.across)
+        state = self._states(x[:, 0])
+        if begin:
+            _, state = run(self.sections, x[:, :begin], state)
+        s = state.reshape(n_rows, n)
+        by_input = x[:, begin:end].reshape(n_rows, n_blocks, of.length) @ of.input
+        entering = np.empty((n_rows, n_blocks, n))
+        for k in range(n_blocks):
+            entering[:, k] = s
+            s = s @ of.across + by_input[:, k, :n]
+        passed, _ = run(self.sections, x[:, end:], s.reshape(n_rows, -1, 2))
+        rest, state = run(self.sections, passed[:, ::-1], self._states(passed[:, -1]))
+        s = state.reshape(n_rows, n)
+        back = by_input[..., n:] + entering @ of.state
+        for k in reversed(range(n_blocks)):
+            entering[:, k] = s
+            s = s @ of.across + back[:, k, :n]
+        inner = (back[..., n:] + entering @ of.later).reshape(n_rows, -1)
+        found = np.concatenate((inner, rest[:, ::-1][:, ::step]), axis=1)
+        skipped = (first - begin) // step
+        return found[:, skipped : skipped + count]
+
+    def _states(self, levels: FloatArray) -> FloatArray:
+        """States that are settled at the level of each row."""
+        return self._settled * levels[:, None, None]
 
     def apply_rows(self, x: FloatArray, out: FloatArray, kept: slice, workers: int) -> None:
         """Filter each row of `x` and write the samples `kept` into the same row of `out`."""
@@ -124,9 +171,59 @@ class ZeroPhaseFilter:
         def filter_piece(piece: Piece) -> None:
             places, chosen = kept_of(piece, offset, step)
             for row in np.ndindex(x.shape[:-1]):
-                out[row][places] = self.apply(x[row][piece.first : piece.last])[chosen]
+                part = x[row][piece.first : piece.last]
+                out[row][places] = self.apply_thinned(part[None], chosen)[0]
 
         in_pieces(filter_piece, x.shape[-1], self.reach, workers)
+
+
+def _is_constant(x: FloatArray) -> bool:
+    return bool(x[0] == x[-1] == x[x.size // 2]) and bool(np.all(x == x[0]))
+
+
+@dataclass(frozen=True, eq=False)
+class _BlockMaps:
+    """What a filter makes of a block of samples, run forward and backward, as matrices to multiply rows with.
+
+    Parameters
+    ----------
+    length : int
+        Samples of a block, a multiple of the distance of kept ones; the first is kept.
+    across : array of shape (n_states, n_states)
+        State behind a block by that before it.
+    input : array of shape (length, 2 n_states + n_kept)
+        What the samples add to the state of the forward run, to that of the backward run, and to what is kept.
+    state : array of shape (n_states, n_states + n_kept)
+        The same by the state of the forward run before the block.
+    later : array of shape (n_states, n_kept)
+        What is kept, by the state of the backward run behind the block.
+    """
+
+    length: int
+    across: FloatArray
+    input: FloatArray
+    state: FloatArray
+    later: FloatArray
+
+
+@lru_cache(maxsize=64)
+def _block_maps(of: ZeroPhaseFilter, step: int) -> _BlockMaps:
+    length, n = step * min(_MOST_KEPT, -(-_LENGTH // step)), 2 * len(of.sections)
+    units = np.eye(n).reshape(n, -1, 2)
+    free, after = run(of.sections, np.zeros((n, length)), units)
+    further = run(of.sections, np.zeros((n, 1)), units)[1].reshape(n, n)
+    gain = run(of.sections, np.ones((1, 1)), 0.0 * units[:1])[1].reshape(1, n)
+    gain, further = gain.astype(np.longdouble), further.astype(np.longdouble)  # powers lose digits
+    while len(gain) < length:  # state after each number of samples behind one sample of the input
+        gain, further = np.concatenate((gain, gain @ further)), further @ further
+    gain = gain[:length].astype(np.float64)
+    impulses = np.eye(length)[::step]
+    still = np.zeros((len(impulses) + n, *units.shape[1:]))
+    kept, _ = run(of.sections, impulses, still[n:])  # by sample of the forward run
+    back = np.concatenate((gain.T, kept))
+    both = run(of.sections, back[:, ::-1], still)[0][:, ::-1]  # by sample of the input
+    by_input = np.concatenate((gain[::-1], both.T), axis=1)
+    return _BlockMaps(length, after.reshape(n, n), by_input, free @ back.T, free[:, ::-1][:, ::step])
 
 
 def kept_of(piece: Piece, offset: int, step: int) -> tuple[slice, slice]:

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-import scipy
 
-from symid.arrays import BoolArray, FloatArray, read_only
+from symid.arrays import BoolArray, FloatArray, fast_length, read_only
 from symid.errors import SettingError
 from symid.estimation.correlation import (
     ResidualCovariance,
@@ -249,12 +248,12 @@ def _positive(kernel: FloatArray) -> FloatArray:
     eigenvalues are, for several equations), and what that spreads to still larger lags is left out.
     """
     reach = kernel.shape[2] // 2
-    size = scipy.fft.next_fast_len(8 * reach + 1, real=True)
+    size = fast_length(8 * reach + 1)
     values, vectors = np.linalg.eigh(np.moveaxis(_spectrum(kernel, size), 2, 0))
     if values.min() >= -1e-12 * max(float(values.max()), 0.0):
         return kernel
     clipped = (vectors * np.maximum(values, 0.0)[:, None, :]) @ np.conj(np.swapaxes(vectors, 1, 2))
-    circular = scipy.fft.irfft(np.moveaxis(clipped, 0, 2), size, axis=2)
+    circular = np.fft.irfft(np.moveaxis(clipped, 0, 2), size, axis=2)
     return np.concatenate([circular[..., size - 2 * reach :], circular[..., : 2 * reach + 1]], axis=2)
 
 
@@ -263,7 +262,7 @@ def _spectrum(kernel: FloatArray, size: int) -> np.ndarray[tuple[int, ...], np.d
     circular = np.zeros((*kernel.shape[:2], size))
     circular[..., : reach + 1] = kernel[..., reach:]
     circular[..., size - reach :] = kernel[..., :reach]
-    return np.asarray(scipy.fft.rfft(circular, axis=2), dtype=np.complex128)
+    return np.asarray(np.fft.rfft(circular, axis=2), dtype=np.complex128)
 
 
 def _score_covariance(
@@ -310,8 +309,8 @@ def _pair_sum(U: FloatArray, kernel: FloatArray) -> FloatArray:
     total = np.zeros((U.shape[1], U.shape[1]))
     if U.shape[2] == 0:
         return total
-    size = scipy.fft.next_fast_len(U.shape[2] + reach, real=True)
-    X = scipy.fft.rfft(U, size, axis=2)
+    size = fast_length(U.shape[2] + reach)
+    X = np.fft.rfft(U, size, axis=2)
     G = np.conj(_spectrum(kernel, size))
     share = np.full(X.shape[2], 2.0 / size)  # each frequency stands for its negative too, but not these:
     share[0] = 1.0 / size

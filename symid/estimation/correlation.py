@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from math import ceil, log10, sqrt
 
 import numpy as np
-import scipy
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, fast_length
 from symid.errors import SettingError
 
 
@@ -118,9 +117,9 @@ def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
     """
     if x.shape[1] == 0:
         return np.zeros((len(x), len(x), 2 * max_lag + 1))
-    size = scipy.fft.next_fast_len(x.shape[1] + max_lag, real=True)
-    X = scipy.fft.rfft(x, size, axis=1)
-    circular = scipy.fft.irfft(np.conj(X)[:, None, :] * X[None, :, :], size, axis=2)
+    size = fast_length(x.shape[1] + max_lag)
+    X = np.fft.rfft(x, size, axis=1)
+    circular = np.fft.irfft(np.conj(X)[:, None, :] * X[None, :, :], size, axis=2)
     products: FloatArray = np.concatenate(
         [circular[..., size - max_lag :], circular[..., : max_lag + 1]], axis=2
     )

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-import scipy
 
 from symid.arrays import FloatArray, read_only
 from symid.errors import SettingError
@@ -249,7 +248,7 @@ def _stacked(factors: Sequence[TriangularFactor], weights: FloatArray) -> FloatA
 def _solve(R: FloatArray, rank: RankAnalysis) -> FloatArray:
     """Solution of the triangular system; the shortest one on columns of unit norm if there are many."""
     if rank.rank == len(R) - 1:
-        return np.asarray(scipy.linalg.solve_triangular(R[:-1, :-1], R[:-1, -1], check_finite=False))
+        return np.asarray(np.linalg.solve(R[:-1, :-1], R[:-1, -1]))
     root = rank.inverse_root
     solution: FloatArray = root @ ((R[:-1, :-1] @ root).T @ R[:-1, -1])
     return solution

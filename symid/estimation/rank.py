@@ -6,7 +6,6 @@ Decisions are made on columns of unit norm, so that they do not depend on the un
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from symid.arrays import FloatArray
 
@@ -90,7 +89,7 @@ def analyse_rank(R: FloatArray, rows: int) -> RankAnalysis:
     tolerance = _EPS * max(rows, R.shape[1], 100)
     rank = int(np.count_nonzero(values > tolerance * values[0])) if values[0] > 0.0 else 0
     if rank == R.shape[1]:
-        root = np.asarray(scipy.linalg.solve_triangular(R, np.eye(rank), check_finite=False))
+        root = np.asarray(np.linalg.solve(R, np.eye(rank)))
         return _frozen(rank, values, root, (), np.zeros((rank, 0)), np.zeros((0, rank)))
     # a direction of the null space is known to about (what rounding leaves) / (smallest value that is not 0)
     noise = max(1e-8, 10.0 * tolerance * float(values[0] / values[rank - 1])) if rank else 1e-8

@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from glob import glob, has_magic
 from pathlib import Path
 
@@ -41,7 +41,7 @@ class FleetAxis:
     modules: tuple[tuple[tuple[str, ...], StoredModule], ...]
     settings: BatchSettings
 
-    @property
+    @cached_property
     def fingerprint(self) -> str:
         """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
         texts = [module.text for _, module in self.modules]

@@ -24,7 +24,7 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
-from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
+from symid.identification.noise import noise_levels, quiet_widening
 from symid.identification.observation import Observation, observe
 from symid.identification.scheme import sharper
 
@@ -103,11 +103,9 @@ def _bias_and_growth(
     for part, share in zip(parts, share_of_rows(parts, fit.rows), strict=True):
         equations = len(model.output_names)
         weights = fit.weights[part.of * equations : (part.of + 1) * equations] ** 2 * share
-        rows, levels = part.observation.valid.sum(axis=1), noise_levels(model, part.log)
-        in_rows = noise_of_rows(model, part.log, part.observation.preparation, levels)
-        noise += np.einsum("j,jab->ab", weights * rows, in_rows)[:p]
-        seen = part.observation
-        rest = _rest_of_sharper_rows(model, part.log, seen, fit.solution, levels)
+        rows, seen = part.observation.valid.sum(axis=1), part.observation
+        noise += np.einsum("j,jab->ab", weights * rows, part.noise)[:p]
+        rest = _rest_of_sharper_rows(model, part.log, seen, fit.solution, part.levels)
         own = np.where(seen.valid, seen.y - seen.W @ fit.solution, 0.0)  # of all rows it is orthogonal to W
         slope += np.einsum("j,jt,jta->a", weights, rest - own, seen.W)
     # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue

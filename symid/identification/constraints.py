@@ -176,7 +176,7 @@ class _Problem:
         if root is None:
             return None
         names = list(model.physical_units)
-        whitening = np.asarray(scipy.linalg.solve_triangular(root, np.diag(1 / spread), lower=True))
+        whitening = np.asarray(np.linalg.solve(root, np.diag(1 / spread)))
         return cls(model, minimal, whitening, *constraints.ranges(names), *constraints.means(names))
 
     def residual(self, theta: FloatArray) -> FloatArray:

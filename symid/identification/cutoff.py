@@ -20,6 +20,7 @@ from symid.errors import SettingError
 from symid.estimation import LeastSquares, Method, estimate, refine_blocks
 from symid.identification.blocks import Run, blocks_of_runs
 from symid.identification.criteria import CRITERIA
+from symid.identification.excerpts import Excerpt
 from symid.identification.misfit import unexplained
 from symid.identification.result import Identification
 from symid.identification.settings import Preparation, cutoff_range
@@ -101,8 +102,10 @@ class Estimation:
         """Largest residual of an equation as part of its output, beyond noise; inf without all parameters."""
         if found.fit.status != "ok":
             return math.inf
-        pairs = zip(self.logs, found.runs, strict=True)
-        seen = [(log, run.observation) for log, run in pairs if isinstance(log, Log)]
+        pairs = enumerate(zip(self.logs, found.runs, strict=True))
+        seen = [
+            Excerpt(self.model, log, run.observation, k) for k, (log, run) in pairs if isinstance(log, Log)
+        ]
         return float(np.max(unexplained(self.model, seen, found.fit))) if seen else 0.0
 
     def highest(self, first: Trial) -> float:

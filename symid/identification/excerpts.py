@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -12,7 +14,10 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
 from symid.estimation import ObservationBlock
-from symid.identification.observation import Observation, observe
+from symid.identification.noise import noise_levels, noise_of_rows
+from symid.identification.observation import Observation, SignalRows, observe
+
+Kept = TypeVar("Kept")
 
 _MOST_SAMPLES = 65_536
 """Samples, of all logs together, on which an estimate is examined: more would cost time and change little."""
@@ -21,10 +26,12 @@ _PARTS = 4
 
 @dataclass(frozen=True, eq=False)
 class Excerpt:
-    """A part of a log with its observation; the whole log if it is short.
+    """A part of a log with its observation; the whole log if it is short. What checks share is computed once.
 
     Parameters
     ----------
+    model : GeneratedModel
+        The model observed.
     log : Log
         The part.
     observation : Observation
@@ -33,9 +40,34 @@ class Excerpt:
         Number of the log.
     """
 
+    model: GeneratedModel
     log: Log
     observation: Observation
     of: int
+    _kept: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def levels(self) -> dict[str, float]:
+        """Noise of each signal, as `noise_levels`."""
+        return noise_levels(self.model, self.log)
+
+    @cached_property
+    def noise(self) -> FloatArray:
+        """Covariance of the noise of one row, as `noise_of_rows`."""
+        return noise_of_rows(self.model, self.log, self.observation.preparation, self.levels)
+
+    def moved(self, name: str) -> SignalRows:
+        """The part of the rows that one signal makes."""
+        return self.kept(
+            name, lambda: SignalRows.of(self.model, self.log, self.observation.preparation, name)
+        )
+
+    def kept(self, key: object, computed: Callable[[], Kept]) -> Kept:
+        """What was computed under a key before, or is now."""
+        if key not in self._kept:
+            self._kept[key] = computed()
+        found: Kept = self._kept[key]
+        return found
 
 
 def excerpts(
@@ -62,9 +94,9 @@ def excerpts(
 
 def _all_of(model: GeneratedModel, log: AnyLog, whole: Observation, number: int) -> Excerpt:
     if isinstance(log, Log):
-        return Excerpt(log, whole, number)
+        return Excerpt(model, log, whole, number)
     read = log.window(0, log.n_samples)
-    return Excerpt(read, observe(model, read, whole.preparation), number)
+    return Excerpt(model, read, observe(model, read, whole.preparation), number)
 
 
 def _parts(
@@ -74,7 +106,7 @@ def _parts(
     size = most // _PARTS
     starts = np.linspace(0, log.n_samples - size, _PARTS).astype(int)
     windows = [log.window(int(start), int(start) + size) for start in starts]
-    return tuple(Excerpt(window, observe(model, window, chosen), number) for window in windows)
+    return tuple(Excerpt(model, window, observe(model, window, chosen), number) for window in windows)
 
 
 def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:

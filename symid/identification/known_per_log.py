@@ -224,7 +224,7 @@ class _Stacked:
     def whitened(self, rows: FloatArray) -> FloatArray:
         """Rows in deviations, uncorrelated."""
         scaled = rows / self.spread.reshape(-1, *[1] * (rows.ndim - 1))
-        return np.asarray(scipy.linalg.solve_triangular(self.root, scaled, lower=True))
+        return np.asarray(np.linalg.solve(self.root, scaled))
 
     def slope(self, physical: FloatArray) -> FloatArray:
         """Derivatives of whitened minimal parameters by the physical ones, in units of these."""

@@ -7,18 +7,17 @@ The estimate's residual follows for each lag from its own normal equations: no s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
-import scipy
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import BoolArray, FloatArray, fast_length
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt
-from symid.identification.observation import SignalRows
 
 FARTHEST = 1.0
 """Seconds to either side: what recorders are late by (network, video and PLC clocks)."""
@@ -83,26 +82,20 @@ def _has_law(model: GeneratedModel, name: str) -> bool:
 
 
 def scan(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    signal: str,
-    within: tuple[float, float] = (0.0, 1.0),
+    parts: Sequence[Excerpt], fit: LeastSquares, signal: str, thirds: Iterable[int] = range(3)
 ) -> LagScan:
     """Residual at every lag of a signal, in steps of a row.
 
     Parameters
     ----------
-    model : GeneratedModel
-        The model identified.
     parts : sequence of Excerpt
         Logs or parts of them, with their observations.
     fit : LeastSquares
         The estimate: it gives the weights of the equations.
     signal : str
         Which one is moved.
-    within : tuple of float
-        Share of each part at which rows begin and end.
+    thirds : iterable of int
+        Which thirds of each part count; all by default.
     """
     period = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     shortest = min(part.observation.y.shape[1] for part in parts)
@@ -110,64 +103,62 @@ def scan(
     p = fit.solution.size
     total, rows = np.zeros((2 * most + 1, p + 1, p + 1)), np.zeros(2 * most + 1)
     for part in parts:
-        own = SignalRows.of(model, part.log, part.observation.preparation, signal).rows()
-        seen = part.observation
-        n_equations, n = seen.y.shape
-        inside = np.zeros(n, dtype=bool)
-        inside[int(within[0] * n) : int(within[1] * n)] = True
-        for j in range(n_equations):
-            weight = fit.weights[part.of * n_equations + j]
-            moving = weight * np.column_stack([own[0][j], own[1][j]])
-            resting = weight * np.column_stack([seen.W[j], seen.y[j]]) - moving
-            used = seen.valid[j] & inside
-            total += _grams(resting, moving, used, most)
-            rows += _between_ends(used, np.arange(-most, most + 1))
+        n_equations = len(part.observation.y)
+        for k in thirds:
+            sums = part.kept((signal, most, k), partial(_sums_of, part, signal, most, k))
+            for j, (grams, counts) in enumerate(sums):
+                total += fit.weights[part.of * n_equations + j] ** 2 * grams
+                rows += counts
     late = period * np.arange(-most, most + 1)
     few = (rows < _LEAST_SHARE * rows[most]) | (rows < _LEAST_ROWS * p)
     return LagScan(np.asarray(late, dtype=float), np.where(few, 1.0, _residuals(total)))
 
 
+def _sums_of(part: Excerpt, signal: str, most: int, third: int) -> list[tuple[FloatArray, FloatArray]]:
+    """Products of the columns of each equation and numbers of rows, at each lag, of a third of a part."""
+    seen, (W, y) = part.observation, part.moved(signal).rows
+    n = seen.y.shape[1]
+    inside = np.arange(n) * 3 // n == third
+    found = []
+    for j in range(len(y)):
+        moving = np.column_stack([W[j], y[j]])
+        used = seen.valid[j] & inside
+        grams = _grams(np.column_stack([seen.W[j], seen.y[j]]) - moving, moving, used, most)
+        found.append((grams, _between_ends(used, np.arange(-most, most + 1))))
+    return found
+
+
 def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) -> FloatArray:
     """Sums over used rows t of the products of columns resting(t) + moving(t + lag), for lags from -most to most."""
     n, columns = resting.shape
-    length = scipy.fft.next_fast_len(n + most, real=True)
+    length = fast_length(n + most)
     lags = np.arange(-most, most + 1)
     grams = np.zeros((lags.size, columns, columns))
-    alive = [i for i in range(columns) if np.any(moving[:, i])]
-    masked = np.where(used[:, None], resting, 0.0)
-    still = np.fft.rfft(masked, length, axis=0)
-    moved = {i: np.fft.rfft(moving[:, i], length) for i in alive}
-    mask = np.fft.rfft(used.astype(float), length)
+    alive = np.flatnonzero(np.any(moving, axis=0))
+    masked, moving = np.where(used, resting.T, 0.0), moving.T[alive]
 
-    def at_lags(a: ComplexArray, b: ComplexArray) -> FloatArray:
-        every = np.fft.irfft(np.conj(a) * b, length)
-        return np.asarray(every[lags])
+    def at_lags(still: FloatArray, moved: FloatArray) -> FloatArray:
+        """Correlations of each row with each row, by lag."""
+        spectra = np.conj(np.fft.rfft(still, length))[:, None] * np.fft.rfft(moved, length)
+        return np.asarray(np.moveaxis(np.fft.irfft(spectra, length)[..., lags], 2, 0))
 
-    for i in range(columns):
-        for k in alive:
-            crossed = at_lags(still[:, i], moved[k])
-            grams[:, i, k] += crossed
-            grams[:, k, i] += crossed
     for a, i in enumerate(alive):
-        for k in alive[a:]:
-            product = at_lags(mask, np.fft.rfft(moving[:, i] * moving[:, k], length))
-            grams[:, i, k] += product
-            if i != k:
-                grams[:, k, i] += product
+        crossed = at_lags(masked, moving[a : a + 1])[..., 0]
+        grams[:, :, i] += crossed
+        grams[:, i, :] += crossed
+        grams[:, i, alive] += at_lags(used[None].astype(float), moving[a] * moving)[:, 0]
     # rows whose partner t + lag lies outside do not count
-    for i in range(columns):
-        for k in range(i, columns):
-            own = _between_ends(masked[:, i] * masked[:, k], lags)
-            grams[:, i, k] += own
-            if i != k:
-                grams[:, k, i] += own
+    for column in range(columns):
+        grams[:, column] += _between_ends(masked[column] * masked, lags).T
     return grams
 
 
 def _between_ends(values: FloatArray | BoolArray, lags: npt.NDArray[np.int_]) -> FloatArray:
-    """Sums over the rows t of which t + lag is a row too, for each lag."""
-    sums = np.concatenate([[0.0], np.cumsum(values)])
-    return np.asarray(sums[np.minimum(values.size - lags, values.size)] - sums[np.maximum(-lags, 0)])
+    """Sums over the rows t, along the last axis, of which t + lag is a row too, for each lag."""
+    sums = np.zeros((*values.shape[:-1], values.shape[-1] + 1))
+    np.cumsum(values, axis=-1, out=sums[..., 1:])
+    n = values.shape[-1]
+    return np.asarray(sums[..., np.minimum(n - lags, n)] - sums[..., np.maximum(-lags, 0)])
 
 
 def _residuals(grams: FloatArray) -> FloatArray:

@@ -12,12 +12,10 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, cut_in_motion
+from symid.data import cut_in_motion
 from symid.estimation import LeastSquares, estimate, triangular_factors
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
-from symid.identification.noise import noise_levels, noise_of_rows
-from symid.identification.observation import Observation
 
 _CLIPPED_SAMPLES = 5
 """Shortest run at an extreme value that is a limit, not a peak."""
@@ -58,7 +56,7 @@ def noiseless_misfit(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
     """Outputs of which a large part is left that the noise of the signals does not explain, in words."""
-    shares = unexplained(model, [(part.log, part.observation) for part in parts], fit, criteria)
+    shares = unexplained(model, parts, fit, criteria)
     said = [
         f"{100 * share:.3g} % of {name}"
         for name, share in zip(model.output_names, shares, strict=True)
@@ -69,10 +67,7 @@ def noiseless_misfit(
 
 
 def unexplained(
-    model: GeneratedModel,
-    seen: Sequence[tuple[Log, Observation]],
-    fit: LeastSquares,
-    criteria: Criteria = CRITERIA,
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> FloatArray:
     """Residual of each equation as part of its output; 0 where the noise of the signals explains it."""
     equations, error = len(model.output_names), np.append(fit.solution, -1.0)
@@ -81,9 +76,8 @@ def unexplained(
     )
     rows = np.sum(np.reshape(fit.rows, (-1, equations)), axis=0)
     noise = np.zeros(equations)
-    for log, observation in seen:
-        covariance = noise_of_rows(model, log, observation.preparation, noise_levels(model, log))
-        noise += np.einsum("a,jab,b->j", error, covariance, error) / len(seen)
+    for part in parts:
+        noise += np.einsum("a,jab,b->j", error, part.noise, error) / len(parts)
     expected = criteria.noise_explains * np.sqrt(np.maximum(noise, 0.0) * rows)
     share = np.divide(residual, y, out=np.zeros_like(y), where=y > 0)
     return np.asarray(np.where(residual > expected, share, 0.0))
@@ -158,10 +152,10 @@ def _local(parts: Sequence[Excerpt], fit: LeastSquares) -> str:
 
 
 def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
-    found = [window for part in parts for window in _windows(part, fit, equation)]
+    found = np.concatenate([_windows(part, fit, equation) for part in parts])
     if len(found) < _LEAST_WINDOWS:
         return ""
-    residual, output, predicted, time = np.array(found).T
+    residual, output, predicted, time = found.T
     worst, usual = int(np.argmax(residual)), float(np.median(residual))
     many, size = len(found) >= _WINDOWS // 2, max(output[worst], predicted[worst], _rms(output))
     if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
@@ -180,19 +174,20 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
     )
 
 
-def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> list[tuple[float, float, float, float]]:
-    """Residual, output and its prediction in rms, and the time, of each window of a part that has enough rows."""
+def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
+    """Residual, output and its prediction in rms, and the time, one row for each window of a part with enough rows."""
     seen = part.observation
     size = max(_LEAST_ROWS, seen.y.shape[1] // _WINDOWS)
-    found = []
-    for start in range(0, seen.y.shape[1] - size + 1, size):
-        rows = slice(start, start + size)
-        valid = seen.valid[equation, rows]
-        if np.count_nonzero(valid) >= _LEAST_ROWS // 2:
-            y = seen.y[equation, rows][valid]
-            predicted = seen.W[equation, rows][valid] @ fit.solution
-            found.append((_rms(y - predicted), _rms(y), _rms(predicted), float(seen.time[start])))
-    return found
+    n = seen.y.shape[1] // size
+    y, valid = seen.y[equation, : n * size], seen.valid[equation, : n * size].reshape(n, size)
+    predicted = seen.W[equation, : n * size] @ fit.solution
+    counts = np.count_nonzero(valid, axis=1)
+    rms = [
+        np.sqrt(np.sum(np.where(valid, x.reshape(n, size), 0.0) ** 2, axis=1) / np.maximum(counts, 1))
+        for x in (y - predicted, y, predicted)
+    ]
+    found = np.stack([*rms, seen.time[: n * size : size]], axis=1)
+    return np.asarray(found[counts >= _LEAST_ROWS // 2])
 
 
 def _rms(x: FloatArray) -> float:

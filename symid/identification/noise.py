@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
@@ -162,14 +162,23 @@ def _signal_gains(
     low_pass = LowPass(chosen.cutoff_hz, chosen.order).sampled_gain(frequency, 1 / period)
     thinned = np.ones_like(frequency)
     if chosen.decimation is not None and chosen.decimation > 1:
-        sections = decimation_filter(chosen.decimation).sections
-        thinned = np.abs(scipy.signal.sosfreqz(sections, angle)[1]) ** 2
+        thinned = _decimation_gain(chosen.decimation)
     gains = np.empty((len(model.signals), frequency.size), dtype=np.complex128)
     for i, flat in enumerate(model.signals):
         name, order = split_derivative(flat)
         filtered = chosen.filter_force or name not in model.forces
         gains[i] = difference**order * thinned * (low_pass if filtered else 1.0)
     return gains
+
+
+@lru_cache(maxsize=16)
+def _decimation_gain(factor: int) -> FloatArray:
+    """Gain of the decimation filter at the frequencies of `noise_of_rows`, whatever the sampling frequency."""
+    z = np.exp(-1j * np.pi * (np.arange(_LINES) + 0.5) / _LINES)
+    powers = np.stack([np.ones_like(z), z, z**2])
+    sections = decimation_filter(factor).sections
+    response = (sections[:, :3] @ powers) / (sections[:, 3:] @ powers)
+    return np.asarray(np.abs(np.prod(response, axis=0)) ** 2)
 
 
 def _coefficients(model: GeneratedModel) -> FloatArray:

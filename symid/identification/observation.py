@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -168,13 +168,10 @@ class SignalRows:
         Of the part of the model that is linear in the signals, of which all but this one are still.
     name : str
         The signal.
-    spline : QuinticSpline
-        The filtered signal.
     """
 
     sampling: Sampling
     name: str
-    spline: QuinticSpline
 
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
@@ -186,22 +183,27 @@ class SignalRows:
         signals = {**dict.fromkeys(model.highest_derivatives, still), **own}
         rest = log.n_samples - before - after
         sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, {}, before, rest)
-        return cls(sampling, name, QuinticSpline(signals[name]))
+        return cls(sampling, name)
 
+    @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """Rows of W and y of the window."""
-        return self._rows(self.spline.values)
+        return self._rows(self.sampling.signals[self.name])
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y, by a signal that is moved `late` seconds to an earlier time."""
-        return self._rows(self._earlier(late) - self.spline.values)
+        return self._rows(self._earlier(late) - self.sampling.signals[self.name])
 
     def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y by second, from signals that are moved `step` seconds to either side."""
         return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
 
+    @cached_property
+    def _spline(self) -> QuinticSpline:
+        return QuinticSpline(self.sampling.signals[self.name])
+
     def _earlier(self, late: float) -> FloatArray:
-        return self.spline.earlier(late / self.sampling.period)
+        return self._spline.earlier(late / self.sampling.period)
 
     def _rows(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         signals = {**self.sampling.signals, self.name: values}

@@ -174,14 +174,12 @@ def _fitted(
 
     def misfit(relative: FloatArray) -> FloatArray:
         return np.asarray(
-            scipy.linalg.solve_triangular(
-                root, (model.minimal_parameters(*whole(relative)) - minimal) / spread, lower=True
-            )
+            np.linalg.solve(root, (model.minimal_parameters(*whole(relative)) - minimal) / spread)
         )
 
     def slope(relative: FloatArray) -> FloatArray:
         columns = jacobian(model, whole(relative))[:, seen] * scale / spread[:, None]
-        return np.asarray(scipy.linalg.solve_triangular(root, columns, lower=True))
+        return np.asarray(np.linalg.solve(root, columns))
 
     relations = minimal.size - guess.size
     exact = relations == 0 and model.physical_parameters is not None
@@ -198,10 +196,10 @@ def _fitted(
     if not np.all(np.isfinite(triangle)) or np.linalg.cond(triangle) > 1 / np.finfo(float).eps:
         return None
     disagreement = float(np.sum(misfit(relative) ** 2)) if relations else float("nan")
-    whitening = scipy.linalg.solve_triangular(root, np.diag(1 / spread), lower=True)
+    whitening = np.linalg.solve(root, np.diag(1 / spread))
     parameters, sensitivity = np.full(start.size, np.nan), np.full((start.size, minimal.size), np.nan)
     parameters[seen] = relative * scale
-    sensitivity[seen] = scale[:, None] * scipy.linalg.solve_triangular(triangle, orthonormal.T @ whitening)
+    sensitivity[seen] = scale[:, None] * np.linalg.solve(triangle, orthonormal.T @ whitening)
     return PhysicalEstimate(
         parameters, sensitivity, sensitivity @ covariance @ sensitivity.T, relations, disagreement
     )

@@ -33,6 +33,7 @@ _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
 _LIMITED_SHARE = 0.01
 """Of all steps that are as large as the largest: noise makes no two of them."""
+_EVERY, _MANY = 16, 10_000
 _COARSE_VALUES = 0.6
 """Share of samples beyond which values that occur again make a channel one of steps."""
 
@@ -89,8 +90,10 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
 
 def _dropped(x: FloatArray) -> int:
     """Zeros with values of one sign far from 0 on both sides, within three samples."""
-    far = _FAR * float(np.sqrt(np.mean(x**2)))
     zero = np.flatnonzero(x == 0.0)
+    if not zero.size:
+        return 0
+    far = _FAR * float(np.sqrt(np.mean(x**2)))
     inner = zero[(zero > 0) & (zero < x.size - 1)]
     before, after = (_next_not_zero(x, inner, step) for step in (-1, 1))
     return int(np.count_nonzero((before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > far)))
@@ -111,7 +114,7 @@ def _repeated(x: FloatArray) -> int:
         return 0
     step = np.abs(np.diff(x))
     moving = step[step > 0]
-    if moving.size < x.size // 20:
+    if moving.size == step.size or moving.size < x.size // 20:
         return 0
     smallest = float(np.quantile(moving, 0.01))
     noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
@@ -130,22 +133,28 @@ def _repeated(x: FloatArray) -> int:
 def _wrapped(x: FloatArray) -> int:
     reach = float(np.ptp(x))
     step = np.abs(np.diff(x))
-    if reach == 0.0 or float(np.quantile(step, 0.98)) > _USUAL_STEP * reach:
+    wrapped = int(np.count_nonzero(step > _WRAPPED * reach))
+    if reach == 0.0 or not wrapped or float(np.quantile(step, 0.98)) > _USUAL_STEP * reach:
         return 0
-    return int(np.count_nonzero(step > _WRAPPED * reach))
+    return wrapped
 
 
 def _slew_limited(x: FloatArray) -> float:
     """Share of steps that are as large as the largest, of a channel whose values are not coarse."""
     step = np.abs(np.diff(x))
     largest = float(step.max(initial=0.0))
-    if largest == 0.0 or np.unique(x).size < (1.0 - _COARSE_VALUES) * x.size:
-        return 0.0
-    return float(np.mean(step > largest * (1.0 - _SAME)))
+    share = float(np.mean(step > largest * (1.0 - _SAME)))
+    return 0.0 if largest == 0.0 or share <= _LIMITED_SHARE or step_of(x) > 0.0 else share
 
 
 def step_of(x: FloatArray) -> float:
-    """Smallest step of a channel of few values; 0 for one whose values are all its own."""
+    """Smallest step of a channel of few values; 0 for one whose values are all its own.
+
+    Of few values, some come again among every sixteenth sample too: only then are all of them sorted.
+    """
+    some = x[::_EVERY]
+    if x.size > _MANY and np.unique(some).size == some.size:
+        return 0.0
     values = np.unique(x)
     return float(np.diff(values).min()) if 1 < values.size < (1.0 - _COARSE_VALUES) * x.size else 0.0
 

@@ -194,7 +194,7 @@ def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, Floa
     W = np.empty((equations, len(model.minimal_units), n_rows))
     y = np.empty((equations, n_rows))
     velocities = np.empty((len(sliding) if with_velocities else 0, sampling.n_samples))
-    offset = kept_indices(sampling.n_samples, sampling.factor).start
+    offset, thin = kept_indices(sampling.n_samples, sampling.factor).start, sampling.row_filter
 
     def sample(piece: Piece) -> None:
         places, chosen = kept_of(piece, offset, sampling.factor)
@@ -211,8 +211,10 @@ def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, Floa
                 columns[place] = sampling.low_pass.apply(columns[place])
             for j in model.known_laws:
                 output[j] = sampling.low_pass.apply(output[j])
-        _thin(columns, sampling.row_filter, W[..., places], chosen)
-        _thin(output, sampling.row_filter, y[..., places], chosen)
+        rows = ((columns.reshape(-1, columns.shape[-1]), W), (output, y))
+        for values, out in rows:
+            thinned = values[:, chosen] if thin is None else thin.apply_thinned(values, chosen)
+            out[..., places] = thinned.reshape(*out.shape[:-1], -1)
         if with_velocities:
             arguments = (signals[name][piece.inner] for name in model.signals)
             velocities[:, piece.start : piece.stop] = model.sliding_velocities(*arguments)
@@ -230,15 +232,6 @@ def _give_back(sampling: Sampling, W: FloatArray, y: FloatArray) -> None:
         for equation, column in sampling.model.law_columns:
             if column == parameter:
                 y[equation] += level * W[equation, column]
-
-
-def _thin(rows: FloatArray, row_filter: ZeroPhaseFilter | None, out: FloatArray, chosen: slice) -> None:
-    """Write the chosen samples of filtered rows."""
-    if row_filter is None:
-        out[...] = rows[..., chosen]
-        return
-    for row in np.ndindex(rows.shape[:-1]):
-        out[row] = row_filter.apply(rows[row])[chosen]
 
 
 def filtered(

@@ -96,17 +96,15 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: floa
     slope = np.cumsum([np.zeros_like(parts[0].slope), *(s.slope for s in parts)], axis=0)
     whole = sum(s.square for s in parts)
     spans = [(i, j) for i in range(n) for j in range(i + 1, n + 1) if j - i <= n // 2 + 1 and j - i < n]
-    best = max(
-        (
-            (_gain(normal[j] - normal[i], slope[j] - slope[i], normal[-1], slope[-1])[0], i, j)
-            for i, j in spans
-        ),
-        default=(0.0, 0, 0),
+    begins, ends = np.transpose(spans)
+    compared = _Comparison.of(
+        normal[ends] - normal[begins], slope[ends] - slope[begins], normal[-1], slope[-1]
     )
-    gain, i, j = best
+    best = int(np.argmax(compared.gain))
+    gain, i = float(compared.gain[best]), int(begins[best])
     if not whole > 0.0 or gain <= 0.0:
         return None
-    _, inside, outside, spread = _gain(normal[j] - normal[i], slope[j] - slope[i], normal[-1], slope[-1])
+    inside, outside, spread = compared.inside[best], compared.outside[best], compared.spread(best)
     root, rows = fit.rank.inverse_root, sum(s.rows for s in parts)
     sigma2 = max(whole - gain, 0.0) / max(rows - 2 * fit.solution.size, 1) * max(inflation, 1.0)
     deviations = np.sqrt(np.diag(root @ spread @ root.T) * sigma2)
@@ -115,18 +113,49 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: floa
     )
 
 
-def _gain(
-    inside: FloatArray, slope: FloatArray, normal: FloatArray, total: FloatArray
-) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-    """Fall of the residual's square by separate parameters, both estimates, and the covariance of their difference.
+@dataclass(frozen=True, eq=False)
+class _Comparison:
+    """Spans of rows compared with the rest, in the directions that both see.
 
-    Only directions that both parts see are compared.
+    Parameters
+    ----------
+    gain : array of shape (n_spans,)
+        Fall of the residual's square by separate parameters.
+    inside, outside : array of shape (n_spans, n_parameters)
+        Estimates from a span and from the rest.
+    directions : array of shape (n_spans, n_parameters, n_parameters)
+        Columns are directions.
+    variances : array of shape (n_spans, n_parameters)
+        Of the difference of both estimates along each direction; 0 where they are not compared.
     """
-    values, vectors = np.linalg.eigh(inside)
-    every = np.maximum(np.einsum("ai,ab,bi->i", vectors, normal, vectors), np.finfo(float).tiny)
-    share = values / every
-    seen = (share > _SEEN) & (share < 1.0 - _SEEN)
-    V, a, b = vectors[:, seen], values[seen], (every - values)[seen]
-    inner, outer = V.T @ slope / a, V.T @ (total - slope) / b
-    gain = float(np.sum(a * inner**2 + b * outer**2))
-    return gain, V @ inner, V @ outer, (V * (1 / a + 1 / b)) @ V.T
+
+    gain: FloatArray
+    inside: FloatArray
+    outside: FloatArray
+    directions: FloatArray
+    variances: FloatArray
+
+    @classmethod
+    def of(cls, inside: FloatArray, slope: FloatArray, normal: FloatArray, total: FloatArray) -> _Comparison:
+        """From sums over each span (one a row) and over all rows."""
+        values, V = np.linalg.eigh(inside)
+        every = np.maximum(np.sum(V * (normal @ V), axis=1), np.finfo(float).tiny)
+        share = values / every
+        seen = (share > _SEEN) & (share < 1.0 - _SEEN)
+        a, b = np.where(seen, values, 1.0), np.where(seen, every - values, 1.0)
+        inner, outer = (
+            np.where(seen, (V.swapaxes(1, 2) @ x[..., None])[..., 0], 0.0) / n
+            for x, n in ((slope, a), (total - slope, b))
+        )
+        return cls(
+            np.sum(a * inner**2 + b * outer**2, axis=1),
+            (V @ inner[..., None])[..., 0],
+            (V @ outer[..., None])[..., 0],
+            V,
+            np.where(seen, 1 / a + 1 / b, 0.0),
+        )
+
+    def spread(self, span: int) -> FloatArray:
+        """Covariance of the difference of both estimates, for residuals of variance 1."""
+        V = self.directions[span]
+        return np.asarray((V * self.variances[span]) @ V.T)

@@ -20,7 +20,7 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification.excerpts import Excerpt, blocks_of
 from symid.identification.lag_scan import LagScan, scan, shiftable
-from symid.identification.observation import Observation, SignalRows
+from symid.identification.observation import Observation
 
 _STEP = 0.25
 """Half the shift between the rows whose difference is the derivative, in samples."""
@@ -37,7 +37,6 @@ _PREFERENCE = 1.25
 """Times the residual that a late sensor must leave less than a late force."""
 _ROWS_A_DEVIATION = 6.0
 """A delay that is only scanned is known to half a row, taken as three deviations."""
-_THIRD = 1 / 3
 _DRIFTED_ROWS = 2
 """Rows by which the delays of two thirds must differ: noise moves them by one."""
 _UNEVEN = 0.2
@@ -159,13 +158,14 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
 def _timing_of_signal(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, name: str
 ) -> Timing | None:
-    scanned = scan(model, parts, fit, name)
+    scanned = scan(parts, fit, name)
     late, left = scanned.best
-    near = _refined(model, parts, fit, name, 0.0)
+    shifting = [_Shifting(part, name) for part in parts]
+    near = _refined(model, parts, shifting, fit, 0.0)
     # motion that repeats itself fits as well a period later: a delay near zero that explains as much comes first
     if left >= _WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
         return near
-    refined = _refined(model, parts, fit, name, late)
+    refined = _refined(model, parts, shifting, fit, late)
     if refined is None:
         return _coarse(parts, fit, name, scanned, is_force=name in model.forces)
     return refined
@@ -190,13 +190,17 @@ def _coarse(
 
 
 def _refined(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, name: str, start: float
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    shifting: Sequence[_Shifting],
+    fit: LeastSquares,
+    start: float,
 ) -> Timing | None:
     """The delay near a start, by Gauss and Newton; None if it runs away."""
     period = parts[0].log.sampling_period
     cutoff = parts[0].observation.preparation.cutoff_hz
     assert cutoff is not None
-    shifting = [_Shifting(model, part, name) for part in parts]
+    name = shifting[0].name
     late, X = start, fit.solution
     for _ in range(_MOST_ROUNDS):
         extended = [shifted.with_tangent(late, X) for shifted in shifting]
@@ -229,11 +233,11 @@ def _refined(
 
 def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Whether a force's clock runs at another rate: its delay grows from third to third of the logs; in words."""
-    return next(filter(None, (_drift_of_force(model, parts, fit, force) for force in model.forces)), "")
+    return next(filter(None, (_drift_of_force(parts, fit, force) for force in model.forces)), "")
 
 
-def _drift_of_force(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> str:
-    thirds = [scan(model, parts, fit, force, (k * _THIRD, (k + 1) * _THIRD)).best for k in range(3)]
+def _drift_of_force(parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> str:
+    thirds = [scan(parts, fit, force, (k,)).best for k in range(3)]
     (first, left_first), (middle, left_middle), (last, left_last) = thirds
     row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     grows = abs(first - last) >= _DRIFTED_ROWS * row
@@ -251,9 +255,9 @@ def _drift_of_force(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastS
 class _Shifting:
     """Rows of a log of which one signal is moved in time."""
 
-    def __init__(self, model: GeneratedModel, part: Excerpt, name: str) -> None:
-        self.observation = part.observation
-        self._rows = SignalRows.of(model, part.log, part.observation.preparation, name)
+    def __init__(self, part: Excerpt, name: str) -> None:
+        self.name, self.observation = name, part.observation
+        self._rows = part.moved(name)
         self._slope = self._rows.slope(_STEP * part.log.sampling_period)
 
     def with_tangent(self, late: float, X: FloatArray) -> Observation:
