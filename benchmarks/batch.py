@@ -23,6 +23,7 @@ from contextlib import ExitStack
 from importlib.util import find_spec
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -49,20 +50,24 @@ def write_logs(folder: Path, logs: int, samples: int = SAMPLES) -> list[Path]:
 
 def batch(
     paths: list[Path], jobs: int | None = None, scheduler: str | None = None, examine: bool = True
-) -> float:
-    """Identify each log alone; processor time of this process, s."""
-    begin = time.process_time()
+) -> None:
+    """Identify each log alone."""
     settings = symid.BatchSettings(examine=examine)
     done = symid.identify_batch("emps", paths, jobs=jobs, scheduler=scheduler, settings=settings)
     assert done.statuses == {"ok": len(paths)}, done.statuses
-    return time.process_time() - begin
 
 
-def plain(paths: list[Path], job: str, settings: dict[str, float | int]) -> float:
-    """Read each log and do a job of `identify_speed` with it; processor time of this process, s."""
-    begin, run = time.process_time(), JOBS[job]
-    for frame in map(pl.read_parquet, paths):
-        run("emps", {name: frame[name].to_numpy() for name in ("q", "F")}, settings)
+def plain(paths: list[Path], job: str, settings: dict[str, float | int]) -> list[dict[str, Any]]:
+    """Read each log and do a job of `identify_speed` with it."""
+    run = JOBS[job]
+    frames = map(pl.read_parquet, paths)
+    return [run("emps", {name: frame[name].to_numpy() for name in ("q", "F")}, settings) for frame in frames]
+
+
+def processor_time(run: Callable[..., object], *arguments: object) -> float:
+    """Processor time that this process takes for a run, s."""
+    begin = time.process_time()
+    run(*arguments)
     return time.process_time() - begin
 
 
@@ -76,11 +81,13 @@ def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callab
     """What is compared, by name."""
     other = stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn")))
     found: dict[str, Callable[[list[Path]], float]] = {
-        "one core": lambda paths: batch(paths, jobs=1),
-        "two cores": lambda paths: batch(paths, jobs=2),
-        "unexamined, one core": lambda paths: batch(paths, jobs=1, examine=False),
-        "script": lambda paths: other.submit(plain, paths, "script", settings).result(),
-        "passes": lambda paths: other.submit(plain, paths, "passes, 1 thread", settings).result(),
+        "one core": lambda paths: processor_time(batch, paths, 1),
+        "two cores": lambda paths: processor_time(batch, paths, 2),
+        "unexamined, one core": lambda paths: processor_time(batch, paths, 1, None, False),
+        "script": lambda paths: other.submit(processor_time, plain, paths, "script", settings).result(),
+        "passes": lambda paths: other.submit(
+            processor_time, plain, paths, "passes, 1 thread", settings
+        ).result(),
     }
     if find_spec("distributed"):
         from distributed import LocalCluster
@@ -88,7 +95,7 @@ def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callab
         cluster = stack.enter_context(
             LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50)
         )
-        found["cluster of two"] = lambda paths: batch(paths, scheduler=cluster.scheduler_address)
+        found["cluster of two"] = lambda paths: processor_time(batch, paths, None, cluster.scheduler_address)
     return found
 
 

@@ -44,8 +44,7 @@ def nonlinearity_of(
     """
     of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
     every = list(whitened(parts, fit))
-    seen = [(part.log, part.observation) for part in parts]
-    beyond_noise = unexplained(model, seen, fit, replace(criteria, noise_explains=_NOISE_EXPLAINS))
+    beyond_noise = unexplained(model, parts, fit, replace(criteria, noise_explains=_NOISE_EXPLAINS))
     for j, force in of_force:
         rows = [r for r in every if r.equation == j]
         Z, rest, y = (
