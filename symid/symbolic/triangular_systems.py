@@ -16,6 +16,8 @@ from sympy.polys.rings import PolyElement
 
 MOST_TERMS = 400
 """A polynomial longer than this ends the search for a closed form."""
+LARGEST = 300
+"""One whose coefficients have more terms than this in all, too: common divisors of such fractions take minutes."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,8 @@ def triangular_solution(
         system = sorted({e.monic() for e in system if not e.is_ground}, key=lambda e: (len(e), str(e)))
         if not system:
             break
-        choice = _next_step(system, unknowns, simple) if all(len(e) <= MOST_TERMS for e in system) else None
+        short = all(len(e) <= MOST_TERMS and _size(e) <= LARGEST for e in system)
+        choice = _next_step(system, unknowns, simple) if short else None
         if choice is None:
             return TriangularSolution(tuple(steps), relations, tuple(system))
         equation, step = choice
@@ -120,7 +123,7 @@ def _next_step(
                 leading = coefficients[0]
                 if simple and not leading.is_term:
                     continue
-                size = sum(_complexity(value) for part in coefficients for value in part.coeffs())
+                size = sum(map(_size, coefficients))
                 cost = (not leading.is_ground, len(leading), sum(map(len, coefficients)), size, place)
                 candidates.append((cost, unknown, equation, coefficients))
     if candidates:
@@ -131,6 +134,11 @@ def _next_step(
         if len(held) == 1 and equation.degree(held[0]) == 2:
             return equation, SolvedUnknown(held[0], _by_falling_power(equation, held[0]))
     return None
+
+
+def _size(equation: PolyElement) -> int:
+    """Terms of all coefficients of a polynomial."""
+    return sum(map(_complexity, equation.coeffs()))
 
 
 def _complexity(value: Any) -> int:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from symid import (
     GROUND,
     Axis,
+    Between,
     Body,
     CoulombFriction,
     Drive,
@@ -226,3 +227,17 @@ def test_a_viscous_chain_of_one_is_linear_and_needs_no_inverse() -> None:
     assert model.minimal_parameters(M=2.0, F=3.0).tolist() == [2.0, 3.0]
     assert model.physical_parameters is not None
     assert model.physical_parameters(2.0, 3.0).tolist() == [2.0, 3.0]
+
+
+def test_a_star_whose_closed_inverse_takes_minutes_is_inverted_numerically() -> None:
+    """Damping in one of two springs and friction at the other's end: common divisors of its coefficients explode."""
+    hub, one, other = (Body(name, mass=f"M{i}") for i, name in enumerate(("hub", "one", "other")))
+    springs = (
+        Spring("stiff", Between(first=hub, second=one), stiffness="K1"),
+        Spring("soft", Between(first=hub, second=other), stiffness="K2", damping="C2"),
+    )
+    laws = (ViscousFriction(one, "F1"),)
+    axis = Axis("star", (hub, one, other, *springs, *laws), Drive("F", hub), (Position("q", hub),))
+    model = compiled(derive(axis, ("q",)))
+    assert model.physical_parameters is None
+    assert len(model.minimal_parameters(M0=1.0, M1=2.0, M2=3.0, K1=4e4, K2=5e4, C2=60.0, F1=7.0)) >= 7
