@@ -154,7 +154,7 @@ class Thresholds:
     varies: float = 0.4
     refined: float = 0.05
     stands_in: float = 0.5
-    as_good: float = 1.1
+    as_good: float = 1.25
     least_inertia: float = 2.0
     seen: float = 1e-8
     deviations: float = 2.0

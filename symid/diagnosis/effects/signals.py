@@ -134,6 +134,8 @@ class Saturation(DriveEffect):
 
 _MOST_BEND, _USUAL_BEND = 0.9, 0.6
 """Change of the gain at the largest force, relative to the gain: with 1 more command would give no more force."""
+_BUT_FOR_PEAKS = 0.98
+"""Share of the samples whose force counts for that."""
 
 
 class GainNonlinearity(DriveEffect):
@@ -154,8 +156,8 @@ class GainNonlinearity(DriveEffect):
         return self._change(prediction, placed.amplitudes[0]) < _USUAL_BEND
 
     def _change(self, prediction: Prediction, bend: float) -> float:
-        """Of the gain at the largest force, relative to it."""
-        largest = float(np.abs(prediction.record.whole_force).max())
+        """Of the gain at the largest force but for short peaks, relative to it."""
+        largest = float(np.quantile(np.abs(prediction.record.whole_force), _BUT_FOR_PEAKS))
         return abs(bend) * self.power * largest ** (self.power - 1)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:

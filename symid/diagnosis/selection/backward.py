@@ -194,8 +194,9 @@ def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[Selectio
     """Turns in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left."""
     chain: list[SelectionStep] = []
     before = first
-    for member in members:
-        found = confirmed_from(before, Start.of(before, member.placed))
+    for i, member in enumerate(members):
+        later = [other.placed for other in members[i + 1 :]]
+        found = confirmed_from(before, Start.of(before, member.placed), beside=later)
         if found is None:
             return None
         step = _in_place_of(member.step, before, found)

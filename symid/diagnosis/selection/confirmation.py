@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -25,7 +25,9 @@ _INTEGRATION = (4, 8, 8)
 """Iterations at most: before a hopeless fit is given up, after that, and with the weights of the values found."""
 
 
-def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed | None:
+def confirmed_from(
+    fit: Fit, start: Start, most: float = math.inf, beside: Sequence[Placed] = ()
+) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it.
 
     Parameters
@@ -36,6 +38,8 @@ def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed 
         Its values to begin with.
     most : float
         Mean square from which on it is not fitted any better, as others leave much less.
+    beside : sequence of Placed
+        Effects known to be there that the model has not yet.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
@@ -46,17 +50,17 @@ def confirmed_from(fit: Fit, start: Start, most: float = math.inf) -> Confirmed 
             found = fitted(state, start.weighting, first)
             if found.mean_square < most:
                 found = refitted(fitted(found.state, start.weighting, further), then)
-            return _judged(fit, found)
+            return _judged(fit, found, beside)
     except (SettingError, np.linalg.LinAlgError, OverflowError):
         return None
 
 
-def _judged(fit: Fit, found: Fit) -> Confirmed | None:
+def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
     """The gain of a model over that without its last effect, on blocks that are left out."""
     if not (np.isfinite(found.mean_square) and np.isfinite(found.columns).all()):
         return None
     blocks = found.blocks
-    if not is_credible(fit, found, blocks):
+    if not is_credible(fit, found, blocks, beside):
         return None
     n = found.n_rows
     own, before = blocks.squares, fit.blocks.squares

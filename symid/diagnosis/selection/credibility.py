@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,8 +22,18 @@ _DIFFERS = ("asymmetric_friction", "position_dependent_friction")
 _FRICTIONS = (*_DIFFERS, "coulomb_friction", "viscous_friction", "stribeck_friction", "quadratic_drag")
 
 
-def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
-    """Whether a machine can be as a model with one more effect says, and the log determines its values."""
+def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] = ()) -> bool:
+    """Whether a machine can be as a model with one more effect says, and the log determines its values.
+
+    Parameters
+    ----------
+    fit, found : Fit
+        The model without and with it.
+    blocks : Blocks
+        Of the latter.
+    beside : sequence of Placed
+        Effects known to be there that neither model has yet.
+    """
     item, prediction = found.state.placed[-1], found.state.prediction
     explains = found.mean_square < THRESHOLDS.explains_all * fit.mean_square
     if not item.effect.is_possible(prediction, item.amplitudes):
@@ -31,7 +42,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks) -> bool:
         return False
     if item.effect.name not in _OF_MASSES and not _same_inertia(fit, found, blocks):
         return False
-    if item.effect.name in _DIFFERS and friction_drives(found.state, item.at):
+    if item.effect.name in _DIFFERS and friction_drives(found.state, item.at, beside):
         return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
@@ -58,7 +69,7 @@ def force_share(fit: Fit) -> float:
     return rms / float(np.abs(prediction.record.whole_force).max())
 
 
-def friction_drives(state: State, at: str) -> bool:
+def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
     """Whether dry and viscous friction of a joint, as declared and found, would push it along for a part of its way.
 
     What such friction stands for while the axis moves is a constant force, a weight, or no friction at all.
@@ -70,7 +81,7 @@ def friction_drives(state: State, at: str) -> bool:
         declared_level(state.prediction, at, kind) for kind in (CoulombFriction, ViscousFriction)
     )
     force = level * np.sign(v) + coefficient * v
-    for item in state.placed:
+    for item in (*state.placed, *beside):
         if item.at == at and item.effect.name in _FRICTIONS and isinstance(item.effect, LawEffect):
             terms = item.effect.functions.arrays
             force = force + sum(
