@@ -135,7 +135,7 @@ class Saturation(DriveEffect):
 _MOST_BEND, _USUAL_BEND = 0.9, 0.6
 """Change of the gain at the largest force, relative to the gain: with 1 more command would give no more force."""
 _BUT_FOR_PEAKS = 0.98
-"""Share of the samples whose force counts for that."""
+"""Share of the samples that show whether a gain is possible: forces of a loop with a bent gain have peaks beyond."""
 
 
 class GainNonlinearity(DriveEffect):
@@ -148,16 +148,16 @@ class GainNonlinearity(DriveEffect):
         self.power = power
 
     def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
-        """More command gives more force."""
-        return self._change(prediction, amplitudes[0]) < _MOST_BEND
+        """More command gives more force, but for short peaks."""
+        return self._change(prediction, amplitudes[0], _BUT_FOR_PEAKS) < _MOST_BEND
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The gain does not fall or rise by most of it."""
         return self._change(prediction, placed.amplitudes[0]) < _USUAL_BEND
 
-    def _change(self, prediction: Prediction, bend: float) -> float:
-        """Of the gain at the largest force but for short peaks, relative to it."""
-        largest = float(np.quantile(np.abs(prediction.record.whole_force), _BUT_FOR_PEAKS))
+    def _change(self, prediction: Prediction, bend: float, share: float = 1.0) -> float:
+        """Of the gain, relative to it, at the force that a share of the samples does not exceed."""
+        largest = float(np.quantile(np.abs(prediction.record.whole_force), share))
         return abs(bend) * self.power * largest ** (self.power - 1)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
