@@ -165,14 +165,27 @@ def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> 
 
 
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
-    """Free values of each effect with standard deviations."""
+    """Free values of each effect with standard deviations.
+
+    A moment of which the log tells nothing, as the axis rests, lies somewhere in it: its deviation is that of a uniform
+    distribution.
+    """
     deviations = standard_deviations(fit)[len(fit.parameters) :]
+    anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
     found, place = [], 0
     for item in fit.state.placed:
         own = deviations[place : place + item.n_free]
         place += own.size
         values = zip(item.values(fit.state.prediction), own, strict=True)
-        found.append({name: EffectParameter(value, float(std), unit) for (name, value, unit), std in values})
+        moments = item.effect.moments
+        found.append(
+            {
+                name: EffectParameter(
+                    value, min(float(std), anywhere) if name in moments else float(std), unit
+                )
+                for (name, value, unit), std in values
+            }
+        )
     return found
 
 
