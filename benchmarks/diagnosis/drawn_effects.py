@@ -44,6 +44,8 @@ EFFECTS = (
     "gain_nonlinearity",
     "encoder_ripple",
 )
+_MOST_ONE_SIDED = 0.9
+"""Difference of friction by direction, relative to its mean."""
 _WAVES = (1, 2, 4, 6, 7, 12, 24)
 _PITCHES = (0.01, 0.02, 0.024, 0.036)
 
@@ -60,6 +62,8 @@ class Scale:
     inertia: float
     resolution: float
     turns: bool
+    friction: float
+    viscous: float
 
 
 def drawn_effect(
@@ -79,7 +83,11 @@ def drawn_effect(
         case "stribeck_friction":
             return StribeckFriction(body, "E", velocity=speed * float(rng.uniform(0.03, 0.1))), {"E": force}
         case "asymmetric_friction":
-            return FrictionAsymmetry(body, "E", "Ev"), {"E": force, "Ev": 0.3 * force / speed}
+            dry = min(force, _MOST_ONE_SIDED * scale.friction)  # with more, friction would push one way
+            return FrictionAsymmetry(body, "E", "Ev"), {
+                "E": dry,
+                "Ev": min(0.3 * dry / speed, _MOST_ONE_SIDED * scale.viscous),
+            }
         case "quadratic_drag":
             return QuadraticDrag(body, "E"), {"E": 1.5 * force / speed**2}
         case "offset_force":

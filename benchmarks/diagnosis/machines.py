@@ -105,7 +105,18 @@ def _machine(
     noise = force * _between(rng, 0.003, 0.03)
     drive = Drive("F", body, held=True, noise=noise, resolution=0.3 * noise)
     axis = Axis("machine", elements=(*elements, *laws), drive=drive, sensors=tuple(sensors))
-    scale = Scale(body, force, acceleration, speed, travel, inertia, resolution, turns=kind != "slide")
+    scale = Scale(
+        body,
+        force,
+        acceleration,
+        speed,
+        travel,
+        inertia,
+        resolution,
+        turns=kind != "slide",
+        friction=levels["Fs"],
+        viscous=levels["Fv"],
+    )
     return Machine(kind, axis, values | levels, scale)
 
 
