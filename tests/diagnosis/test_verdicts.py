@@ -10,11 +10,11 @@ import pytest
 from hand_made import RIGID, hung, plain_force, rigid_log
 
 from symid import Log, load_axis
-from symid.axis import ActuatorDelay, Between, Body, Spring
+from symid.axis import ActuatorDelay, Between, Body, PayloadChange, Spring
 from symid.diagnosis import LIBRARY, Diagnosis, diagnose, explained_axis
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.in_motion.declared import axis_of
-from symid.simulation import chirp, plant_of, simulate, tuned_cascade
+from symid.simulation import chirp, plant_of, simulate, trapezoids, tuned_cascade
 from symid.units import Unit
 
 SHIFT = 1e-3
@@ -188,3 +188,19 @@ def test_a_force_that_would_be_friction_pushing_the_axis_is_none_of_its_friction
     mild = rigid_log(lambda t, q, v, a, path: -900.0 * q * v)
     found = diagnose(load_axis("rigid_1m"), mild, nominal=RIGID)
     assert found.effects[0].effect == "position_dependent_friction"
+
+
+def test_a_payload_that_changes_at_rest_may_have_changed_anywhere_in_the_log() -> None:
+    axis = load_axis("rigid_1m").with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
+    values = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+    moves = trapezoids([0.1], [0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=1.0, sampling_period=1e-3)
+    gains = tuned_cascade(plant_of(axis, values), "q")
+    still = simulate(axis, values, moves, gains).log
+    speed = np.abs(np.gradient(still["q"], still.sampling_period))
+    rests = still.time[(speed < 1e-5) & (still.time > 0.4 * still.time[-1])]
+    loaded = axis.with_effect(PayloadChange(axis.bodies[0], 30.0, time=float(np.median(rests[:800]))))
+    log = simulate(loaded, values, moves, gains).log
+    found = diagnose(axis, log, validation=log, nominal=values, held=True)
+    assert found.effects[0].effect == "payload_change"
+    assert found.effects[0].parameters["dm"].value == pytest.approx(30.0, rel=0.05)
+    assert found.effects[0].parameters["t0"].std <= log.time[-1] / np.sqrt(12) * 1.01
