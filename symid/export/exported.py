@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from symid.axis import Axis
+from symid.axis.imperfections import Imperfection
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,22 @@ class Exported:
         main, *others = self.files.values()
         lines = (line for line in main.splitlines(keepends=True) if not line.startswith('#include "'))
         return "\n".join([*others, "".join(lines)])
+
+
+def losses_of_imperfections(
+    axis: Axis, program: str, held: tuple[type[Imperfection], ...] = ()
+) -> Iterator[str]:
+    """Losses of a format that has no imperfections but those of some kinds.
+
+    Examples
+    --------
+    >>> from symid.axis import ActuatorDelay, load_axis
+    >>> list(losses_of_imperfections(load_axis("rigid_1m").with_effect(ActuatorDelay(1e-3)), "URDF"))
+    ['ActuatorDelay: URDF has no such element; left out: f(t) = F(t - 0.001 s).']
+    """
+    for element in axis.imperfections:
+        if not isinstance(element, held):
+            yield f"{type(element).__name__}: {program} has no such element; left out: {element.formula}."
 
 
 def losses_of_signals(axis: Axis) -> Iterator[str]:

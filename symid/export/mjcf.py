@@ -20,7 +20,7 @@ from symid.axis import (
     PendulumWeight,
     Sensor,
 )
-from symid.export.exported import Exported, losses_of_signals
+from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, Path, mechanism
 from symid.simulation import plant_of
 
@@ -97,11 +97,7 @@ class _Writer:
             f"ActuatorLag: MuJoCo has one for each actuator, the slowest; left out: {lag.formula}."
             for lag in lags[:-1]
         ]
-        self.losses += [
-            f"{type(element).__name__}: MuJoCo has no such element; left out: {element.formula}."
-            for element in axis.imperfections
-            if not isinstance(element, (ActuatorDelay, ActuatorLag, ForceLimit))
-        ]
+        self.losses += losses_of_imperfections(axis, "MuJoCo", (ActuatorDelay, ActuatorLag, ForceLimit))
         if any(p.frictionloss for p in machine.paths.values()):
             self.losses.append(_SOFT)
 

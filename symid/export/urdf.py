@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
 from symid.axis import Axis, Body
-from symid.export.exported import Exported, losses_of_signals
+from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, mechanism
 
 _NO_MASS = 1e-9
@@ -87,5 +87,4 @@ def _losses(axis: Axis, machine: Mechanism) -> Iterator[str]:
                 yield f"{name} {value:.6g} of {where}, SI: URDF has none{'' if is_joint else ' between joints'}."
     for play in machine.plays:
         yield f"play of {play.gap:.6g} m or rad: URDF has none."
-    for element in axis.imperfections:
-        yield f"{type(element).__name__}: URDF has no such element; left out: {element.formula}."
+    yield from losses_of_imperfections(axis, "URDF")

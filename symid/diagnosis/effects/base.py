@@ -19,6 +19,8 @@ from symid.units import Unit
 
 Shape = tuple[float, ...]
 """Values of the shape parameters of an effect: those in which its force is not linear."""
+Key = tuple[str, str]
+"""Names of an effect and of its place."""
 
 MatchedFilter = Callable[[ComplexArray], FloatArray]
 """For the response of the outputs to a signal: the course of the signal, on the fine grid, that the residual asks for
@@ -181,11 +183,11 @@ class Placed:
     integrated: bool = False
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Names of effect and place."""
         return self.effect.name, self.at
 
-    def contains(self, key: tuple[str, str]) -> bool:
+    def contains(self, key: Key) -> bool:
         """Whether it is a refinement of the effect and place named, as presliding is one of Coulomb friction."""
         name, place = key
         return self.at == place and name in self.effect.imitates

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symid.diagnosis.effects import Key
 from symid.diagnosis.experiment.candidates import Envelope
 from symid.diagnosis.experiment.discrimination import LEAST_LOG_ODDS, Rivals, Trial, simulated_trials, trials
 from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
@@ -15,7 +16,7 @@ from symid.diagnosis.findings.conclusion import driven
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.findings.wording import spoken
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.selection.evidence import Key, probabilities
+from symid.diagnosis.selection.evidence import probabilities
 from symid.errors import SettingError, SymidError
 from symid.simulation import Limits, Trajectory
 

@@ -18,14 +18,13 @@ import scipy
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.data import Log
-from symid.diagnosis.effects import JointEffect
+from symid.diagnosis.effects import JointEffect, Key
 from symid.diagnosis.experiment.candidates import Envelope, candidate_motions
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.weighting import Weighting
-from symid.diagnosis.selection.evidence import Key
 from symid.diagnosis.selection.priors import temperature
 from symid.diagnosis.selection.step import Confirmed, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS

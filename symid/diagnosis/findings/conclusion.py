@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from symid.data import Log
+from symid.diagnosis.effects import Key
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.gap import Gap, Level
@@ -23,7 +24,7 @@ from symid.diagnosis.findings.wording import next_experiment, sentence
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.record import Record
-from symid.diagnosis.selection.evidence import Errors, Key, Outcome, Verdict, is_there, outcome, probabilities
+from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
 from symid.diagnosis.selection.step import LATE_FORCES, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 

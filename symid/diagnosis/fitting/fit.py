@@ -212,6 +212,12 @@ def stiffnesses(axis: Axis) -> list[str]:
     return [name for name in names if name in axis.physical_parameters]
 
 
+def masses_and_stiffnesses(axis: Axis) -> list[str]:
+    """Unknown masses and inertias of the bodies that move by themselves, and stiffnesses."""
+    inertials = (body.inertial for body in axis.free_bodies)
+    return [*(name for name in inertials if name in axis.physical_parameters), *stiffnesses(axis)]
+
+
 def cost_of(state: State, weighting: Weighting) -> float:
     """Sum of squares that unknown starts do not explain."""
     error = weighting.known(state.rows, state.beginning)

@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.axis import Axis
 from symid.codegen import load_generated
-from symid.diagnosis.fitting.fit import Fit, converged, fitted, stiffnesses
+from symid.diagnosis.fitting.fit import Fit, converged, fitted, masses_and_stiffnesses, stiffnesses
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
@@ -71,21 +71,15 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
             others.append(converged(*begun))
     tame = [fit for fit in others if not _ran_away(fit, values)]
     if astray and not tame:
-        names = _dynamic(state.prediction.axis)
+        names = masses_and_stiffnesses(state.prediction.axis)
         return converged(state.within(THRESHOLDS.ran_away, names), weighting)
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
     clearly = best.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
     return best if clearly or astray else first
 
 
-def _dynamic(axis: Axis) -> list[str]:
-    """Unknown stiffnesses, masses and inertias."""
-    inertias = [body.inertial for body in axis.free_bodies if body.inertial in axis.physical_parameters]
-    return [*stiffnesses(axis), *inertias]
-
-
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:
-    for name in _dynamic(fit.state.prediction.axis):
+    for name in masses_and_stiffnesses(fit.state.prediction.axis):
         low, high = sorted((start[name] / THRESHOLDS.ran_away, start[name] * THRESHOLDS.ran_away))
         if not low < fit.parameters[name] < high:
             return True

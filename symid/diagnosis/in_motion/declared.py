@@ -31,6 +31,7 @@ from symid.axis.elements import Joint as Place
 from symid.diagnosis import effects
 from symid.diagnosis.effects import Delay, LawEffect, PeriodicDisturbance, Placed, Saturation
 from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.prediction import Prediction, place_of
 from symid.errors import SettingError
@@ -91,13 +92,11 @@ def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
     >>> impossible_values(load_axis("rigid_1m"), {"M": -2.0, "Fv": 1.0, "Fs": 1.0})
     ('M = -2 is no value of a real axis: these logs do not fix it, and the axis may run away in simulation',)
     """
-    names = [body.inertial for body in axis.free_bodies]
-    names += [e.stiffness for e in axis.elements if isinstance(e, Spring) and isinstance(e.stiffness, str)]
     return tuple(
         f"{name} = {values[name]:.4g} is no value of a real axis: these logs do not fix it, "
         "and the axis may run away in simulation"
-        for name in names
-        if name in values and values[name] < 0
+        for name in masses_and_stiffnesses(axis)
+        if values.get(name, 0.0) < 0
     )
 
 

@@ -13,7 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from symid.diagnosis.effects import Effect, Placed
+from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.blocks import deviation
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import Start
@@ -159,7 +159,7 @@ def _chosen(
         rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS]}
         rivals |= {c.placed.key: c.placed for c in screened(before, wanted)[:_RIVALS]}
         starts += [Start.of(before, item) for item in rivals.values()]
-    found: dict[tuple[str, str], Confirmed] = {}
+    found: dict[Key, Confirmed] = {}
     for start in starts:
         one = confirmed_from(before, start)
         if one is not None and (one.key not in found or one.gain > found[one.key].gain):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from symid.diagnosis.effects import LawEffect, Placed
+from symid.diagnosis.effects import Key, LawEffect, Placed
 from symid.diagnosis.fitting.blocks import certainty, deviation, log_likelihood
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit, fitted, refitted
@@ -110,7 +110,7 @@ def _is_certain(fit: Fit) -> bool:
     return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.moments)
 
 
-def prefer_coulomb(confirmed: dict[tuple[str, str], Confirmed]) -> None:
+def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:
     """Drop what explains hardly more than the Coulomb friction that it contains: the next step finds the rest."""
     for name, place in list(confirmed):
         plain, more = confirmed.get((_COULOMB, place)), confirmed[name, place]

@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from symid.diagnosis.effects import Key
 from symid.diagnosis.fitting.blocks import deviation
 from symid.diagnosis.selection.priors import prior, temperature
 from symid.diagnosis.selection.step import SelectionStep
@@ -21,8 +22,6 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _HALF = 0.5
 
-Key = tuple[str, str]
-"""Names of an effect and of its place."""
 Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "recording"]
 
 

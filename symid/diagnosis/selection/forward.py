@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 
-from symid.diagnosis.effects import Effect, Placed
+from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, can_integrate, from_other_places, of_grid
 from symid.diagnosis.prediction.weighting import Weighting
@@ -75,8 +75,8 @@ def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
 def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:
     """Confirm the best candidates; as long as none explains the error, more of them, at more cost."""
     found = screened(fit, library)
-    confirmed: dict[tuple[str, str], Confirmed] = {}
-    tried: dict[tuple[str, str], Placed] = {}
+    confirmed: dict[Key, Confirmed] = {}
+    tried: dict[Key, Placed] = {}
     for stage in _stages(fit, found, library, nominal, confirmed):
         tried |= _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
@@ -89,9 +89,7 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
 
 
-def _confirm(
-    fit: Fit, starts: Iterable[Start], confirmed: dict[tuple[str, str], Confirmed]
-) -> dict[tuple[str, str], Placed]:
+def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed]) -> dict[Key, Placed]:
     """Fit candidates, which are returned; each keeps the best of its fits."""
     tried = {}
     for start in starts:
@@ -102,7 +100,7 @@ def _confirm(
     return tried
 
 
-def _is_simpler(key: tuple[str, str], tried: Mapping[tuple[str, str], Placed]) -> bool:
+def _is_simpler(key: Key, tried: Mapping[Key, Placed]) -> bool:
     """Whether a candidate is a simpler effect than one of those tried, which may imitate it."""
     return key not in tried and any(placed.contains(key) for placed in tried.values())
 
@@ -112,7 +110,7 @@ def _stages(
     found: list[Candidate],
     library: Sequence[Effect],
     nominal: Fit | None,
-    confirmed: Mapping[tuple[str, str], Confirmed],
+    confirmed: Mapping[Key, Confirmed],
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
     best_gain = max((max(c.penalised_gain, c.white_penalised_gain) for c in found), default=0.0)
@@ -136,7 +134,7 @@ def _stages(
         yield of_grid(fit, nominal, library)
 
 
-def _least_left(confirmed: Mapping[tuple[str, str], Confirmed]) -> float:
+def _least_left(confirmed: Mapping[Key, Confirmed]) -> float:
     """Mean square that the best of those confirmed leaves."""
     return min((c.fit.mean_square for c in confirmed.values()), default=math.inf)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects import Effect, Placed, Shape
+from symid.diagnosis.effects import Effect, Key, Placed, Shape
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import passed_on
@@ -60,7 +60,7 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
     def matched_filter(response: ComplexArray) -> FloatArray:
         return prediction.record.fine(np.sum(response.conj() * wanted, axis=0))
 
-    best: dict[tuple[str, str], Candidate] = {}
+    best: dict[Key, Candidate] = {}
     present = {item.key for item in fit.state.placed}
     for effect in library:
         for place in effect.places(prediction):

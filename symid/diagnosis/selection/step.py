@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.effects import Effect, Placed
+from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -57,7 +57,7 @@ class Confirmed:
         return self.placed.effect
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Names of effect and place."""
         return self.placed.key
 
@@ -75,13 +75,13 @@ class SelectionStep:
     screened : tuple of Candidate
         All candidates.
     refused : frozenset of (str, str)
-        Effects and places that were fitted and that no machine can have with the values found.
+        Effects and places that were fitted and not confirmed: mostly as no machine can have the values found.
     """
 
     before: Fit
     confirmed: tuple[Confirmed, ...]
     screened: tuple[Candidate, ...]
-    refused: frozenset[tuple[str, str]] = frozenset()
+    refused: frozenset[Key] = frozenset()
 
     @property
     def accepts(self) -> bool:
