@@ -1,5 +1,6 @@
 """Filters against those of scipy.signal: designs, settled states, runs, and every so many samples."""
 
+import importlib.machinery
 import subprocess
 import sys
 
@@ -8,7 +9,7 @@ import pytest
 import scipy
 
 from symid.data.filtering import decimation_filter, kept_indices
-from symid.data.sections import butterworth, chebyshev, run, settled_states
+from symid.data.sections import _loop, butterworth, chebyshev, run, settled_states
 from symid.errors import SettingError
 
 
@@ -35,6 +36,20 @@ def test_rows_run_as_in_scipy_from_settled_states():
     )
     assert passed == pytest.approx(expected, rel=1e-12, abs=1e-12)
     assert behind == pytest.approx(after.swapaxes(0, 1), rel=1e-10, abs=1e-12)
+
+
+def test_where_the_compiled_loop_of_scipy_has_moved_that_of_the_package_serves(monkeypatch):
+    sections, x = butterworth(3, 0.2), np.random.default_rng(5).standard_normal((2, 300))
+    states = settled_states(sections) * x[:, :1, None]
+    passed, behind = run(sections, x, states)
+    monkeypatch.setattr(importlib.machinery, "EXTENSION_SUFFIXES", [])
+    _loop.cache_clear()
+    try:
+        again, after = run(sections, x, states)
+    finally:
+        _loop.cache_clear()
+    assert again == pytest.approx(passed, rel=1e-12, abs=1e-12)
+    assert after == pytest.approx(behind, rel=1e-12, abs=1e-12)
 
 
 def test_a_filter_that_forgets_nothing_has_no_settled_state():

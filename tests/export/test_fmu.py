@@ -11,6 +11,7 @@ import pytest
 from axes.catalogue import cases, derived
 from axes.shipped import VALUES, write_parameters
 from command_line import run
+from export.exported_unit import run_unit
 from fmpy.validation import validate_fmu
 
 from symid import load_axis
@@ -34,39 +35,13 @@ def test_a_unit_moves_as_the_simulation_does(name: str, tmp_path: Path) -> None:
     size = 0.5 * float(np.trace(plant.mass)) + 2 * sum(law.limits(0.0)[1] for law in plant.laws)
     force = np.where(t < 0.25, size * np.sin(2 * np.pi * 6 * t), 0.0)
     drive = axis.drive.command or axis.drive.signal
-    inputs = np.rec.fromarrays([t, force / (axis.drive.gain or 1.0)], names=f"time,{drive}")
     signal = axis.sensors[0].signal
-    found = run_unit(file, inputs, drive, signal)
+    found = run_unit(file, {drive: force / (axis.drive.gain or 1.0)}, signal, PERIOD)
     engine, wanted = Engine(plant), []
     for f in force:
         engine.advance(float(f), PERIOD)
         wanted.append(plant.sensors[signal][0] @ engine.state[: len(plant.bodies)])
     assert np.max(np.abs(found - wanted)) < 1e-3 * np.ptp(wanted)
-
-
-def run_unit(file: Path, inputs: np.recarray, drive: str, signal: str) -> np.ndarray:
-    """Readings after each held input."""
-    description = fmpy.read_model_description(str(file))
-    places = {v.name: v.valueReference for v in description.modelVariables}
-    folder = fmpy.extract(str(file))
-    unit = fmpy.fmi2.FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=folder,
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName="axis",
-    )
-    unit.instantiate()
-    unit.setupExperiment(startTime=0.0)
-    unit.enterInitializationMode()
-    unit.exitInitializationMode()
-    read = []
-    for time, value in zip(inputs["time"], inputs[drive], strict=True):
-        unit.setReal([places[drive]], [float(value)])
-        unit.doStep(currentCommunicationPoint=float(time), communicationStepSize=PERIOD)
-        read.append(unit.getReal([places[signal]])[0])
-    unit.terminate()
-    unit.freeInstance()
-    return np.array(read)
 
 
 def test_parameters_can_be_set_and_a_held_axis_rests(tmp_path: Path) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import fmpy
 import mujoco
 import numpy as np
 import pytest
 from axes.gantry import AXIS, RIGHT, TRUE, matrices
 from export.compiler import Compiled
+from export.exported_unit import run_unit
 from fmpy.validation import validate_fmu
 from scipy.linalg import expm
 
@@ -74,29 +74,10 @@ def test_a_unit_has_an_input_for_each_drive_and_moves_as_the_matrices_say(tmp_pa
     write_fmu(derive(COMMANDED), SMOOTH, file)
     assert validate_fmu(str(file)) == []
     forces = held_forces()
-    description = fmpy.read_model_description(str(file))
-    places = {v.name: v.valueReference for v in description.modelVariables}
-    unit = fmpy.fmi2.FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=fmpy.extract(str(file)),
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName="axis",
-    )
-    unit.instantiate()
-    unit.setupExperiment(startTime=0.0)
-    unit.enterInitializationMode()
-    unit.exitInitializationMode()
-    unit.setReal([places["internal_step"]], [2e-6])
-    read = []
-    for k, (first, second) in enumerate(forces):
-        unit.setReal([places["F1"], places["u2"]], [first, second / -2.5])
-        unit.doStep(currentCommunicationPoint=k * PERIOD, communicationStepSize=PERIOD)
-        read.append(unit.getReal([places["qb"]])[0])
-    unit.terminate()
-    unit.freeInstance()
+    inputs = {"F1": forces[:, 0], "u2": forces[:, 1] / -2.5}
+    read = run_unit(file, inputs, "qb", PERIOD, {"internal_step": 2e-6})
     wanted = integrated(forces)
-    assert np.abs(np.array(read) - wanted).max() < 1e-3 * np.ptp(wanted)
-    assert unit.fmi2GetReal is not None
+    assert np.abs(read - wanted).max() < 1e-3 * np.ptp(wanted)
 
 
 def test_mujoco_has_a_motor_for_each_drive() -> None:
