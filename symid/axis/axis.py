@@ -236,10 +236,7 @@ class Axis(Shown):
     def measured(self, signals: tuple[str, ...] | None = None) -> tuple[Sensor, ...]:
         """Sensors of the given signals in the order of the declaration; those required if None.
 
-        Raises
-        ------
-        SettingError
-            If a signal is not that of a sensor of this axis.
+        SettingError if a signal is not that of a sensor of this axis.
         """
         wanted = self.required_sensors if signals is None else signals
         known = {sensor.signal for sensor in self.sensors}

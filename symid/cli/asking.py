@@ -31,14 +31,8 @@ _EXAMPLES = {
 class Known:
     """What is known of a foreign file besides its text.
 
-    Parameters
-    ----------
-    named, units : dict of str to str
-        Columns and units by signal.
-    rate : float or None
-        Sampling rate of a file without a column of the time, Hz.
-    gain, rated : float or None
-        Force per unit of the drive's column, and force at 100 %.
+    Columns and units by signal; sampling rate without a column of the time, Hz; force per unit of the drive's column;
+    force at 100 %.
     """
 
     named: dict[str, str] = field(default_factory=dict)
@@ -60,18 +54,9 @@ def asked(
     guess: Callable[[Known], LogMapping],
     known: Known,
 ) -> Known:
-    """Ask for the column and unit of each signal, the factor of the drive and the rate, with guesses as defaults.
+    """Ask for the column and unit of each signal, the factor of the drive and the rate that options left open.
 
-    Parameters
-    ----------
-    axis : Axis
-        Its signals.
-    columns : sequence of ForeignColumn
-        Columns of the file.
-    guess : callable
-        Gives the mapping of what is known.
-    known : Known
-        What the options gave; it is not asked for.
+    Defaults are those that `guess` makes of what is known.
     """
     quantities = {"t": "time", **{s.signal: s.quantity for s in axis.sensors}}
     quantities |= {drive.signal: "force" for drive in axis.drives}

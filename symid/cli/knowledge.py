@@ -48,13 +48,7 @@ known_option = click.option(
 
 
 def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
-    """Values of ``--fix``, SI.
-
-    Raises
-    ------
-    SettingError, LogError
-        If the parameter does not exist, or a value or its unit cannot be read.
-    """
+    """Values of ``--fix``, SI."""
     units = axis.parameter_units
     given = assignments(values, "--fix")
     if unknown := [name for name in given if name not in units]:
@@ -65,13 +59,7 @@ def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
 
 
 def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[str, float]]:
-    """Values of ``--known`` for each of some logs, SI.
-
-    Raises
-    ------
-    SettingError, LogError
-        If there is no such parameter, or not one value for each log.
-    """
+    """Values of ``--known`` for each of some logs, SI."""
     units = axis.parameter_units
     known: list[dict[str, float]] = [{} for _ in range(logs)]
     for name, text in assignments(values, "--known").items():
@@ -107,24 +95,12 @@ def quantity(text: str, unit: Unit, what: str) -> float:
 
 
 def constraints_of(options: dict[str, Any], axis: Axis, model: GeneratedModel) -> Constraints:
-    """Constraints that ``--bounds`` and ``--prior`` describe.
-
-    Raises
-    ------
-    SettingError, LogError
-        If they cannot be read, or do not fit the model.
-    """
+    """Constraints that ``--bounds`` and ``--prior`` describe."""
     return Constraints.of(model, bounds_of(options["bounds"], axis), priors_of(options["prior"], axis))
 
 
 def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | None, float | None]]:
-    """Ranges of ``--bounds``, SI; 'physical' is 0 for what cannot be negative.
-
-    Raises
-    ------
-    SettingError, LogError
-        If one is not a range, or its unit cannot be read.
-    """
+    """Ranges of ``--bounds``, SI; 'physical' is 0 for what cannot be negative."""
     ranges = tuple(value for value in values if value != "physical")
     bounds: dict[str, tuple[float | None, float | None]] = {}
     if len(ranges) < len(values):

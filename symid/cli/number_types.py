@@ -9,17 +9,7 @@ import click
 
 
 class Number(click.types.FloatParamType):
-    """A finite number above a bound.
-
-    Parameters
-    ----------
-    above : float
-        Lower bound.
-    included : bool
-        Whether the bound itself is possible.
-    infinite : bool
-        Whether infinity is possible, as for limits that do not bind.
-    """
+    """A finite number above a bound, which may be included; infinity is possible for limits that do not bind."""
 
     def __init__(self, above: float = 0.0, *, included: bool = False, infinite: bool = False) -> None:
         self.above, self.included, self.infinite = above, included, infinite

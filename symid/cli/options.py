@@ -72,11 +72,6 @@ _CASCADE = {
 def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     """Gains of ``--controller-gain`` by the fields of a cascade.
 
-    Raises
-    ------
-    SettingError
-        If a gain is not known, or not a number.
-
     Examples
     --------
     >>> cascade_gains(("Kpp=30",))
@@ -89,13 +84,7 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
 
 
 def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
-    """Whether ``--held`` names a force of an axis, and so all; None without it, so that the declaration decides.
-
-    Raises
-    ------
-    SettingError
-        If it names another signal.
-    """
+    """Whether ``--held`` names a force of an axis, and so all; None without it, so that the declaration decides."""
     forces = [drive.signal for drive in axis.drives]
     if unknown := [name for name in signals if name not in forces]:
         raise SettingError(
@@ -106,11 +95,6 @@ def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
 
 def bytes_of(text: str, what: str) -> int:
     """Bytes of a text such as ``512MB``.
-
-    Raises
-    ------
-    SettingError
-        If the text cannot be read.
 
     Examples
     --------
@@ -128,13 +112,7 @@ def bytes_of(text: str, what: str) -> int:
 
 
 def require_signals(axis: Axis, names: Iterable[str]) -> None:
-    """Refuse names that are not signals of an axis.
-
-    Raises
-    ------
-    SettingError
-        If there is one.
-    """
+    """Refuse names that are not signals of an axis."""
     if unknown := [name for name in names if name not in axis.signal_units]:
         raise SettingError(
             f"axis {axis.name!r} has no signal {unknown[0]!r}: choose from {', '.join(axis.signal_units)}"
@@ -142,13 +120,7 @@ def require_signals(axis: Axis, names: Iterable[str]) -> None:
 
 
 def reference_file(file: str) -> Path:
-    """Where a reference goes; refused before long work if it is of no known kind.
-
-    Raises
-    ------
-    SettingError
-        If its name ends otherwise.
-    """
+    """Where a reference goes; refused before long work if it is of no known kind."""
     path = Path(file)
     if path.suffix not in (".csv", ".parquet"):
         raise SettingError(f"reference {file!r} is of no known kind: end its name with .csv or .parquet")
@@ -161,13 +133,7 @@ def signal_list(text: str | None) -> tuple[str, ...] | None:
 
 
 def assignments(values: tuple[str, ...], option: str) -> dict[str, str]:
-    """Mapping of options such as ``--column q2=pos_mm``, each ``NAME=VALUE``.
-
-    Raises
-    ------
-    SettingError
-        If one has no equals sign, or a name has two values.
-    """
+    """Mapping of options such as ``--column q2=pos_mm``, each ``NAME=VALUE`` with another name."""
     pairs: dict[str, str] = {}
     for value in values:
         name, equals, right = value.partition("=")
@@ -181,13 +147,7 @@ def assignments(values: tuple[str, ...], option: str) -> dict[str, str]:
 
 
 def number(text: str, what: str) -> float:
-    """A finite number.
-
-    Raises
-    ------
-    SettingError
-        If the text is not a finite number.
-    """
+    """A finite number; SettingError for any other text."""
     try:
         value = float(text)
     except ValueError:
@@ -199,11 +159,6 @@ def number(text: str, what: str) -> float:
 
 def seconds_of(text: str, what: str) -> float:
     """A time such as 125us or -0.0001, in seconds.
-
-    Raises
-    ------
-    SettingError, LogError
-        If the number or the unit cannot be read.
 
     Examples
     --------
@@ -219,13 +174,7 @@ def seconds_of(text: str, what: str) -> float:
 
 
 def parameter_file(file: str, axis: Axis) -> dict[str, float]:
-    """Physical parameters of a JSON file, SI: names with values, or what `symid identify --json` wrote.
-
-    Raises
-    ------
-    SettingError
-        If the file holds no parameters, or lacks some.
-    """
+    """Physical parameters, SI, of a JSON file: names with values, or a result of `symid identify --json`."""
     values = read_json(file)
     if isinstance(values, dict) and isinstance(values.get("physical"), dict):
         known = values["known"] if isinstance(values.get("known"), dict) else {}

@@ -58,13 +58,9 @@ overwrite_option = click.option(
 
 
 class Output(click.types.StringParamType):
-    """A file to write.
+    """A file to write, of one of the kinds json, mapping, html, picture, c, mjcf, urdf, fmu, st, log, axis and results.
 
-    Parameters
-    ----------
-    kind : str or callable
-        One of json, mapping, html, picture, c, mjcf, urdf, fmu, st, log, axis, results; or a function of all options
-        that gives it.
+    A function of all options may give the kind.
     """
 
     name = "FILE"
@@ -91,13 +87,7 @@ class SafeCommand(click.Command):
     """A command whose outputs are checked before it does anything."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Check the outputs, then do the work.
-
-        Raises
-        ------
-        SettingError
-            If an output is an input, is there and something else, or cannot be written.
-        """
+        """Refuse outputs that are inputs, exist as something else, or cannot be written; then do the work."""
         wanted = tuple(_wanted(self, ctx.params))
         if wanted:
             _require_apart(wanted)

@@ -37,14 +37,7 @@ def working(what: str) -> AbstractContextManager[object]:
 def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Iterator[Item]:
     """Pass items on; once their work has taken two seconds, show a bar if standard error is a terminal.
 
-    Parameters
-    ----------
-    items : iterable
-        What is worked on, or what comes out of it.
-    what : str
-        Word for them.
-    total : int, optional
-        How many there will be, if `items` has no length.
+    It is labelled `what`; `total` is the number of items if they have no length.
 
     Examples
     --------

@@ -109,15 +109,7 @@ def minimal_parameter_code(
     names: Sequence[str | None],
     write: Callable[[sp.Expr], str] = code,
 ) -> tuple[list[tuple[str, str]], list[str]]:
-    """Assignments of what minimal parameters share, and the code of each of them.
-
-    Parameters
-    ----------
-    parameters : sequence of MinimalParameter
-        Rational functions of the physical parameters.
-    names, write
-        As of `PolynomialLowering`.
-    """
+    """Assignments of what minimal parameters share, and the code of each of them."""
     lowering, results = PolynomialLowering(names, write), []
     for parameter in parameters:
         above = lowering.lower(parameter.function.numerator)

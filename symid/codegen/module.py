@@ -89,11 +89,6 @@ def physical_parameters({minimal_arguments}, branch=0):
 def module_text(model: DerivedModel) -> str:
     """Source text of the module of a derived model; the same for the same declaration on every machine.
 
-    Parameters
-    ----------
-    model : DerivedModel
-        Axis and sensors with their minimal model.
-
     Examples
     --------
     >>> from symid.axis import load_axis

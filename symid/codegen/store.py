@@ -182,12 +182,7 @@ class StoredModule:
 def stored_module(
     axis: str | Axis, measured: Sequence[str] | None = None, folder: Path | None = None
 ) -> StoredModule:
-    """Text of the module that `load_generated` runs.
-
-    Raises
-    ------
-    GeneratedModuleError
-        If the module does not exist.
+    """Text of the module that `load_generated` runs; GeneratedModuleError if it does not exist.
 
     Examples
     --------

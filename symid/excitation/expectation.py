@@ -164,14 +164,10 @@ class IdentificationTrial:
         return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
 
     def expectation(self, paths: Sequence[Trajectory], runs: int = 1) -> Expectation | None:
-        """Expectation along references; None if the axis exceeds limits or does not determine the parameters.
+        """Expectation along a reference for each drive; None beyond limits, or where the parameters are not determined.
 
-        Parameters
-        ----------
-        paths : sequence of Trajectory
-            The reference of each drive; they are made smaller if the axis goes beyond its limits.
-        runs : int
-            Simulations with other noise each: the more, the smaller a systematic error that is seen.
+        References are made smaller if the axis goes beyond its limits. Each of the runs has other noise: the more, the
+        smaller a systematic error that is seen.
         """
         kept = self.within_limits(paths)
         if kept is None:

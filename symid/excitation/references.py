@@ -73,16 +73,7 @@ def references(
 def references_apart(
     limits: Limits, apart: float, drives: int, seconds: float, rate: float, highest_mode: float
 ) -> list[tuple[Trajectory, ...]]:
-    """References of several drives that differ: common moves, and a multisine of other phases for each drive.
-
-    Parameters
-    ----------
-    limits, seconds, rate, highest_mode
-        As of `references`.
-    apart : float
-        Most by which the references of two drives differ.
-    drives : int
-        Number of drives.
+    """References of drives that differ by at most `apart`: common moves, and multisines of other phases for each.
 
     Examples
     --------

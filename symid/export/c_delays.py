@@ -74,15 +74,7 @@ void {name}_advance(const {name}_parameters *p, {name}_way *way, double x[{n_sta
 
 
 def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) -> dict[str, str]:
-    """Fields that delays add to header and source; empty without delays.
-
-    Parameters
-    ----------
-    dynamics : SymbolicDynamics
-        What moves.
-    shortest : float
-        Shortest step that is to be kept, s.
-    """
+    """Fields that delays add to header and source, for steps of at least `shortest` s; empty without delays."""
     axis, drive = dynamics.axis, dynamics.imperfect.delay
     late = [(i, s) for i, s in enumerate(axis.sensors) if s.delay]
     longest = max([drive, *(s.delay for _, s in late)])

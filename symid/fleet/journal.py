@@ -58,17 +58,9 @@ def _is_row(row: object) -> bool:
 
 
 class Journal:
-    """Appends rows to a file, one per line.
+    """Appends rows to a file, which is continued if it exists.
 
-    Parameters
-    ----------
-    file : Path
-        Is continued if it exists.
-
-    Raises
-    ------
-    SymidError
-        If it cannot be written, as on a full disk; the rows before stay whole.
+    SymidError if a row cannot be written, as on a full disk; the rows before stay whole.
     """
 
     def __init__(self, file: Path) -> None:

@@ -34,13 +34,7 @@ def packed(found: LogFactors) -> str:
 
 
 def unpacked(log: str, text: str) -> LogFactors:
-    """Factors of a log from the text that `packed` made.
-
-    Raises
-    ------
-    SettingError
-        If the text does not hold factors.
-    """
+    """Factors of a log from the text that `packed` made; SettingError for any other."""
     try:
         numbers = np.frombuffer(base64.b64decode(text, validate=True), "<f8")
         n, p = int(numbers[1]), int(numbers[2])

@@ -50,13 +50,7 @@ class FleetAxis:
         return hashlib.sha256("\n".join(whole).encode()).hexdigest()
 
     def model(self, measured: Sequence[str]) -> GeneratedModel:
-        """Generated model of a set of sensors.
-
-        Raises
-        ------
-        GeneratedModuleError
-            If it was not generated, or is older than the declaration.
-        """
+        """Generated model of a set of sensors; GeneratedModuleError if it does not exist or is old."""
         wanted = tuple(sensor.signal for sensor in self.axis.measured(tuple(measured)))
         for signals, module in self.modules:
             if signals == wanted:
@@ -87,16 +81,7 @@ def _compiled(module: StoredModule) -> GeneratedModel:
 def fleet_axes(
     axes: str | Axis | Sequence[str | Axis], settings: BatchSettings, folder: Path | None = None
 ) -> tuple[FleetAxis, ...]:
-    """Axes of a batch, given by name, path or declaration.
-
-    Parameters
-    ----------
-    axes : str, Axis or sequence of them
-        As in `symid.load_generated`.
-    settings : BatchSettings
-        Of the batch.
-    folder : Path, optional
-        Folder of the generated modules, if it is not the one that belongs to the axis files.
+    """Axes of a batch, given by name, path or declaration; `folder` holds their generated modules, if not their own.
 
     Raises
     ------
@@ -156,17 +141,8 @@ def _modules(
 def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:
     """Files of logs, each once: a folder stands for all logs in it, a pattern for what matches it.
 
-    Parameters
-    ----------
-    logs : path-like or iterable of path-like
-        Files, folders or glob patterns. A missing file stays and becomes a row with its error.
-    exclude : iterable of path-like
-        Files that are not logs, such as earlier results in the same folder.
-
-    Raises
-    ------
-    SettingError
-        If a folder or a pattern holds no log.
+    A missing file stays and becomes a row with its error; those to `exclude`, such as earlier results, do not.
+    SettingError if a folder or a pattern holds no log.
     """
     given = (logs,) if isinstance(logs, (str, os.PathLike)) else tuple(logs)
     skipped = {os.path.abspath(path) for path in exclude}

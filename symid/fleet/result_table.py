@@ -22,18 +22,9 @@ _TYPES = {str: pl.String(), int: pl.Int64(), float: pl.Float64()}
 def table_of(
     rows: Sequence[Row], parameters: Iterable[str], diagnosed: bool, joint: bool = False
 ) -> pl.DataFrame:
-    """Rows as a table; a value that a row lacks is null.
+    """Rows, one per log, as a table with columns of parameters; a value that a row lacks is null.
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        One per log.
-    parameters : iterable of str
-        Names of the columns of parameters and deviations.
-    diagnosed : bool
-        Whether there are columns of a diagnosis.
-    joint : bool
-        Whether there is a column of triangular factors.
+    Columns of a diagnosis, or of triangular factors for a joint estimate, are added if asked for.
 
     Examples
     --------
@@ -74,10 +65,7 @@ def result_files(
 ) -> tuple[Path, ...]:
     """Files of the results, one of each kind at most, the Parquet file first.
 
-    Raises
-    ------
-    SettingError
-        If a suffix is not known, or the folder is not there.
+    SettingError if a suffix is not known, or the folder is not there.
     """
     if output is None:
         return ()
@@ -118,13 +106,7 @@ def read_rows(file: Path) -> list[Row]:
 
 
 def write_table(table: pl.DataFrame, units: Units, file: Path) -> None:
-    """Write a table as a whole or not at all.
-
-    Raises
-    ------
-    SymidError
-        If that is not possible, as on a full disk.
-    """
+    """Write a table as a whole or not at all; SymidError if that is not possible, as on a full disk."""
     try:
         if file.suffix == ".parquet":
             write_frame(table, file, {UNITS: json.dumps(units)})

@@ -30,18 +30,9 @@ _LARGEST = 1e150
 
 @dataclass(frozen=True)
 class Group:
-    """Rows that belong to one axis.
+    """Rows of results that belong to one axis; the name shows its sensors or its folder where there are several.
 
-    Parameters
-    ----------
-    name : str
-        Name of the axis; with its sensors or its folder where there are several.
-    axis : str
-        The declared axis.
-    sensors : tuple of str
-        Those it was identified from; empty where they are not known.
-    rows : polars.DataFrame
-        Its rows.
+    `sensors` are those it was identified from; empty where they are not known.
     """
 
     name: str
@@ -118,12 +109,7 @@ def units_in(file: str | Path) -> Units:
 
 
 def checked_results(table: pl.DataFrame) -> pl.DataFrame:
-    """The table, if it has the columns that all results have.
-
-    Raises
-    ------
-    SettingError
-        If it lacks one.
+    """The table; SettingError if it lacks a column that all results have.
 
     Examples
     --------
@@ -156,14 +142,7 @@ def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
 
 
 def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
-    """Rows by axis, apart for each set of sensors, and for each folder of logs if asked for.
-
-    Parameters
-    ----------
-    table : polars.DataFrame
-        Results.
-    by_folder : bool
-        Whether the folder of a log identifies its machine.
+    """Rows by axis, apart for each set of sensors; also by folder of logs, where that identifies the machine.
 
     Examples
     --------
@@ -252,17 +231,7 @@ def _moment(value: object) -> datetime | None:
 
 @dataclass(frozen=True)
 class EffectCount:
-    """How often diagnoses found an effect at a place.
-
-    Parameters
-    ----------
-    effect, at : str
-        The effect and its place.
-    logs : int
-        Logs in which it was found.
-    axes : mapping of str to int
-        Axes in which it was found, and in how many of their logs.
-    """
+    """In how many logs diagnoses found an effect at a place, and in how many of each axis."""
 
     effect: str
     at: str
@@ -271,12 +240,7 @@ class EffectCount:
 
 
 def count_effects(found: Iterable[tuple[str, object, object]]) -> tuple[EffectCount, ...]:
-    """Effects over the fleet, the most frequent first.
-
-    Parameters
-    ----------
-    found : iterable of (axis, effect, at)
-        One for each log; without an effect it does not count.
+    """Effects over the fleet, the most frequent first, from axis, effect (or none) and place of each log.
 
     Examples
     --------

@@ -33,17 +33,7 @@ _FALSE_OUTLIERS = 0.05
 
 @dataclass(frozen=True)
 class Outlier:
-    """A log of which a parameter is far from those of the other logs.
-
-    Parameters
-    ----------
-    log : str
-        Source of the log.
-    value : float
-        Its parameter.
-    z : float
-        Distance from the median, in robust standard deviations.
-    """
+    """A log of which a parameter is far from those of the other logs: z robust standard deviations off their median."""
 
     log: str
     value: float

@@ -44,12 +44,8 @@ class Scheduler(Protocol):
 class Processes:
     """Processes of this machine.
 
-    Parameters
-    ----------
-    jobs : int
-        How many; 1 works in this very process, which then shares the fate of a log that kills it.
-    seconds : float
-        Longest time for a task; a process that takes longer is ended as if the task had killed it.
+    One job works in this very process, which then shares the fate of a log that kills it. A process that takes longer
+    than `seconds` for a task is ended as if the task had killed it.
 
     Examples
     --------
@@ -136,13 +132,7 @@ _PATIENCE = 10.0
 
 @dataclass(frozen=True)
 class Cluster:
-    """Workers of a Dask cluster, which must have symid and see the logs under the same paths.
-
-    Parameters
-    ----------
-    address : str
-        Of its scheduler, such as ``tcp://10.0.0.1:8786``.
-    """
+    """Workers of a Dask cluster (``tcp://10.0.0.1:8786``), with symid and the same paths of logs."""
 
     address: str
 
@@ -221,10 +211,7 @@ def _distributed() -> Any:
 def scheduler_of(jobs: int | None, address: str | None, n_tasks: int, seconds: float = LONGEST) -> Scheduler:
     """The cluster at an address, else as many processes as are asked for or as there are cores.
 
-    Raises
-    ------
-    SettingError
-        If the number of processes or the time is not positive, or Dask is not installed.
+    SettingError if their number or the time is not positive, or Dask is not installed.
     """
     if not 0 < seconds < math.inf:
         raise SettingError(f"a limit of {seconds:g} s for each log is not possible: give more than 0")

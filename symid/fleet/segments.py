@@ -110,14 +110,9 @@ class TrendChange:
 def cut(
     time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
 ) -> tuple[TrendSegment, ...]:
-    """Segments of least penalised cost.
+    """Segments of least cost, each slope penalised, of a series of shape (n,) in order of time.
 
-    Parameters
-    ----------
-    time, values, weights : array of shape (n,)
-        In order of time; a weight is the inverse variance of a value, 0 for one that is left out.
-    slope_penalty : float
-        Penalty of a slope.
+    A weight is the inverse variance of a value, 0 for one that is left out.
 
     Examples
     --------
@@ -188,16 +183,7 @@ def _refined(
 def fitted_segment(
     time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, *, sloping: bool
 ) -> TrendSegment:
-    """Level, or line, through a segment of a series.
-
-    Parameters
-    ----------
-    time, values, weights : array of shape (n,)
-        The series.
-    first, end : int
-        The segment.
-    sloping : bool
-        Whether it has a slope.
+    """Level, or sloping line, through the values from `first` to before `end` of a series of shape (n,).
 
     Examples
     --------
@@ -219,14 +205,9 @@ def fitted_segment(
 def places_of_step(
     time: FloatArray, values: FloatArray, weights: FloatArray, before: TrendSegment, after: TrendSegment
 ) -> tuple[int, int]:
-    """First and last place at which a step may lie, with 95 % probability; all places are equally likely a priori.
+    """First and last place at which a step between two segments of a series may lie, with 95 % probability.
 
-    Parameters
-    ----------
-    time, values, weights : array of shape (n,)
-        The series.
-    before, after : TrendSegment
-        On either side of the step.
+    All places are equally likely a priori.
     """
     places = np.arange(before.first + 1, after.end)
     costs = []

@@ -179,14 +179,7 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
 
 
 def generalised_statistic(x: FloatArray, variance: FloatArray, between: float) -> float:
-    """Q at a variance between runs.
-
-    Parameters
-    ----------
-    x, variance : array of shape (n_runs,)
-        Values and the variances that their intervals promise.
-    between : float
-        Variance between runs.
+    """Q of values with the variances that their intervals promise, at a variance between runs.
 
     Examples
     --------

@@ -30,16 +30,9 @@ from symid.text import visible
 
 @dataclass(frozen=True)
 class Task:
-    """One log of a batch.
+    """One log of a batch: the path as given, and absolute, since a worker may run in another folder.
 
-    Parameters
-    ----------
-    log : str
-        Path as given.
-    path : str
-        The same, absolute: a worker may run in another folder.
-    known : tuple of str
-        Keys of rows that earlier runs made of this path.
+    `known` are the keys of rows that earlier runs made of this path.
     """
 
     log: str
@@ -57,15 +50,7 @@ class LogOutcome:
 
 
 def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
-    """Row of one log.
-
-    Parameters
-    ----------
-    axes : tuple of FleetAxis
-        The log is one of the first axis whose signals it holds; of a single axis in any case.
-    task : Task
-        The log.
-    """
+    """Row of one log, of the first axis whose signals it holds; of a single axis in any case."""
     begin = time.perf_counter()
     row: dict[str, Value] = {"log": visible(task.log)}
     try:

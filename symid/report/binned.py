@@ -35,12 +35,9 @@ class Means:
 
 
 def means_over(x: FloatArray, residual: FloatArray) -> Means:
-    """Means of a residual over a signal in two dozen bins; 0 is an edge if the signal changes its sign.
+    """Means of a residual over a signal, of shape (n_samples,), in two dozen bins of five samples or more.
 
-    Parameters
-    ----------
-    x, residual : array of shape (n_samples,)
-        Finite. Bins of fewer than five samples are left out.
+    0 is an edge if the signal changes its sign.
 
     Examples
     --------

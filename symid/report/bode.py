@@ -18,17 +18,7 @@ CORRELATED = 0.5
 
 
 def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None:
-    """Magnitude, phase and coherence below each other.
-
-    Parameters
-    ----------
-    place : matplotlib subfigure
-        Axes to draw on.
-    response : FrequencyResponse
-        Measured and computed response.
-    palette : Palette
-        Colours.
-    """
+    """Magnitude, phase and coherence below each other, in a subfigure."""
     magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
     sure, f = response.is_coherent, response.frequency
     curves: tuple[tuple[Axes, Any], ...] = (

@@ -14,15 +14,10 @@ DARK_FILTER = "invert(0.91) hue-rotate(180deg)"
 
 
 def in_dark(colour: str) -> str:
-    """Colour after `DARK_FILTER`, for elements beside a filtered picture.
+    """Colour #RRGGBB after `DARK_FILTER`, for elements beside a filtered picture.
 
     Inverting maps a channel c to 0.91 - 0.82 c; turning the hue by half a circle mirrors each channel at the luminance
     Y (W3C Filter Effects, weights 0.213, 0.715, 0.072): together 0.91 + 0.82 (c - 2 Y).
-
-    Parameters
-    ----------
-    colour : str
-        As #RRGGBB.
 
     Examples
     --------

@@ -75,15 +75,7 @@ class DistributionShapes:
 
 
 def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
-    """Shapes of the chart of a parameter.
-
-    Parameters
-    ----------
-    one : ParameterReview
-        Has at least one run with an interval.
-    rows : sequence of int
-        Row of the page's table for each of its logs.
-    """
+    """Shapes of the chart of a parameter with at least one interval; `rows` are those of the page's table, by log."""
     chart = one.chart
     time = np.array([t.timestamp() if isinstance(t, datetime) else float(t) for t in chart.time])
     x, (low, high) = _horizontal(time), _range(chart)
@@ -115,15 +107,7 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
 
 
 def distribution_shapes(one: ParameterReview, values: FloatArray) -> DistributionShapes:
-    """Shapes of the distribution of a parameter, with the curve expected from its intervals.
-
-    Parameters
-    ----------
-    one : ParameterReview
-        The parameter.
-    values : array of shape (n,)
-        Its values.
-    """
+    """Shapes of the distribution of a parameter's values, with the curve expected from its intervals."""
     reach = _REACH * max(robust_deviation(values), 1e-9 * abs(one.median), 1e-300)
     low, high = max(one.median - reach, values.min()), min(one.median + reach, values.max())
     margin = 0.12 * (high - low) or reach

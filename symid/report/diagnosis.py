@@ -31,13 +31,7 @@ _MOST_ALTERNATIVES = 8
 
 
 def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
-    """Record of `symid diagnose --json`; unknown numbers are nan.
-
-    Parameters
-    ----------
-    found : Diagnosis
-        Its signals and spectrum stay out: they are for plots.
-    """
+    """Record of `symid diagnose --json`; unknown numbers are nan. Signals and spectrum stay out: they are for plots."""
     simulated = {} if found.simulated is None else {"simulated": _simulated(found.simulated)}
     return {
         "axis": found.axis.name,

@@ -34,21 +34,12 @@ _MOST_SHOWN = 8
 
 
 def write_html(found: Diagnosis, file: str | Path) -> None:
-    """Write a diagnosis as one HTML file.
-
-    The file is self-contained and loads nothing. Without JavaScript only the plots are missing.
-
-    Parameters
-    ----------
-    found : Diagnosis
-        Curves of more than 20000 samples are drawn by their envelope.
-    file : path-like
-        Ends with .html.
+    """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing.
 
     Raises
     ------
     SettingError
-        If the suffix is another one, or the folder does not exist.
+        If the name does not end with .html, or the folder does not exist.
     """
     from symid.report.interactive import plots_of  # half a second to load: only where a page is written
     from symid.report.schematic import schematic_svg

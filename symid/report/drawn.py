@@ -38,15 +38,7 @@ def apart(svg: str, name: str) -> str:
 
 
 def svg_of(figure: Figure, name: str) -> str:
-    """A figure as an element of a page; the same each time.
-
-    Parameters
-    ----------
-    figure : Figure
-        Its text stays text.
-    name : str
-        From which identifiers are made: different ones for the figures of one page.
-    """
+    """A figure as an element of a page, the same each time; figures of one page need different names."""
     text = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):

@@ -54,23 +54,14 @@ class _Section:
 def write_fleet_html(
     found: FleetReview, file: str | Path, joined: Mapping[str, JointIdentification] | None = None
 ) -> None:
-    """Write the review of a fleet as one HTML file.
+    """Write the review of a fleet, with joint results by axis, as one HTML file, which loads nothing.
 
-    The file is self-contained and loads nothing. Without JavaScript only the table of all logs is missing.
-
-    Parameters
-    ----------
-    found : FleetReview
-        From `review_fleet`.
-    file : path-like
-        Ends with .html.
-    joined : mapping of str to JointIdentification, optional
-        By the names of the axes, from `join_results`.
+    Without JavaScript only the table of all logs is missing.
 
     Raises
     ------
     SettingError
-        If the suffix is another one, or the folder does not exist.
+        If the name does not end with .html, or the folder does not exist.
     """
     path = html_path(file)
     record = fleet_record(found, joined)

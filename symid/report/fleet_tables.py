@@ -22,15 +22,7 @@ _LARGE = 3.0
 def fleet_record(
     found: FleetReview, joined: Mapping[str, JointIdentification] | None = None
 ) -> dict[str, Any]:
-    """Record of `symid fleet --json`; unknown numbers are nan.
-
-    Parameters
-    ----------
-    found : FleetReview
-        Its table stays out.
-    joined : mapping of str to JointIdentification, optional
-        By the names of the axes, from `join_results`.
-    """
+    """Record of `symid fleet --json`, with joint results by axis; unknown numbers are nan."""
     return {
         "sentence": found.sentence,
         "logs": found.table.height,

@@ -27,20 +27,9 @@ def plot_foreign(
     file: str | Path,
     palette: Palette = LIGHT,
 ) -> None:
-    """Draw each column over time, in the unit of the file.
+    """Draw each of the first dozen columns of a file over time, in the unit of the file, as png, svg or pdf.
 
-    Parameters
-    ----------
-    table : Table
-        The file.
-    columns : sequence of ForeignColumn
-        What its columns seem to be; the first dozen is drawn.
-    period : float or None
-        Sampling period of a file without a column of the time, s; samples are counted if it is not known either.
-    file : path-like
-        png, svg or pdf, by its suffix.
-    palette : Palette
-        `LIGHT` or `DARK`.
+    Samples are counted where neither a column of the time nor the sampling period (s) is known.
 
     Raises
     ------

@@ -119,20 +119,8 @@ def response_of(
 
     Velocity per force for a sensor of position or velocity, acceleration per force for an accelerometer. A position is
     differentiated by central differences, whose known attenuation is taken out again. Under feedback H1 is biased
-    where the coherence is low.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    values : mapping of str to float
-        Identified physical parameters, SI.
-    signal : str
-        Of the sensor.
-    logs : sequence of Log
-        At least one.
-    late : mapping of str to float, optional
-        Time by which signals were recorded late, s.
+    where the coherence is low. `values` are the physical parameters, SI; `late` the times by which signals were
+    recorded late, s.
     """
     (sensor,) = axis.measured((signal,))
     moves = sensor.derivative < 2

@@ -38,29 +38,15 @@ def write_identification_html(
     runs: Sequence[Log] = (),
     command: str = "",
 ) -> None:
-    """Write an identification as one HTML file.
+    """Write an identification as one HTML file, which loads nothing.
 
-    The file is self-contained and loads nothing.
-
-    Parameters
-    ----------
-    found : Identification
-        Result of `identify`.
-    file : path-like
-        Ends with .html.
-    validation : Prediction, optional
-        The parameters applied to another log.
-    axis : Axis, optional
-        The declared axis, for the residual over the motion and the frequency response.
-    runs : sequence of Log
-        The logs identified, then the one of the validation.
-    command : str
-        By which it was made.
+    With the axis and its logs, that of the validation last, the page shows the residual over the motion and the
+    frequency response; `command` is the one by which it was made.
 
     Raises
     ------
     SettingError
-        If the suffix is another one, or the folder does not exist.
+        If the name does not end with .html, or the folder does not exist.
     """
     path = html_path(file)
     record = identification_record(found, validation)

@@ -158,17 +158,8 @@ def _spectrum(found: Diagnosis) -> GridPlot:
 def envelope(values: FloatArray, most: int) -> FloatArray:
     """Lowest and highest value of each bundle of samples, in the order in which they come: no peak is lost.
 
-    Parameters
-    ----------
-    values : array of shape (n,)
-        Samples; nan where one is missing.
-    most : int
-        Largest number of points; a shorter curve stays as it is.
-
-    Returns
-    -------
-    array of shape (m,)
-        Two values for each bundle, at the places of `envelope_places`; nan where the whole bundle is nan.
+    Two values for each bundle, at the places of `envelope_places`, nan where the whole bundle is nan; a curve of at
+    most `most` points stays as it is.
 
     Examples
     --------

@@ -16,13 +16,7 @@ _MICRO = 1e6
 
 
 def motion_rows(record: dict[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of the table of the simulated motion: the model, its fits, and its errors in millionths of the unit.
-
-    Parameters
-    ----------
-    record : dict
-        Of a whole diagnosis, whose waterfall names the models.
-    """
+    """Rows of the table of the simulated motion: the model, its fits, and its errors in millionths of the unit."""
     motion = record["gap"]["motion"]
     errors = [motion["nominal"], motion["reidentified"], *motion["steps"]]
     names = [stage["model"] for stage in record["waterfall"]]
@@ -53,13 +47,7 @@ def _fit(per_cent: float) -> str:
 
 
 def motion_line(motion: dict[str, Any]) -> str:
-    """How the axis was simulated, effects left out, and the reason of a failure.
-
-    Parameters
-    ----------
-    motion : dict
-        Part of the record of a gap.
-    """
+    """How the axis was simulated, effects left out, and the reason of a failure."""
     gains = ", ".join(f"{name} {value:.4g}" for name, value in motion["gains"].items())
     explains = ""
     if motion["share"] < 0:  # gains so high that errors of the readings alone make more force than there is

@@ -44,13 +44,7 @@ def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
 
 
 def batch_figure(batch: Batch, palette: Palette = LIGHT) -> Drawn:
-    """Each physical parameter over the logs that are ok, with 95 % intervals; the minimal ones where there are none.
-
-    Raises
-    ------
-    SettingError
-        If no log is ok.
-    """
+    """Each physical parameter over the logs that are ok, with 95 % intervals; the minimal ones where there are none."""
     table = batch.table.filter(status="ok")
     drawn = [
         (axis, name, units[name])

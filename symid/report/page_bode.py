@@ -33,28 +33,14 @@ _BEYOND = 1.25
 
 @dataclass(frozen=True, eq=False)
 class _Beside:
-    """A response of the re-identified axis beside the measured one, and that with the effects found.
-
-    Parameters
-    ----------
-    of : FrequencyResponse
-        Measured and re-identified.
-    explained : complex array of shape (n,), optional
-        With the effects; None where there are none.
-    """
+    """A response of the re-identified axis beside the measured one, and that with the effects found, if any."""
 
     of: FrequencyResponse
     explained: ComplexArray | None
 
 
 def bode_plots(found: Diagnosis) -> dict[str, GridPlot]:
-    """Bode diagrams by the names of the first sensors.
-
-    Parameters
-    ----------
-    found : Diagnosis
-        None is drawn if its search was not kept, or the log hardly excites the axis.
-    """
+    """Bode diagrams by the first sensors' names; none if the search was not kept or the axis is hardly excited."""
     beside = (_beside(found, signal) for signal in found.measured[:_MOST_SENSORS])
     return {f"response of {one.of.signal}": _bode(one) for one in beside if one is not None}
 

@@ -25,19 +25,7 @@ _LEFT = 82
 
 @dataclass(frozen=True)
 class Curve:
-    """How a column is drawn.
-
-    Parameters
-    ----------
-    column, label, colour : str
-        The column, its name in the legend (none if empty) and its colour.
-    width : float
-        Of a line in pixels, or size of dots.
-    dots : bool
-        Whether it is drawn as dots, not as a line.
-    alpha : float
-        Opacity.
-    """
+    """How a column is drawn: name in the legend (none if empty), and width of the line in pixels or size of dots."""
 
     column: str
     label: str
@@ -48,19 +36,7 @@ class Curve:
 
 
 def new_plot(name: str, label: str, height: int, above: figure | None = None, **settings: Any) -> figure:
-    """An empty plot that is zoomed along its horizontal axis.
-
-    Parameters
-    ----------
-    name, label : str
-        The plot is named after the first; the second stands beside its vertical axis.
-    height : int
-        In pixels.
-    above : figure, optional
-        Shares its horizontal range.
-    **settings
-        Further ones of bokeh's figure.
-    """
+    """An empty plot that is zoomed along its horizontal axis; it shares the range of the plot `above`."""
     plot = figure(
         name=f"plot of {name}",
         height=height,

@@ -19,19 +19,7 @@ _MOST_POINTS = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Data of the panel of one output of one log.
-
-    Parameters
-    ----------
-    title : str
-        Above it.
-    output, unit : str
-        What is compared.
-    time, measured, predicted : array of shape (n,)
-        The curves; nan where nothing is compared.
-    motion : SensorMotion, optional
-        Of the log.
-    """
+    """Curves of one output of one log, of shape (n,); nan where nothing is compared."""
 
     title: str
     output: str

@@ -34,20 +34,7 @@ _PANEL, _BODE, _ELLIPSES, _WIDTH = 6.0, 5.2, 3.2, 12.0
 
 
 def save_figure(figure: Figure, file: str | Path) -> None:
-    """Write a figure as a whole or not at all.
-
-    Parameters
-    ----------
-    figure : Figure
-        Any.
-    file : path-like
-        png, svg or pdf, by its suffix.
-
-    Raises
-    ------
-    SettingError
-        If the suffix is another one.
-    """
+    """Write a figure as png, svg or pdf, as a whole or not at all; SettingError for another suffix."""
     path = Path(file)
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
@@ -66,21 +53,8 @@ def identification_figure(
     """Figure of an identification.
 
     For each output of each log: measured and predicted output over time and against each other, the residual over
-    time, velocity, position and frequency. With the axis and its logs: the frequency response of the identified
-    axis beside the measured one. Parameters that are correlated get confidence ellipses.
-
-    Parameters
-    ----------
-    found : Identification or OutputErrorIdentification
-        Result of `identify` or `identify_output_error`.
-    validation : Prediction or OutputErrorPrediction, optional
-        The parameters applied to another log.
-    axis : Axis, optional
-        The declared axis.
-    runs : sequence of Log
-        The logs identified, then the one of the validation.
-    palette : Palette
-        `LIGHT` or `DARK`.
+    time, velocity, position and frequency. With the axis and its logs, that of the validation last: the frequency
+    response of the identified axis beside the measured one. Parameters that are correlated get confidence ellipses.
 
     Raises
     ------

@@ -22,16 +22,9 @@ _BAND = float(scipy.special.ndtri(0.995))
 
 @dataclass(frozen=True, eq=False)
 class Correlation:
-    """Correlation of a residual with itself or with another signal, by lag.
+    """Correlation of a residual with itself or with another signal, by lag in rows, positive where it comes later.
 
-    Parameters
-    ----------
-    lag : array of shape (n_lags,)
-        In rows; positive where the residual comes later.
-    value : array of shape (n_lags,)
-        Between -1 and 1.
-    band : array of shape (n_lags,)
-        Half width of the band in which 99 % of the values of an independent residual lie.
+    99 % of the values of an independent residual lie within `band` of 0.
     """
 
     lag: FloatArray
@@ -46,16 +39,9 @@ class Correlation:
 
 
 def correlation(residual: FloatArray, other: FloatArray, used: BoolArray, lags: Sequence[int]) -> Correlation:
-    """Correlation over the pairs of rows that are both used.
+    """Correlation of a residual with itself or another signal, over the pairs of rows that are both used.
 
-    Parameters
-    ----------
-    residual, other : array of shape (n_rows,)
-        The residual, and itself or another signal; their means over the rows used are taken off.
-    used : bool array of shape (n_rows,)
-        Rows that entered the estimate.
-    lags : sequence of int
-        In rows, shorter than the log.
+    Their means over the rows used are taken off. Lags are in rows, shorter than the log.
 
     Examples
     --------

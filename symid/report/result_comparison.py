@@ -52,12 +52,7 @@ class Values:
 
 
 def values_of(record: object, source: str) -> Values:
-    """Parameters in the JSON of `symid identify`, `symid diagnose` or a user.
-
-    Raises
-    ------
-    SettingError
-        If the record holds no parameters.
+    """Parameters in the JSON of `symid identify`, `symid diagnose` or a user; SettingError if it holds none.
 
     Examples
     --------
@@ -95,13 +90,7 @@ def values_of(record: object, source: str) -> Values:
 
 
 def comparison_record(first: Values, second: Values) -> dict[str, Any]:
-    """Record of `symid compare --json`.
-
-    Raises
-    ------
-    SettingError
-        If they share no parameter.
-    """
+    """Record of `symid compare --json`; SettingError if the two share no parameter."""
     shared = [name for name in first.values if name in second.values]
     if not shared:
         raise SettingError(

@@ -58,19 +58,7 @@ _NOTE, _LETTER = 0.34, 0.125
 
 @dataclass(frozen=True)
 class _Link:
-    """Something that acts between two bodies.
-
-    Parameters
-    ----------
-    first, second : str
-        Names of the bodies.
-    sign : callable
-        Draws it.
-    label : str
-        Its parameters.
-    name : str
-        Identifies it in the figure.
-    """
+    """An element between two bodies: `sign` draws it, `label` is its text, `name` identifies it in the figure."""
 
     first: str
     second: str

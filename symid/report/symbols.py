@@ -21,13 +21,7 @@ LINE = 1.3
 
 @dataclass(frozen=True)
 class Line:
-    """A straight line between two elements on which a sign is drawn.
-
-    Parameters
-    ----------
-    begin, end : tuple of float
-        Its ends.
-    """
+    """A straight line between two elements on which a sign is drawn."""
 
     begin: tuple[float, float]
     end: tuple[float, float]

@@ -15,18 +15,9 @@ from symid.report.number_text import words
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of the waterfall.
+    """One stage of the waterfall: the remaining error of a model (None without it) above the noise floor.
 
-    Parameters
-    ----------
-    model : str
-        Which model the error is of.
-    level : Level or None
-        Remaining error; None without such a model.
-    floor : Level
-        The noise floor.
-    removed : float
-        Reduction against the stage before, in the unit of the force; nan for the first.
+    `removed` is the reduction against the stage before, in the unit of the force; nan for the first.
     """
 
     model: str
@@ -91,12 +82,7 @@ _TICKS = 6
 
 @dataclass(frozen=True)
 class Scale:
-    """Scale of bars: linear up to 25 times the noise floor, logarithmic from half of it on above that.
-
-    Parameters
-    ----------
-    largest : float
-        Multiple of the noise floor at full length.
+    """Scale of bars up to a multiple of the noise floor: linear up to 25, logarithmic from half of that on.
 
     Examples
     --------

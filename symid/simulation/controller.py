@@ -72,18 +72,9 @@ class Controller(ABC):
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
     ) -> tuple[float, FloatArray]:
-        """Drive force until the next sample, and the state to remember.
+        """Drive force until the next sample, a `period` (s) later, and the state to remember.
 
-        Parameters
-        ----------
-        command : Command
-            Reference at this sample.
-        measured : mapping of str to float
-            Sensor readings by signal.
-        state : array
-            As returned at the last sample; `start` at the first one.
-        period : float
-            Time to the next sample, s.
+        `measured` holds the sensor readings by signal; `state` is that of the last sample, `start` at the first one.
         """
 
     @property

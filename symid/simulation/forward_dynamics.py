@@ -200,17 +200,7 @@ def _named(plant: Plant, chosen: BoolArray) -> str:
 
 @dataclass(frozen=True, eq=False)
 class LawTerm:
-    """One nonlinear law of a joint: parameter times expression.
-
-    Parameters
-    ----------
-    parameter : Polynomial
-        What multiplies the expression.
-    force : callable
-        Expression as a function of displacement and velocity, two numbers.
-    forces : callable
-        The same for arrays.
-    """
+    """A nonlinear law of a joint, parameter times expression: a function `force` of two numbers, `forces` of arrays."""
 
     parameter: Polynomial
     force: LawFunction
@@ -218,15 +208,7 @@ class LawTerm:
 
 
 class JointTerms(NamedTuple):
-    """Nonlinear laws of one joint.
-
-    Parameters
-    ----------
-    direction : array of shape (n_bodies,)
-        The joint's displacement is its product with the bodies' displacements.
-    terms : tuple of LawTerm
-        The laws.
-    """
+    """Nonlinear laws of one joint, whose displacement is `direction` times the bodies' displacements."""
 
     direction: FloatArray
     terms: tuple[LawTerm, ...]
@@ -234,13 +216,7 @@ class JointTerms(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Polynomial:
-    """A polynomial of the physical parameters as numbers.
-
-    Parameters
-    ----------
-    terms : tuple of (float, tuple of int)
-        Coefficient and exponents of each term.
-    """
+    """A polynomial of the physical parameters: coefficient and exponents of each term."""
 
     terms: tuple[tuple[float, tuple[int, ...]], ...]
 

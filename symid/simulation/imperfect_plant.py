@@ -34,16 +34,9 @@ _FINE, _MOST_STEPS = 0.5, 50
 
 @dataclass(eq=False)
 class Moment:
-    """State on which laws depend besides the motion: time, load and memories.
+    """State on which laws depend besides the motion: time, s, force of the drive, and memories of presliding friction.
 
-    Parameters
-    ----------
-    time : float
-        Since the beginning of the run, s.
-    load : float
-        Force of the drive.
-    memories : list of (array, Dahl)
-        States of presliding friction, each with the direction of its joint.
+    Each memory comes with the direction of its joint.
     """
 
     time: float = 0.0
@@ -63,14 +56,9 @@ class Moment:
 
 @dataclass(eq=False)
 class Dahl:
-    """Friction that builds up over a displacement: exact along a motion that does not turn.
+    """Friction that builds up over a displacement `reach`: exact along a motion that does not turn.
 
-    Parameters
-    ----------
-    reach : float
-        Displacement, m or rad.
-    place, state : float
-        Displacement of the last update, and z there.
+    `state` is z at the displacement `place` of the last update.
 
     Examples
     --------
@@ -96,17 +84,7 @@ class Dahl:
 
 
 def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[tuple[float, Plant]]:
-    """Plants of an axis, each with the time from which on it holds, s.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    parameters : mapping of str to float
-        Values of its physical parameters, SI.
-    moment : Moment
-        Receives the state on which their laws depend.
-    """
+    """Plants of an axis, each with the time from which on it holds, s; `moment` receives the state of their laws."""
     values = axis.known_parameters | dict(parameters)
     changes = [e for e in axis.elements if isinstance(e, PayloadChange)]
     added = []

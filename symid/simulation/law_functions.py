@@ -14,14 +14,7 @@ from symid.codegen.lowering import code
 
 
 def law_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
-    """Law expression in q and v as a function of two numbers.
-
-    Parameters
-    ----------
-    expression : sympy expression
-        In q, v and `numbers`.
-    numbers : tuple of str
-        Further arguments of the function, behind q and v.
+    """Law expression in q, v and further `numbers` as a function of two numbers and these.
 
     Examples
     --------

@@ -83,22 +83,10 @@ amplitude by at most 0.6666
                 )
 
     def check(self, name: str, demand: Extremes, *, scaled: bool = True) -> None:
-        """Check that a trajectory keeps the limits.
+        """SettingError if a trajectory exceeds a limit: it names each such limit, by how much, and what to change.
 
-        Parameters
-        ----------
-        name : str
-            Name of the trajectory in the message.
-        demand : Extremes
-            Its range and greatest magnitudes.
-        scaled : bool
-            Whether one amplitude scales the whole trajectory; otherwise speed, acceleration and jerk were given
-            separately. The advice of the message depends on it.
-
-        Raises
-        ------
-        SettingError
-            If a limit is exceeded; the message names each such limit, by how much, and what to change.
+        The advice depends on whether one amplitude scales the whole trajectory; otherwise speed, acceleration and jerk
+        were given separately.
         """
         faults = self._faults_of_travel(demand)
         for kind, unit in _RATES:

@@ -27,17 +27,7 @@ _LARGEST = 16
 
 
 class LinearLoop:
-    """The recursion of a loop in one mode.
-
-    Parameters
-    ----------
-    loop : Loop
-        Axis and controller.
-    mode : StickSlipMode
-        Which joints slide or stick.
-    law : LoopLaw
-        The controllers.
-    """
+    """The recursion of a loop in one mode."""
 
     def __init__(self, loop: Loop, mode: StickSlipMode, law: LoopLaw) -> None:
         self._loop, self._mode = loop, mode

@@ -73,22 +73,9 @@ class LoopLaw:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A plant whose drives are under controllers along trajectories.
+    """A plant whose drives are under controllers along trajectories, whose sampling period is that of the controllers.
 
-    Parameters
-    ----------
-    plant : Plant
-        The axis.
-    trajectories : tuple of Trajectory
-        Reference of each drive; their sampling period is that of the controllers.
-    controllers : tuple of Controller
-        The controller of each drive.
-    readers : sequence of SensorChannel
-        All sensors.
-    steps : int
-        Steps of the engine in one sample.
-    moment : Moment, optional
-        On which laws of the plant depend beside the motion.
+    The engine makes `steps` in one sample. Laws of the plant may depend on a `moment` beside the motion.
     """
 
     plant: Plant

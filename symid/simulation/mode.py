@@ -19,13 +19,7 @@ _SPEEDS = (JUST_MOVING, *(0.7 * 10.0**power for power in range(-12, 5)))
 
 @dataclass(frozen=True)
 class AffineForce:
-    """A force level + stiffness q + damping v.
-
-    Parameters
-    ----------
-    level, stiffness, damping : float
-        SI.
-    """
+    """A force level + stiffness q + damping v, SI."""
 
     level: float
     stiffness: float

@@ -40,15 +40,7 @@ class SensorRow(NamedTuple):
 
 
 class ScaledLaw(NamedTuple):
-    """A law as parameter times expression.
-
-    Parameters
-    ----------
-    parameter : float
-        SI.
-    expression : callable
-        Of displacement and velocity of the joint.
-    """
+    """A law as parameter, SI, times expression of displacement and velocity of the joint."""
 
     parameter: float
     expression: LawFunction
@@ -56,16 +48,9 @@ class ScaledLaw(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointLaw:
-    """All nonlinear laws that act along one direction.
+    """All nonlinear laws of a joint, whose displacement is `direction` times the bodies' displacements.
 
-    Parameters
-    ----------
-    direction : array of shape (n_bodies,)
-        The joint's displacement is its product with the bodies' displacements.
-    terms : tuple of ScaledLaw
-        The laws.
-    timed : bool
-        Whether a law depends on more than the motion and changes from sample to sample.
+    A law is `timed` if it depends on more than the motion and changes from sample to sample.
     """
 
     direction: FloatArray

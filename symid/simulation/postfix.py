@@ -23,16 +23,9 @@ _BINARY = {sp.Add: ADD, sp.Mul: MULTIPLY, sp.Pow: POWER, sp.Max: MAXIMUM}
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """An expression in postfix notation.
+    """An expression in postfix notation, for a stack of height `depth`.
 
-    Parameters
-    ----------
-    operations : int array of shape (n,)
-        What is done, one after the other.
-    operands : array of shape (n,)
-        The number that a constant puts on the stack, or the index of an argument.
-    depth : int
-        Height of the stack.
+    An operand is the number that a constant puts on the stack, or the index of an argument.
     """
 
     operations: np.ndarray[tuple[int], np.dtype[np.int64]]
@@ -41,19 +34,7 @@ class Program:
 
 
 def program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
-    """The program of an expression in the law language.
-
-    Parameters
-    ----------
-    expression : sympy expression
-        In symbols whose names are those of the arguments.
-    arguments : tuple of str
-        Names, in the order in which `evaluation.evaluate` takes their values.
-
-    Raises
-    ------
-    SymidError
-        If the expression holds what the law language does not.
+    """The program of an expression of the law language in symbols named as the arguments; SymidError for any other.
 
     Examples
     --------

@@ -20,12 +20,7 @@ _UNSHARED = 2**18
 
 
 class Recursion:
-    """The recursion of a square matrix.
-
-    Parameters
-    ----------
-    matrix : array of shape (m, m)
-        F.
+    """The recursion of a square matrix F.
 
     Examples
     --------

@@ -66,12 +66,7 @@ class ClosedLoop:
     def with_gains(cls, axis: Axis, gains: Mapping[str, float], rate_hz: float | None = None) -> ClosedLoop:
         """The loop under a cascade of given gains for each drive, by the fields of `Cascade`; those left out are 0.
 
-        Without any, the controller is left open.
-
-        Raises
-        ------
-        SettingError
-            If there are gains, but none of the velocity loop.
+        Without any, the controller is left open; SettingError if there are gains, but none of the velocity loop.
         """
         loop = cls(axis, rate_hz=rate_hz)
         if not gains:

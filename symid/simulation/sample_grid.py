@@ -16,12 +16,7 @@ _WHOLE: Final = 1e-9  # a duration this close to whole sampling periods, relativ
 
 
 def positive(value: float, what: str, unit: str) -> float:
-    """The value itself, as a float.
-
-    Raises
-    ------
-    SettingError
-        If it is not positive and finite.
+    """The value itself, as a float; SettingError if it is not positive and finite.
 
     Examples
     --------
@@ -34,22 +29,9 @@ def positive(value: float, what: str, unit: str) -> float:
 
 
 def intervals(seconds: float, sampling_period: float, what: str) -> int:
-    """Sampling periods that hold a duration: the next whole number.
+    """Sampling periods, s, that hold a duration of 0 s or more: the next whole number.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration, s, 0 or more.
-    sampling_period : float
-        Time between two samples, s.
-    what : str
-        Name of the duration in messages.
-
-    Raises
-    ------
-    SettingError
-        If the duration is negative or not finite, the sampling period not positive, or the samples more
-        than `MOST_SAMPLES`.
+    SettingError if that is impossible, or the samples are more than `MOST_SAMPLES`; `what` names the duration in it.
 
     Examples
     --------

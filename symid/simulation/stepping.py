@@ -30,17 +30,7 @@ _MODES = 64
 
 
 class SimulationRun:
-    """A simulation in progress.
-
-    Parameters
-    ----------
-    loop : Loop
-        Axis and controllers.
-    record : MotionRecord
-        Where the motion is written; its first state is that at the beginning.
-    after : SimulationRun, optional
-        Run that this one continues.
-    """
+    """A simulation in progress; its record holds the first state, or it continues the run `after` which it comes."""
 
     def __init__(self, loop: Loop, record: MotionRecord, after: SimulationRun | None = None) -> None:
         self.loop, self.record = loop, record

@@ -34,16 +34,8 @@ def other_solutions_are_unphysical(
 ) -> bool:
     """Whether hardly any machine has a second solution with all parameters of the required signs.
 
-    Parameters
-    ----------
-    minimal : mapping of str to sympy.Expr
-        Minimal parameters in the physical ones.
-    inverse : sequence of mapping
-        Physical parameters in the minimal ones, one mapping for each solution.
-    units : mapping of str to str
-        Units of the physical parameters.
-    signed : sequence of str
-        Those that may be negative.
+    `minimal` holds minimal parameters in the physical ones, `inverse` the physical ones of each solution in the minimal
+    ones; those `signed` may be negative.
     """
     names = list(units)
     generator = np.random.default_rng(0)

@@ -24,14 +24,7 @@ class TooLargeError(Exception):
 
 
 class Minors:
-    """Minors of a matrix.
-
-    Parameters
-    ----------
-    entries : mapping of (int, int) to polynomial
-        Entries that are not zero, by row and column.
-    one : polynomial
-        1 of their ring.
+    """Minors of a matrix, from its non-zero entries by row and column, and the 1 of their ring.
 
     Examples
     --------
@@ -49,13 +42,7 @@ class Minors:
         self._left = MOST_PRODUCTS
 
     def of(self, rows: Places, columns: Places) -> Any:
-        """Determinant of some rows and as many columns, both in rising order.
-
-        Raises
-        ------
-        TooLargeError
-            If it has too many terms.
-        """
+        """Determinant of some rows and as many columns, both in rising order; TooLargeError with too many terms."""
         if (rows, columns) not in self._known:
             self._known[rows, columns] = self._computed(rows, columns)
         return self._known[rows, columns]

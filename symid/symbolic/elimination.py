@@ -65,13 +65,6 @@ class InputOutputModel:
 def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOutputModel:
     """Eliminate every displacement that the sensors do not measure.
 
-    Parameters
-    ----------
-    model : InverseDynamicModel
-        Lagrange's equations.
-    measured : sequence of Sensor
-        Sensors to use; any set.
-
     Raises
     ------
     EliminationError

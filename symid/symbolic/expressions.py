@@ -57,19 +57,12 @@ def exact(value: float) -> sp.Rational:
 
 @cache
 def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
-    """Expression of a law's term in the symbols q and v.
-
-    Parameters
-    ----------
-    text : str
-        The expression.
-    numbers : tuple of str
-        Names of shape parameters that the text may use besides, as the formula of a class does.
+    """Expression of a law's term in q, v and the names of shape parameters.
 
     Raises
     ------
     SymidError
-        If the text uses anything but q, v, numbers and the functions of the law language.
+        If the text uses anything but these, numbers and the functions of the law language.
 
     Examples
     --------

@@ -84,19 +84,7 @@ class EliminationRow:
 def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing) -> list[EliminationRow]:
     """Minimal basis of the combinations of rows in which unknown columns vanish.
 
-    Parameters
-    ----------
-    rows : mapping of str to Row
-        Rows of the matrix, by balance.
-    unknown : sequence of str
-        Columns to eliminate.
-    ring : PolyRing
-        Ring of the entries, s being its first generator.
-
-    Returns
-    -------
-    list of EliminationRow
-        As many as there are rows more than unknown columns.
+    There are as many as rows more than unknown columns. The first generator of the ring of the entries is s.
 
     Raises
     ------

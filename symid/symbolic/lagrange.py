@@ -36,18 +36,9 @@ ONE_INPUT = sp.Symbol("input_one")
 
 @dataclass(frozen=True)
 class LawInput:
-    """The value of a nonlinear law's expression, an input of the otherwise linear equations.
+    """The value of a nonlinear law in a joint, an input of the otherwise linear equations.
 
-    Parameters
-    ----------
-    symbol : sympy.Symbol
-        Stands for the value in the equations.
-    expression : sympy.Expr
-        In the displacement ``q`` and velocity ``v`` of the joint.
-    joint : Body or Between
-        Where the law sits.
-    element : str
-        What to call the element in messages.
+    `symbol` stands for it there; `expression` is in q and v of the joint, `element` its name in messages.
     """
 
     symbol: sp.Symbol
@@ -189,17 +180,7 @@ class Kinematics:
 
 
 def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
-    """Lagrange's equations of an axis.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-
-    Returns
-    -------
-    InverseDynamicModel
-        The paper's [3] and [4], for any axis.
+    """Lagrange's equations of an axis: the paper's [3] and [4], for any axis.
 
     Examples
     --------

@@ -40,13 +40,7 @@ _ONE = 0
 
 @dataclass(frozen=True)
 class ParameterFunction:
-    """A rational function of the physical parameters, reduced by common monomials.
-
-    Parameters
-    ----------
-    numerator, denominator : PolyElement
-        In the ring of the operator model.
-    """
+    """A rational function of the physical parameters in the ring of the operator model, reduced by common monomials."""
 
     numerator: PolyElement
     denominator: PolyElement
@@ -202,11 +196,6 @@ class _Column:
 
 def minimise(model: InputOutputModel) -> MinimalModel:
     """Minimal parameters and regressor of the eliminated equations.
-
-    Parameters
-    ----------
-    model : InputOutputModel
-        Eliminated equations.
 
     Examples
     --------

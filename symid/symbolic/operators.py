@@ -67,19 +67,9 @@ class OperatorModel:
 
 
 def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> OperatorModel:
-    """Balances of the free bodies as operator rows in absolute coordinates.
+    """Balances of the free bodies as operator rows in absolute coordinates x = T q: T^-T times Lagrange's equations.
 
-    Parameters
-    ----------
-    model : InverseDynamicModel
-        Lagrange's equations in the declared coordinates q.
-    numbers : sequence of str
-        Constants that stand in the coefficients as numbers, not as symbols.
-
-    Returns
-    -------
-    OperatorModel
-        With x = T q the absolute displacements, the balances are T^-T times Lagrange's equations.
+    Constants among `numbers` stand in the coefficients as numbers, not as symbols.
     """
     axis, carriers = model.axis, _carriers(model.axis)
     values = {sp.Symbol(name): exact(model.constants[name]) for name in numbers}

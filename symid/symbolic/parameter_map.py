@@ -127,11 +127,7 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
 def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     """Closed form of the inverse map; its polynomials are over the field of the minimal parameters.
 
-    Returns
-    -------
-    TriangularSolution or None
-        None if parameters are not determined, or not in closed form. Parameters without effect on signals are left
-        out.
+    None if parameters are not determined, or not in closed form. Parameters without effect on signals are left out.
     """
     if any(len(parameter.function.numerator) > MOST_TERMS for parameter in model.parameters):
         return None

@@ -62,16 +62,9 @@ class Scaling:
         return replace(operators, ring=self.plain, motion={}, inputs=inputs, force=force)
 
     def restored(self, row: EliminationRow, ring: PolyRing, constants: Mapping[str, float]) -> EliminationRow:
-        """A combination of balances of the axis; its first multiplier begins with 1.
+        """A combination of balances of the axis for one of the scaled axis; its first multiplier begins with 1.
 
-        Parameters
-        ----------
-        row : EliminationRow
-            Of the scaled axis.
-        ring : PolyRing
-            That of the axis, in whose coefficients ratios are symbols or numbers.
-        constants : mapping of str to float
-            Values of the ratios.
+        In the coefficients of the ring of the axis, ratios are symbols or numbers; `constants` holds their values.
         """
         powers = _Powers(self.ring.domain.symbols, ring, constants)
         multipliers = {
@@ -133,14 +126,9 @@ class _Powers:
 
 
 def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | tuple[str, ...]:
-    """Scaling that takes all ratios out of rows, forces and laws; else the ratios that cannot be taken out.
+    """Scaling that takes all ratios out of rows of the motion, forces and laws; else the ratios that remain.
 
-    Parameters
-    ----------
-    rows : mapping of str to Row
-        Rows of the motion, by balance.
-    operators : OperatorModel
-        Its coefficient field is that of the ratios.
+    The coefficient field of the operators is that of the ratios.
     """
     ring = operators.ring
     ratios = [str(symbol) for symbol in ring.domain.symbols]

@@ -72,17 +72,10 @@ class TriangularSolution:
 def triangular_solution(
     equations: Sequence[PolyElement], unknowns: int, *, simple: bool = False
 ) -> TriangularSolution:
-    """Solve a polynomial system for non-zero unknowns, as far as linear and quadratic steps go.
+    """Solve polynomial equations for the first generators, all non-zero, as far as linear and quadratic steps go.
 
-    Parameters
-    ----------
-    equations : sequence of PolyElement
-        Polynomials that vanish, over an exact field that holds the right-hand sides.
-    unknowns : int
-        Number of unknown generators, which come first.
-    simple : bool
-        Only linear steps whose leading coefficient is a monomial: these neither lose nor invent solutions
-        with non-zero unknowns.
+    The exact field of the polynomials holds the right-hand sides. A `simple` solution has only linear steps whose
+    leading coefficient is a monomial: these neither lose nor invent solutions.
 
     Examples
     --------

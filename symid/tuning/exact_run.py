@@ -54,10 +54,7 @@ class ExactRun:
     def exact_signals(self, every: int = 1) -> tuple[dict[str, FloatArray], FloatArray]:
         """Coordinates with their exact derivatives by name, such as ``q_motor_d2``, and the force that caused them.
 
-        Parameters
-        ----------
-        every : int
-            Number of controller samples per sample.
+        `every` is the number of controller samples per sample.
         """
         run, kept = self.simulation, slice(1, None, every)
         n = run.accelerations.shape[1]
@@ -70,15 +67,7 @@ class ExactRun:
         return motion, run.forces[:-1][kept.start - 1 :: every]
 
     def log(self, frequency_hz: float, signals: Sequence[str] | None = None) -> Log:
-        """Log sampled at any rate, all signals at the time of the sample.
-
-        Parameters
-        ----------
-        frequency_hz : float
-            Samples per second.
-        signals : sequence of str, optional
-            Sensors to record; all of the axis by default.
-        """
+        """Log of the given sensors, all by default, sampled at any rate, all signals at the time of the sample."""
         names = signals or [sensor.signal for sensor in self.axis.sensors]
         count = int((self.simulation.time.size - 1) * self.period * frequency_hz * (1 + 1e-12)) + 1
         if count < 2:

@@ -20,14 +20,7 @@ R = TypeVar("R")
 
 
 def axis_of(given: AnyAxis) -> Axis:
-    """The declaration of an axis that is given as such, by name or path, or by a model.
-
-    Raises
-    ------
-    SettingError
-        If it is of another type.
-    SymidError
-        If the axis does not exist.
+    """The declaration of an axis that is given as such, by name or path, or by a model; SettingError for another type.
 
     Examples
     --------

@@ -77,10 +77,7 @@ def diagnose(
 def require_model(axis: Axis, log: Log) -> None:
     """Derive the model from which a diagnosis gets the values it begins with, where it was not generated.
 
-    Raises
-    ------
-    SettingError
-        If the axis has several drives, or a body without mass.
+    SettingError if the axis has several drives, or a body without mass.
     """
     axis.require_diagnosable()
     signals = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
