@@ -1,9 +1,7 @@
 """A drive whose controller is unknown: least squares does not ask for it, and its gains can be read from a log."""
 
-from symid import identify, load_axis, load_generated, read_axis_log
+from symid import identify, load_axis, read_axis_log
 from symid.axis import shipped_folder
-from symid.instrumental import identify_by_instruments
-from symid.simulation import ClosedLoop
 
 EMPS = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
 
@@ -11,10 +9,9 @@ EMPS = shipped_folder("data") / "emps" / "DATA_EMPS.mat"
 def main() -> None:
     """Identify EMPS by least squares, and by instruments from a loop whose gains were read from the log."""
     axis = load_axis("emps")
-    model = load_generated(axis)
     log = read_axis_log(axis, EMPS, columns={"q": "qm", "reference": "qg"})
-    by_squares = identify(model, log)
-    by_instruments = identify_by_instruments(model, log, ClosedLoop(axis))
+    by_squares = identify(axis, log)
+    by_instruments = identify(axis, log, method="iv")
     for method, found in (("least squares", by_squares), ("instruments", by_instruments)):
         values = ", ".join(f"{name} {value:.4g}" for name, value in found.physical_parameters.items())
         print(f"{method}: {values}")

@@ -5,14 +5,21 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.knowledge import constraints_of, fixed_values, knowledge_options, known_by_log, known_option
+from symid.cli.knowledge import (
+    bounds_of,
+    fixed_values,
+    knowledge_options,
+    known_by_log,
+    known_option,
+    priors_of,
+)
 from symid.cli.log_options import (
     known_late,
     log_options,
@@ -21,7 +28,6 @@ from symid.cli.log_options import (
     preparation_options,
     read_log_of,
     said_guesses,
-    standstill_of,
 )
 from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
@@ -39,20 +45,15 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked, working
-from symid.codegen import GeneratedModel, model_of
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (
-    Constraints,
     Identification,
     Prediction,
     Preparation,
-    identify,
     identify_with_known,
     measured_signals,
     open_axis_log,
-    predict,
-    with_fixed,
 )
 from symid.report.colours import palette_of
 from symid.report.identification import (
@@ -61,10 +62,10 @@ from symid.report.identification import (
     print_shared,
     shared_record,
 )
+from symid.verbs.identify import identify
 
 if TYPE_CHECKING:
-    from symid.output_error import OutputErrorIdentification, OutputErrorPrediction
-    from symid.simulation import ClosedLoop
+    from symid.output_error import OutputErrorIdentification
 
 loop_options = shared(
     gain_option,
@@ -130,25 +131,19 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if options["known"]:
         _by_known_values(known, runs, signals, options)
         return
-    found: Identification | OutputErrorIdentification
-    validation: Prediction | OutputErrorPrediction | None
+    if options["method"] == "oe" and (options["bounds"] or options["prior"]):
+        raise SettingError(
+            "--bounds and --prior are not possible with --method oe: take wls, ols or iv, or --fix"
+        )
+    found = _identified(axis, runs, signals, fixed, options)
+    # output error may have no start to begin at
+    validation = found.predict(validating) if validating and found.fit is not None else None
     if options["method"] == "oe":
-        if options["bounds"] or options["prior"]:
-            raise SettingError(
-                "--bounds and --prior are not possible with --method oe: take wls, ols or iv, or --fix"
-            )
-        # a module is found by the name of the axis; hidden laws need the declaration
-        found, validation, record = _by_output_error(known, signals, runs, validating, options)
+        from symid.report.output_error import output_error_record  # sympy takes half a second to load
+
+        record = output_error_record(cast("Any", found), cast("Any", validation))
     else:
-        model = model_of(known if fixed else axis, signals)
-        constraints = constraints_of(options, known, model)
-        # estimate without the given values, for comparison
-        alone = _identified(declared, model_of(axis, signals), runs, options) if fixed else None
-        found = _identified(known, model, runs, options, constraints)
-        if alone is not None:
-            found = with_fixed(found, alone)
-        validation = predict(found, validating) if validating else None
-        record = identification_record(found, validation)
+        record = identification_record(cast("Identification", found), cast("Prediction | None", validation))
     if options["plot"]:
         from symid.report.plots import identification_figure, save_figure  # matplotlib takes a second to load
 
@@ -204,81 +199,41 @@ def _require_page(options: dict[str, Any]) -> None:
         raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")
 
 
-def _by_output_error(
-    declared: Axis,
-    signals: Sequence[str],
-    runs: Sequence[AnyLog],
-    validating: Log | None,
-    options: dict[str, Any],
-) -> tuple[OutputErrorIdentification, OutputErrorPrediction | None, dict[str, Any]]:
-    """Maximum likelihood on the sampled axis: the result, its validation, and both as a record."""
-    from symid.output_error import (
-        identify_output_error,
-        predict_output_error,
-    )  # sympy takes half a second to load
-    from symid.report.output_error import output_error_record
-
-    with working("searching the parameters"):
-        found = identify_output_error(
-            declared,
-            signals,
-            _in_memory(runs),
-            loop=_closed_loop(declared, options) if options["gains"] else None,
-            preparation=Preparation(
-                late=known_late(declared, options),
-                held=held_force(options["held"], declared),
-                standstill=standstill_of(options),
-            ),
-            nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
-        )
-    validation = predict_output_error(found, validating) if validating and found.fit else None
-    return found, validation, output_error_record(found, validation)
-
-
 def _identified(
-    declared: Axis,
-    model: GeneratedModel,
+    axis: str,
     runs: Sequence[AnyLog],
+    signals: Sequence[str],
+    fixed: dict[str, float],
     options: dict[str, Any],
-    constraints: Constraints | None = None,
-) -> Identification:
+) -> Identification | OutputErrorIdentification:
     """Identify by the method that was asked for."""
-    preparation = _preparation(declared, options)
-    nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
-    if options["method"] == "iv":
-        from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
+    declared, method = load_axis(axis), options["method"]
+    unknown = declared.with_known(fixed) if fixed else declared
+    loop = None
+    if method == "iv" or (method == "oe" and options["gains"]):
+        from symid.simulation import ClosedLoop  # takes half a second to load
 
-        loop = _closed_loop(declared, options)
-        return identify_by_instruments(
-            model,
-            _in_memory(runs),
-            loop,
-            preparation=preparation,
-            nominal=nominal,
-            constraints=constraints,
-            track=partial(tracked, what="simulating"),
+        loop = ClosedLoop.with_gains(declared, cascade_gains(options["gains"]), options["rate"])
+    with working("simulating") if method in ("iv", "oe") else nullcontext():
+        found: Identification | OutputErrorIdentification = identify(
+            axis,
+            runs,
+            measured=signals,
+            method=method,
+            preparation=_preparation(declared, options),
+            ddof=options["ddof"],
+            nominal=parameter_file(options["nominal"], unknown) if options["nominal"] else None,
+            fixed=fixed,
+            bounds=bounds_of(options["bounds"], unknown),
+            prior=priors_of(options["prior"], unknown),
+            loop=loop,
         )
-    return identify(
-        model,
-        runs,
-        method=options["method"],
-        preparation=preparation,
-        ddof=options["ddof"],
-        nominal=nominal,
-        constraints=constraints,
-    )
+    return found
 
 
 def _preparation(declared: Axis, options: dict[str, Any]) -> Preparation:
     late, held = known_late(declared, options), held_force(options["held"], declared)
     return replace(preparation_of(options, late), held=held)
-
-
-def _closed_loop(declared: Axis, options: dict[str, Any]) -> ClosedLoop:
-    """The axis under the controller that the options describe, if they do."""
-    from symid.simulation import ClosedLoop
-
-    return ClosedLoop.with_gains(declared, cascade_gains(options["gains"]), options["rate"])
 
 
 def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
@@ -287,10 +242,6 @@ def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     whole = options["method"] in ("iv", "oe")
     log = open_axis_log(declared, file, memory=memory, whole=whole, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *said_guesses(options)))
-
-
-def _in_memory(runs: Sequence[AnyLog]) -> list[Log]:
-    return [run.window(0, run.n_samples) for run in runs]
 
 
 def _drawn(run: AnyLog) -> Log:

@@ -9,10 +9,8 @@ import click
 
 from symid.axis import Axis
 from symid.cli.options import assignments, number, shared
-from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.files import read_json, shortened
-from symid.identification import Constraints
 from symid.units import Unit, to_si
 
 _QUANTITY = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*")
@@ -92,11 +90,6 @@ def quantity(text: str, unit: Unit, what: str) -> float:
         return number(text, what)
     factor = to_si(found["unit"], unit) if found["unit"] else 1.0
     return number(found["number"], what) * factor
-
-
-def constraints_of(options: dict[str, Any], axis: Axis, model: GeneratedModel) -> Constraints:
-    """Constraints that ``--bounds`` and ``--prior`` describe."""
-    return Constraints.of(model, bounds_of(options["bounds"], axis), priors_of(options["prior"], axis))
 
 
 def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | None, float | None]]:

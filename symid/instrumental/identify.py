@@ -6,7 +6,7 @@ simulated logs as the real ones were, and solves with their rows as instruments 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,7 +48,6 @@ def identify_by_instruments(
     nominal: Mapping[str, float] | None = None,
     constraints: Constraints | None = None,
     examine: bool = True,
-    track: Callable[[Sequence[int]], Iterable[int]] = iter,
 ) -> Identification:
     """Identify the parameters of an axis by instrumental variables.
 
@@ -62,8 +61,6 @@ def identify_by_instruments(
         The axis and its controller.
     preparation, nominal, constraints, examine
         As in `identify`; nominal physical parameters also start the simulation where least squares gives none.
-    track : callable
-        Goes through the rounds, and may show how far they are.
 
     Returns
     -------
@@ -102,7 +99,7 @@ def identify_by_instruments(
     loop, controlled = _with_controller(loop, runs, first, start)
     found, weak = first, ""
     parameters = start
-    for _ in track(range(_MOST_ROUNDS)):
+    for _ in range(_MOST_ROUNDS):
         try:
             Z = _instruments(model, runs, loop, first, parameters)
         except SettingError as error:

@@ -81,7 +81,8 @@ def identify_output_error(
     runs = (logs,) if isinstance(logs, Log) else tuple(logs)
     if not runs:
         raise SettingError("there is no log: give at least one")
-    prepared = preparation or Preparation()
+    chosen = preparation or Preparation()
+    prepared = Preparation(late=chosen.late, held=chosen.held, standstill=chosen.standstill)
     if loop is not None:
         for log in runs:
             loop.check(log)

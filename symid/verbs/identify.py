@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, cast, overload
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, get_args, overload
 
 from symid.axis import Axis
 from symid.codegen import as_generated, model_of
-from symid.data import Log
+from symid.data import AnyLog, Log
 from symid.errors import SettingError
-from symid.estimation.least_squares import Method
 from symid.identification import (
     Constraints,
     Identification,
@@ -22,6 +22,13 @@ from symid.identification import (
 from symid.identification import identify as identify_model
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, are_several, log_of
+
+if TYPE_CHECKING:
+    from symid.output_error import OutputErrorIdentification
+    from symid.simulation import ClosedLoop
+
+Method: TypeAlias = Literal["wls", "ols", "iv", "oe"]
+"""Weighted or ordinary least squares, instrumental variables, output error."""
 
 
 @overload
@@ -36,7 +43,18 @@ def identify(
 
 @overload
 def identify(
-    axis: AnyAxis, logs: Recorded | Sequence[Recorded], *, known: None = None, **settings: Any
+    axis: AnyAxis, logs: Recorded | Sequence[Recorded], *, method: Literal["oe"], **settings: Any
+) -> OutputErrorIdentification: ...
+
+
+@overload
+def identify(
+    axis: AnyAxis,
+    logs: Recorded | Sequence[Recorded],
+    *,
+    method: Literal["wls", "ols", "iv"] = "wls",
+    known: None = None,
+    **settings: Any,
 ) -> Identification: ...
 
 
@@ -53,9 +71,10 @@ def identify(
     bounds: Mapping[str, tuple[float | None, float | None]] | Literal["physical"] | None = None,
     prior: Mapping[str, tuple[float, float]] | None = None,
     known: Mapping[str, Sequence[float]] | None = None,
+    loop: ClosedLoop | None = None,
     examine: bool = True,
     **columns: Any,
-) -> Identification | SharedIdentification:
+) -> Identification | SharedIdentification | OutputErrorIdentification:
     """Identify the parameters of an axis from one log, or from several jointly.
 
     Parameters
@@ -67,34 +86,41 @@ def identify(
         Runs of the axis; a frame of pandas, polars or pyarrow, or columns by name, is read as a file is.
     measured : sequence of str, optional
         Sensors to use; those that all logs hold by default, those of a model if one is given.
-    method : {"wls", "ols"}
-        Weighted or ordinary least squares.
+    method : {"wls", "ols", "iv", "oe"}
+        Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood), as
+        ``--method``.
     preparation : Preparation, optional
-        Filter, differences, decimation, rows; what is left open is chosen from each log.
+        Filter, differences, decimation, rows; what is left open is chosen from each log. Of "oe" only `late`, `held`
+        and `standstill` count.
     ddof : int, optional
-        Subtracted from the number of rows in the residual's deviation; the number of parameters by default.
+        Subtracted from the number of rows in the residual's deviation; the number of parameters by default. Of "wls"
+        and "ols" only.
     nominal : mapping of str to float, optional
         Nominal physical parameters, a start where the inverse map has no closed form.
     fixed : mapping of str to float, optional
         Values of parameters that are known; the others are identified with them.
     bounds : mapping of str to (low, high), or "physical", optional
         Between which parameters lie, None for no bound; "physical" keeps masses, inertias, springs and frictions from
-        being negative.
+        being negative. Not with "oe".
     prior : mapping of str to (mean, deviation), optional
-        Prior value of parameters, with its standard deviation.
+        Prior value of parameters, with its standard deviation. Not with "oe".
     known : mapping of str to sequence of float, optional
         Values of parameters in each log, in the order of the logs, such as the payload, SI; not with another method,
         with bounds or priors.
+    loop : ClosedLoop, optional
+        The axis under its known controller, of "iv" and "oe"; without it "iv" reads a cascade from the log or tunes
+        one, and "oe" predicts each reading from earlier ones.
     examine : bool
-        Whether timing and bias are estimated.
+        Whether timing and bias are estimated; "oe" always examines.
     **columns
         ``columns``, ``units``, ``gains``, ``layout`` and ``sampling_period`` of files and frames, as in
         `symid.read_axis_log`.
 
     Returns
     -------
-    Identification, or SharedIdentification with `known`
-        Its status states what cannot be determined; nothing is raised for it. It is "contradicted" where `fixed`,
+    Identification, OutputErrorIdentification by "oe", or SharedIdentification with `known`
+        Those of all methods have `parameters`, `covariance`, `standard_deviations`, `bias`, `notes` and `predict`. The
+        status states what cannot be determined; nothing is raised for it. It is "contradicted" where `fixed`,
         `bounds` or `prior` lead out of the intervals of the estimate without them.
 
     Raises
@@ -115,35 +141,63 @@ def identify(
     (['Fv', 'Fs'], 'ok')
     """
     given = cast("Sequence[Recorded]", logs) if are_several(logs) else (cast("Recorded", logs),)
+    _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
     settings: dict[str, Any] = {
-        "method": method,
         "preparation": preparation,
-        "ddof": ddof,
         "nominal": nominal,
         "examine": examine,
     }
     if known is not None:
-        if method != "wls" or bounds or prior or ddof is not None:
-            raise SettingError(
-                "known= does not go with bounds=, prior=, ddof= or method='ols': leave these out"
-            )
+        if bounds or prior or ddof is not None:
+            raise SettingError("known= does not go with bounds=, prior= or ddof=: leave these out")
         return _with_known(axis_of(axis).with_known(fixed or {}), given, measured, known, settings, columns)
     if fixed:
-        return _with_fixed(
-            axis, given, measured, fixed, {**settings, "bounds": bounds, "prior": prior}, columns
-        )
+        settings |= {"method": method, "ddof": ddof, "bounds": bounds, "prior": prior, "loop": loop}
+        return _with_fixed(axis, given, measured, fixed, settings, columns)
     if isinstance(axis, (Axis, str)):
-        declared = axis_of(axis)
-        runs = [log_of(declared, log, measured, **columns) for log in given]
-        model = model_of(axis, measured_signals(declared, runs, measured))
-    else:
-        model = as_generated(axis)
-        # a file or a frame needs the declaration for its units
+        runs = [log_of(axis_of(axis), log, measured, **columns) for log in given]
+        signals = measured_signals(axis_of(axis), runs, measured)
+    else:  # a file or a frame needs the declaration for its units
+        signals = as_generated(axis).measured
         runs = [
-            log if isinstance(log, Log) else log_of(axis_of(axis), log, model.measured, **columns)
-            for log in given
+            log if isinstance(log, Log) else log_of(axis_of(axis), log, signals, **columns) for log in given
         ]
-    return identify_model(model, runs, constraints=Constraints.of(model, bounds, prior), **settings)
+    if method == "oe":
+        from symid.output_error import identify_output_error  # sympy takes half a second to load
+
+        return identify_output_error(
+            axis_of(axis), signals, _whole(runs), loop=loop, preparation=preparation, nominal=nominal
+        )
+    model = model_of(axis, signals) if isinstance(axis, (Axis, str)) else as_generated(axis)
+    settings["constraints"] = Constraints.of(model, bounds, prior)
+    if method == "iv":
+        from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
+        from symid.simulation import ClosedLoop
+
+        return identify_by_instruments(model, _whole(runs), loop or ClosedLoop(axis_of(axis)), **settings)
+    return identify_model(model, runs, method=method, ddof=ddof, **settings)
+
+
+def _require_possible(method: str, given: Mapping[str, object]) -> None:
+    """Refuse an unknown method, and settings that it does not have."""
+    if method not in get_args(Method):
+        raise SettingError(f"there is no method {method!r}: choose from {', '.join(get_args(Method))}")
+    methods = {
+        "bounds": ("wls", "ols", "iv"),
+        "prior": ("wls", "ols", "iv"),
+        "ddof": ("wls", "ols"),
+        "known": ("wls",),
+        "loop": ("iv", "oe"),
+    }
+    for name, possible in methods.items():
+        if given[name] is not None and given[name] != {} and method not in possible:
+            raise SettingError(
+                f"{name} is not possible with method {method!r}: leave it out, or take {' or '.join(possible)}"
+            )
+
+
+def _whole(runs: Sequence[AnyLog]) -> list[Log]:
+    return [run.window(0, run.n_samples) for run in runs]
 
 
 def _with_known(
@@ -179,13 +233,18 @@ def _with_fixed(
     fixed: Mapping[str, float],
     settings: dict[str, Any],
     columns: dict[str, Any],
-) -> Identification:
+) -> Identification | OutputErrorIdentification:
     """Identify the parameters that are not known, and compare with the estimate of all parameters."""
     declared = axis_of(axis)
     runs = [log_of(declared, log, measured, **columns) for log in logs]
     signals = (
         measured if measured is not None or isinstance(axis, (Axis, str)) else as_generated(axis).measured
     )
-    found = identify(declared.with_known(fixed), runs, measured=signals, **settings)
-    alone = identify(declared, runs, measured=signals, **{**settings, "bounds": None, "prior": None})
+    known, loop = declared.with_known(fixed), settings["loop"]
+    settings["loop"] = loop and replace(loop, axis=known)
+    if settings["method"] == "oe":
+        return cast("OutputErrorIdentification", identify(known, runs, measured=signals, **settings))
+    found: Identification = identify(known, runs, measured=signals, **settings)
+    settings |= {"bounds": None, "prior": None, "loop": loop and replace(loop, axis=declared)}
+    alone: Identification = identify(declared, runs, measured=signals, **settings)
     return with_fixed(found, alone)

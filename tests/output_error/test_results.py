@@ -1,10 +1,10 @@
 """Least squares, instrumental variables and output error give results that are read alike."""
 
 import numpy as np
+import pytest
 
 from symid import Preparation, identify, load_axis, load_generated, simulate
-from symid.instrumental import identify_by_instruments
-from symid.output_error import identify_output_error
+from symid.errors import SettingError
 from symid.simulation import ClosedLoop, chirp, plant_of, tuned_cascade
 
 
@@ -14,13 +14,9 @@ def test_results_of_all_methods_are_read_alike() -> None:
     noisy = axis.with_signal("q", noise=1e-6).with_signal("F", noise=0.01)
     controller = tuned_cascade(plant_of(axis, truth), "q")
     log, other = (simulate(noisy, truth, reference, controller, seed=seed).log for seed in (1, 2))
-    model, held = load_generated("rigid_1m"), Preparation(cutoff_hz=40.0, held=True)
-    results = (
-        identify(model, log, preparation=held),
-        identify_by_instruments(model, log, ClosedLoop(axis), preparation=held),
-        identify_output_error(axis, model, log, held=True),
-    )
-    for found in results:
+    held, loop = Preparation(cutoff_hz=40.0, held=True), ClosedLoop(axis, controller)
+    for method in ("wls", "ols", "iv", "oe"):
+        found = identify("rigid_1m", log, method=method, preparation=held)
         assert found.status == "ok", found.message
         assert all(abs(found.parameters[name] / truth[name] - 1) < 0.02 for name in truth)
         assert found.covariance.shape == (3, 3)
@@ -28,3 +24,25 @@ def test_results_of_all_methods_are_read_alike() -> None:
         assert found.bias is None or found.bias.total.shape == (3,)
         assert isinstance(found.notes, tuple)
         assert found.predict(other).log == other.source
+        if method in ("iv", "oe"):  # under the known controller, of a model, and with a value that is known
+            model = load_generated("rigid_1m")
+            known = identify(model, log, method=method, preparation=held, loop=loop, fixed={"M": 5.0})
+            assert list(known.parameters) == ["Fv", "Fs"]
+            assert abs(known.parameters["Fs"] - 2.0) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("method", "setting"),
+    [
+        ("oe", {"bounds": "physical"}),
+        ("oe", {"prior": {"M": (5.0, 1.0)}}),
+        ("iv", {"ddof": 3}),
+        ("ols", {"known": {"M": [5.0]}}),
+        ("wls", {"loop": ClosedLoop(load_axis("rigid_1m"))}),
+    ],
+)
+def test_a_setting_that_a_method_does_not_have_is_refused(method: str, setting: dict[str, object]) -> None:
+    with pytest.raises(SettingError, match=f"{next(iter(setting))} is not possible with method '{method}'"):
+        identify("rigid_1m", {"t": [0.0]}, method=method, **setting)
+    with pytest.raises(SettingError, match="no method 'ml': choose from wls, ols, iv, oe"):
+        identify("rigid_1m", {"t": [0.0]}, method="ml")
