@@ -51,12 +51,7 @@ def code(expression: sp.Expr) -> str:
 class PolynomialLowering:
     """Collects assignments that compute polynomials.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Variable name of each generator; None for a generator that never occurs.
-    write : callable
-        Writes a coefficient: NumPy code by default.
+    Each generator has the name of a variable, or None if it never occurs; `write` writes a coefficient.
     """
 
     def __init__(self, names: Sequence[str | None], write: Callable[[sp.Expr], str] = code) -> None:

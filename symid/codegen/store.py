@@ -154,14 +154,7 @@ def load_generated(
 class StoredModule:
     """Text of a generated module, which can be sent to another process.
 
-    Parameters
-    ----------
-    name, text : str
-        File name and contents.
-    signature : str
-        That of the declaration as it is now.
-    cure : str
-        The command that regenerates the module.
+    `signature` is that of the declaration as it is now; the command `cure` regenerates the module.
     """
 
     name: str

@@ -27,18 +27,9 @@ _Row: TypeAlias = tuple[tuple[str, sp.Expr], ...]
 
 @dataclass(frozen=True, eq=False)
 class LawJoint:
-    """All nonlinear laws that act along one direction.
+    """All nonlinear laws that act along one direction, given by the coefficients of the bodies' absolute displacements.
 
-    Parameters
-    ----------
-    name : str
-        Name of the body, or of both bodies, of the joint.
-    displacement : mapping of str to sympy.Expr
-        Its displacement as coefficients of the bodies' absolute displacements.
-    force : sympy.Expr
-        What opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`; of imperfections also in what they need.
-    memories : tuple of Memory
-        What its imperfections remember.
+    `force` opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`; of imperfections also in what they need.
     """
 
     name: str

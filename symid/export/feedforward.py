@@ -20,15 +20,7 @@ POSITION, SPEED, ACCELERATION = sp.symbols("position_ velocity_ acceleration_")
 
 @dataclass(frozen=True, eq=False)
 class Feedforward:
-    """Force of the drive along a motion.
-
-    Parameters
-    ----------
-    force : sympy.Expr
-        In physical parameters, `POSITION`, `SPEED` and `ACCELERATION`.
-    friction : sympy.Expr
-        The part of it that depends on the speed.
-    """
+    """Force of the drive along a motion in `POSITION`, `SPEED` and `ACCELERATION`, and its part that is friction."""
 
     force: sp.Expr
     friction: sp.Expr

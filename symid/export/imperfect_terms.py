@@ -36,16 +36,9 @@ ACTING, NOW = sp.Symbol("force_"), sp.Symbol("now_")
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """State of an imperfection with memory, z(1) = gain - decay z.
+    """State of an imperfection with memory, z(1) = gain - decay z, in `ACTING`, or in q and v of its joint.
 
-    Parameters
-    ----------
-    name : str
-        What the state is called.
-    symbol : sympy.Symbol
-        Stands for it in C.
-    gain, decay : sympy.Expr
-        In `ACTING`, or in q and v of its joint.
+    `symbol` stands for the state in C.
     """
 
     name: str
@@ -61,15 +54,7 @@ class Memory:
 
 @dataclass(frozen=True, eq=False)
 class Imperfect:
-    """The imperfections of an axis.
-
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    first : int
-        Place in the state of the first memory.
-    """
+    """The imperfections of an axis; `first` is the place in the state of the first memory."""
 
     axis: Axis
     first: int

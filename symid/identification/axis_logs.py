@@ -17,13 +17,6 @@ def axis_columns(
 ) -> tuple[dict[str, Unit], Mapping[str, tuple[str, float]]]:
     """Signals and units that an axis expects of a log, and the commands from which its forces can be made.
 
-    Parameters
-    ----------
-    axis : Axis
-        The declared axis.
-    measured : sequence of str, optional
-        Sensors to use; all by default.
-
     Examples
     --------
     >>> from symid.axis import load_axis

@@ -120,15 +120,7 @@ def _bias_and_growth(
 
 @dataclass(frozen=True, eq=False)
 class Correction:
-    """What is taken off an estimate for the noise in W.
-
-    Parameters
-    ----------
-    bias : Bias
-        What remains then.
-    growth : array of shape (n_parameters, n_parameters)
-        Of errors by that.
-    """
+    """What is taken off an estimate for the noise in W; the bias that remains, and the growth of errors by it."""
 
     bias: Bias
     growth: FloatArray
@@ -167,14 +159,7 @@ def bias_of_instruments(
 ) -> Bias:
     """Bias of an estimate (Z'S^2 W)^-1 Z'S^2 y: that of the preparation alone, noise does not bias it.
 
-    Parameters
-    ----------
-    model, logs, observations
-        What was estimated, and from what.
-    fit : LeastSquares
-        The estimate, whose rank is that of W.
-    instruments : sequence of array
-        For each observation, Z of the shape of its W.
+    Z is given for each observation, of the shape of its W; the rank of the fit is that of W.
     """
     p, root = fit.solution.size, fit.rank.inverse_root
     cross, slope = np.zeros((p, p)), np.zeros(p)

@@ -58,10 +58,7 @@ class Constraints:
     def of(cls, model: GeneratedModel, bounds: Bounds | str | None, prior: Priors | None) -> Constraints:
         """Checked constraints of a model; ``bounds="physical"`` keeps all that must not be negative from being so.
 
-        Raises
-        ------
-        SettingError
-            If a parameter is not one of the model, or a value is not possible.
+        SettingError if a parameter is not one of the model, or a value is not possible.
         """
         if isinstance(bounds, str):
             if bounds != "physical":
@@ -136,17 +133,7 @@ def constrained_estimates(
     free: Iterable[PhysicalEstimate],
     constraints: Constraints,
 ) -> tuple[PhysicalEstimate, ...]:
-    """Physical parameters under constraints, one for each branch of the unconstrained ones, the likeliest first.
-
-    Parameters
-    ----------
-    model, minimal, covariance
-        As in `physical_estimates`.
-    free : iterable of PhysicalEstimate
-        What that returned.
-    constraints : Constraints
-        Checked.
-    """
+    """Physical parameters under constraints, one for each branch of the unconstrained ones, the likeliest first."""
     problem = _Problem.of(model, minimal, covariance, constraints)
     if problem is None:
         return ()

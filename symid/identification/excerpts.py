@@ -123,15 +123,7 @@ def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float,
 def blocks_of(
     observations: Sequence[Observation], instruments: Sequence[FloatArray] | None = None
 ) -> list[ObservationBlock]:
-    """Observations as blocks in which every equation of every log is an equation of its own.
-
-    Parameters
-    ----------
-    observations : sequence of Observation
-        One for each log.
-    instruments : sequence of array, optional
-        For each observation, an array of the shape of its W.
-    """
+    """Observations, with instruments of the shape of W if given, as blocks with equations of their own for each log."""
     every: Sequence[FloatArray | None] = instruments or [None] * len(observations)
     return [
         block_of(seen, k, instruments=Z) for k, (seen, Z) in enumerate(zip(observations, every, strict=True))

@@ -32,15 +32,7 @@ _LEAST_EIGENVALUE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class LagScan:
-    """Residual of an estimate at each lag of a signal.
-
-    Parameters
-    ----------
-    late : array of shape (n_lags,)
-        Seconds by which the signal would be recorded late.
-    residual : array of shape (n_lags,)
-        Power that is left, as part of the output's.
-    """
+    """Residual of an estimate, as part of the output's power, at seconds by which a signal would be recorded late."""
 
     late: FloatArray
     residual: FloatArray
@@ -84,18 +76,9 @@ def _has_law(model: GeneratedModel, name: str) -> bool:
 def scan(
     parts: Sequence[Excerpt], fit: LeastSquares, signal: str, thirds: Iterable[int] = range(3)
 ) -> LagScan:
-    """Residual at every lag of a signal, in steps of a row.
+    """Residual at every lag of a signal, in steps of a row, over the given thirds of each part.
 
-    Parameters
-    ----------
-    parts : sequence of Excerpt
-        Logs or parts of them, with their observations.
-    fit : LeastSquares
-        The estimate: it gives the weights of the equations.
-    signal : str
-        Which one is moved.
-    thirds : iterable of int
-        Which thirds of each part count; all by default.
+    The fit gives the weights of the equations.
     """
     period = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     shortest = min(part.observation.y.shape[1] for part in parts)

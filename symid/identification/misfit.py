@@ -38,17 +38,7 @@ _LOCAL_SHARE = 0.5
 
 
 def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """What contradicts the parameters in a part of the logs, in words; empty if nothing does.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        The model identified.
-    parts : sequence of Excerpt
-        Logs or parts of them, with their observations.
-    fit : LeastSquares
-        The parameters, all determined.
-    """
+    """What contradicts the parameters, all determined, in a part of the logs, in words; empty if nothing does."""
     return _cut(model, parts) or _clipped(model, parts, fit) or _local(parts, fit)
 
 

@@ -40,13 +40,6 @@ def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
     there. What the force has in common with the motion is not noise of its measurement, but what the controller made
     of the encoder's: it is left out.
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        Says which signals are used.
-    log : Log
-        The log.
-
     Examples
     --------
     >>> from symid.codegen import load_generated
@@ -92,16 +85,7 @@ def noise_of_rows(
 ) -> FloatArray:
     """Covariance of the noise of all columns and of y at one row, of shape (n_equations, n_columns + 1, n_columns + 1).
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        Its columns; those of nonlinear laws count as free of noise.
-    log : Log
-        The log.
-    chosen : Preparation
-        Complete, as that of an observation.
-    levels : mapping of str to float
-        Noise of each signal, from `noise_levels`.
+    Columns of nonlinear laws count as free of noise; the levels of the signals are those of `noise_levels`.
     """
     frequency = (np.arange(_LINES) + 0.5) * log.sampling_frequency / (2 * _LINES)
     gains = _signal_gains(model, frequency, log.sampling_period, chosen)
@@ -121,16 +105,7 @@ def quiet_widening(
 ) -> float:
     """How many times wider motion may be filtered, up to `widest`, before noise hides the reversals of laws that jump.
 
-    The noise of a sliding velocity stays below 0.3 % of the highest speed.
-
-    Parameters
-    ----------
-    model, log, levels
-        As in `noise_of_rows`.
-    cutoff_hz : float
-        Cutoff of the rows.
-    widest : float
-        At most, 1 or more; 1 is returned if nothing jumps.
+    The noise of a sliding velocity stays below 0.3 % of the highest speed. 1 is returned if nothing jumps.
     """
     if not any(model.sliding):
         return 1.0

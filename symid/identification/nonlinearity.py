@@ -29,19 +29,7 @@ _INDEPENDENT = 1e-8
 def nonlinearity_of(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """Compression of the force where it is large, in words; empty if it is in proportion.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        The model identified.
-    parts : sequence of Excerpt
-        Logs or parts of them, with their observations.
-    fit : LeastSquares
-        The estimate, all parameters determined.
-    criteria : Criteria
-        From when on it counts.
-    """
+    """Compression of the force where it is large, in words; empty if it is in proportion."""
     of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
     every = list(whitened(parts, fit))
     beyond_noise = unexplained(model, parts, fit, replace(criteria, noise_explains=_NOISE_EXPLAINS))

@@ -77,16 +77,9 @@ class PhysicalEstimate:
 
 @dataclass(frozen=True, eq=False)
 class Restricted:
-    """How bounds and priors changed an estimate.
+    """How bounds and priors changed an estimate, and what the deviations of priors add to its covariance.
 
-    Parameters
-    ----------
-    free : PhysicalEstimate
-        The estimate without them.
-    by_prior : array of shape (n_physical, n_physical)
-        What the deviations of the priors add to the covariance.
-    held : mapping of int to float
-        Parameters at a bound, and what each bound costs, as a chi-square.
+    `held` gives, for each parameter at a bound, what the bound costs, as a chi-square.
     """
 
     free: PhysicalEstimate

@@ -41,19 +41,7 @@ _COARSE_VALUES = 0.6
 def fault_of(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
 ) -> str:
-    """Fault of a channel, in words; empty without one.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Says which signals are used.
-    parts : sequence of Excerpt
-        Logs or parts of them.
-    fit : LeastSquares
-        The estimate: friction defines which steps of the force are coarse.
-    criteria : Criteria
-        From when on it counts.
-    """
+    """Fault of a channel, in words; empty without one. Friction in the fit says which steps of the force are coarse."""
     for part in parts:
         for name in model.highest_derivatives:
             if said := channel_fault(part.log[name], name, criteria, is_force=name in model.forces):

@@ -18,15 +18,6 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
 
     The gain of one signal against another lies between its two regressions, whatever noise each has (R. Frisch,
     Statistical Confluence Analysis, Oslo 1934): sensors disagree if 1 is not within these bounds.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Knows which sensors repeat each other.
-    parts : sequence of Excerpt
-        Logs or parts of them.
-    criteria : Criteria
-        How far a gain may be from 1.
     """
     for name, terms in model.redundant:
         if not all(signal in part.log.signals for part in parts for signal in (name, *(t[0] for t in terms))):

@@ -112,17 +112,6 @@ def with_hold(
 ) -> dict[str, float]:
     """Seconds by which signals were recorded late; a force that is held acts half a sample after it is recorded.
 
-    Parameters
-    ----------
-    late : mapping of str to float
-        The same without the hold, s.
-    force : str
-        Signal of the drive.
-    held : bool
-        Whether it is held from sample to sample.
-    sampling_period : float
-        Of the log, s.
-
     Examples
     --------
     >>> with_hold({"F": 1e-3}, "F", held=True, sampling_period=1e-3)

@@ -78,16 +78,9 @@ def scatter(parts: Sequence[Segment], fit: LeastSquares) -> FloatArray:
 
 
 def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: float) -> Change | None:
-    """The span whose own parameters take most from the residual; None if there are too few segments.
+    """The span of segments, in time order, whose own parameters take most from the residual; None if there are too few.
 
-    Parameters
-    ----------
-    parts : sequence of Segment
-        In time order.
-    fit : LeastSquares
-        The estimate.
-    inflation : float
-        Rows for each independent one of the residual.
+    `inflation` is the number of rows for each independent one of the residual.
     """
     n = len(parts)
     if n < _FEWEST:

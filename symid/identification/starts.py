@@ -27,14 +27,7 @@ def starts(
 ) -> Iterator[FloatArray]:
     """Physical parameters to start from: their minimal parameters match the estimated logarithms, best match first.
 
-    Parameters
-    ----------
-    forward : callable
-        Minimal parameters of physical ones.
-    minimal, deviations : array of shape (n_minimal,)
-        Estimated minimal parameters and their standard deviations.
-    signed : bool array of shape (n_physical,)
-        Physical parameters that may be negative; they begin at 0.
+    Physical parameters that are `signed` may be negative; they begin at 0.
 
     Examples
     --------

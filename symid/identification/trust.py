@@ -26,17 +26,7 @@ _FAITHFUL = 0.997
 
 @dataclass(frozen=True)
 class Faults:
-    """Contradictions to an estimate, in words; empty without them.
-
-    Parameters
-    ----------
-    recording : str
-        Of the samples of a channel.
-    misfit : str
-        Of the residual: in a part of the logs, where the force is large, or by its size.
-    drift : str
-        Of the force's clock.
-    """
+    """Contradictions to an estimate, in words, empty without them: of a channel's samples, the residual, the clock."""
 
     recording: str = ""
     misfit: str = ""

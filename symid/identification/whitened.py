@@ -62,15 +62,7 @@ class WhitenedRows:
 
 
 def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRows]:
-    """Rows of each part and equation.
-
-    Parameters
-    ----------
-    parts : sequence of Excerpt
-        Logs or parts of them, with their observations.
-    fit : LeastSquares
-        The estimate, all parameters determined.
-    """
+    """Rows of each part of the logs and each equation; all parameters of the fit are determined."""
     root = fit.rank.inverse_root
     for k, part in enumerate(parts):
         seen = part.observation
@@ -86,19 +78,7 @@ def whitened(parts: Sequence[Excerpt], fit: LeastSquares) -> Iterator[WhitenedRo
 def segments_of_rows(
     W: FloatArray, y: FloatArray, fit: LeastSquares, lengths: Sequence[int]
 ) -> tuple[Segment, ...]:
-    """Segments of equal length of one equation, whose rows are those of several logs one after the other.
-
-    Parameters
-    ----------
-    W : array of shape (n_rows, n_parameters)
-        Observation matrix in time order.
-    y : array of shape (n_rows,)
-        Output.
-    fit : LeastSquares
-        The estimate from these rows.
-    lengths : sequence of int
-        Rows of each log.
-    """
+    """Segments of equal length of one equation, whose rows in time order are those of several logs of given lengths."""
     weight, begins, found = fit.weights[0], 0, []
     for of, length in enumerate(lengths):
         edges = begins + np.linspace(0, length, max(1, round(_SEGMENTS / len(lengths))) + 1).astype(int)

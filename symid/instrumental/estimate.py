@@ -45,16 +45,9 @@ class InstrumentalFit:
 def estimate_by_instruments(
     observations: Sequence[Observation], instruments: Sequence[FloatArray], start: LeastSquares
 ) -> InstrumentalFit:
-    """Estimate with given instruments.
+    """Estimate with instruments, one array of the shape of W for each observation.
 
-    Parameters
-    ----------
-    observations : sequence of Observation
-        One for each log.
-    instruments : sequence of array
-        For each observation, an array of the shape of its W.
-    start : LeastSquares
-        The estimate by least squares from these rows, with all parameters determined: it gives the weights.
+    The start is the estimate by least squares from these rows, with all parameters determined: it gives the weights.
     """
     root, p = start.rank.inverse_root, start.solution.size
     cross, own, slope = np.zeros((p, p)), np.zeros((p, p)), np.zeros(p)

@@ -16,7 +16,7 @@ _SEEN = 1e-3
 def cascade_of_log(
     log: Log, force: str, position: str, cutoff_hz: float, reference: str = REFERENCE
 ) -> Cascade | None:
-    """Cascade whose force is nearest to that of a log, by least squares.
+    """Cascade whose force is nearest to that of a log up to `cutoff_hz`, by least squares; None if it is no cascade.
 
     With the errors e = r - q of position and de of velocity the force of `Cascade` is linear,
 
@@ -24,22 +24,6 @@ def cascade_of_log(
 
     and its first three factors give the gains. They need not be exact: instruments have to resemble the motion, and
     must not hold its noise.
-
-    Parameters
-    ----------
-    log : Log
-        With the reference.
-    force, position : str
-        Signals of the drive and of the controlled position.
-    cutoff_hz : float
-        Up to which frequency the two sides are compared, Hz.
-    reference : str
-        Column of the commanded position.
-
-    Returns
-    -------
-    Cascade or None
-        None if the factors are not those of a cascade.
 
     Examples
     --------

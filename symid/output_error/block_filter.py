@@ -14,13 +14,7 @@ _BLOCK = 64
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """x[k+1] = A x[k] + B u[k], y[k] = C x[k] + D u[k].
-
-    Parameters
-    ----------
-    A, B, C, D : array
-        Of shapes (n, n), (n, m), (p, n) and (p, m).
-    """
+    """x[k+1] = A x[k] + B u[k], y[k] = C x[k] + D u[k]."""
 
     A: FloatArray
     B: FloatArray
@@ -49,18 +43,7 @@ class StateSpace:
         return StateSpace(self.A, self.B, C, np.zeros((len(C), self.B.shape[1])))
 
     def response(self, inputs: FloatArray, starts: Sequence[int]) -> FloatArray:
-        """Outputs from a zero state at each start.
-
-        Parameters
-        ----------
-        inputs : array of shape (n_samples, m)
-            One signal a column.
-        starts : sequence of int
-            Samples at which the state is set to zero, ascending, the first of them 0.
-
-        Returns
-        -------
-        array of shape (n_samples, p)
+        """Outputs for inputs, one signal a column, from a zero state at each start: ascending, the first of them 0.
 
         Examples
         --------

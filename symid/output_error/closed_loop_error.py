@@ -31,14 +31,9 @@ _SMALLEST_NOISE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """Autoregressive model of errors of several signals.
+    """Autoregressive model of errors of several signals, predicted from earlier ones, the latest first.
 
-    Parameters
-    ----------
-    coefficients : array of shape (order * n_signals, n_signals)
-        Prediction of the errors from the `order` earlier ones, the latest first.
-    root : array of shape (n_signals, n_signals)
-        Lower triangular root of the covariance of what is left.
+    `root` is the lower triangular root of the covariance of what is left.
     """
 
     coefficients: FloatArray
@@ -79,18 +74,9 @@ def _earlier(errors: FloatArray, order: int) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class ClosedLoopError:
-    """Readings and force of a log less those of the simulated closed loop, whitened.
+    """Readings and force of a log, which begins at rest, less those of the simulated closed loop, whitened.
 
-    Parameters
-    ----------
-    loop : ClosedLoop
-        The axis, its controller and its reference.
-    log : Log
-        A run that begins at rest.
-    signals : tuple of str
-        Sensors used.
-    whitening : Whitening, optional
-        Of the errors; each signal is only scaled by itself as long as there is none.
+    Each signal is only scaled by itself as long as there is no whitening.
     """
 
     loop: ClosedLoop

@@ -53,10 +53,7 @@ class ErrorModel:
     def error(self, log: Log, late: float | None = None) -> RunError:
         """Error of a log; `late` (s) takes the place of that of the preparation for the forces.
 
-        Raises
-        ------
-        LogError, SettingError
-            If the log lacks a signal, or the forces of several drives are late by different times.
+        LogError or SettingError if the log lacks a signal, or the forces of several drives are late by different times.
         """
         if self.force == "simulated":
             assert self.loop is not None

@@ -103,18 +103,8 @@ def fit_errors(
 ) -> LikelihoodFit:
     """Maximum-likelihood parameters of an axis from its runs, the best that any start leads to.
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        Says which physical parameters the sensors see.
-    dynamics : ForwardDynamics
-        The axis.
-    errors : sequence of RunError
-        One for each log of the axis.
-    starts : sequence of mapping of str to float
-        Physical parameters to begin with, masses and stiffnesses positive.
-    nyquist : float
-        Frequency above which no mode is looked for, Hz, unless all starts have one there.
+    Masses and stiffnesses of the starts are positive. No mode is looked for above `nyquist`, Hz, unless all starts have
+    one there.
 
     Raises
     ------

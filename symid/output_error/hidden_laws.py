@@ -20,14 +20,9 @@ from symid.simulation import forward_dynamics
 
 
 class Models(NamedTuple):
-    """Models of an axis.
+    """Models of an axis: with all parameters (its regressor is that of `visible`), and without laws at hidden bodies.
 
-    Parameters
-    ----------
-    whole : GeneratedModel
-        With all parameters; its regressor is that of `visible`.
-    visible : GeneratedModel
-        Of the axis without laws at hidden bodies; `whole` itself where there are none.
+    Both are the same where there are none.
     """
 
     whole: GeneratedModel
@@ -35,12 +30,7 @@ class Models(NamedTuple):
 
 
 def models_of(axis: Axis, measured: Sequence[str]) -> Models:
-    """Models of an axis for output error.
-
-    Raises
-    ------
-    EliminationError
-        If the axis cannot be derived without the hidden laws either.
+    """Models of an axis for output error; EliminationError if it cannot be derived without the hidden laws either.
 
     Examples
     --------

@@ -19,17 +19,7 @@ _LARGEST_DAMPING = 1e12
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where the iterations ended.
-
-    Parameters
-    ----------
-    x : array of shape (n,)
-        The arguments.
-    residual : array of shape (m,)
-        The residual there.
-    converged : bool
-        Whether the last step lowered the sum of squares by less than the tolerance.
-    """
+    """Where the iterations ended, and whether the last step lowered the sum of squares by less than the tolerance."""
 
     x: FloatArray
     residual: FloatArray
@@ -50,23 +40,11 @@ def minimise(
     iterations: int = 50,
     tolerance: float = 1e-6,
 ) -> Minimum:
-    """Least squares from a start.
+    """Least squares of a residual of shape (m,) from a start of shape (n,).
 
-    Parameters
-    ----------
-    residual : callable
-        Array of shape (m,) from one of shape (n,); may raise ValueError or LinAlgError where it is undefined, but not
-        at the start.
-    start : array of shape (n,)
-        First arguments.
-    steps : array of shape (n,)
-        For the central differences.
-    longest : array of shape (n,), optional
-        No argument moves further in one iteration.
-    iterations : int
-        Most iterations.
-    tolerance : float
-        Relative decrease of the sum of squares that counts as none.
+    The residual may raise ValueError or LinAlgError where it is undefined, but not at the start. `steps` are those of
+    central differences; no argument moves further than `longest` in one iteration. The iterations end where the sum of
+    squares falls by less than `tolerance`, relatively.
 
     Examples
     --------

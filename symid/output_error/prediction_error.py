@@ -36,16 +36,8 @@ _FIRST_DISTURBANCE = -2.0
 class PredictionError:
     """Scaled innovations of a run as a function of parameters and noise ratios.
 
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        The axis.
-    run : LogRun
-        The log.
-    motions : tuple of Motion
-        Motion of every joint with nonlinear laws.
-    free_timing : bool
-        Whether the time by which the forces are recorded late is a nuisance parameter.
+    `motions` are those of the joints with nonlinear laws. With free timing, the time by which the forces are recorded
+    late is a nuisance parameter.
     """
 
     dynamics: ForwardDynamics

@@ -39,21 +39,10 @@ class Predictor:
 
 
 def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: FloatArray) -> Predictor:
-    """Stationary Kalman predictor.
+    """Stationary Kalman predictor; LinAlgError if none is found.
 
-    Parameters
-    ----------
-    plant : SampledPlant
-        The axis.
-    force_noise : array of shape (n_sources,)
-        Standard deviations of the noise of the logged forces, then of the disturbances.
-    reading_noise : array of shape (n_outputs,)
-        Standard deviations of the noise of the readings.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If no stationary predictor is found.
+    `force_noise` holds the standard deviations of the noise of the logged forces, then of the disturbances;
+    `reading_noise` those of the readings.
 
     Examples
     --------

@@ -164,24 +164,10 @@ def run_of(
     late: float = 0.0,
     standstill: float | None = None,
 ) -> LogRun:
-    """Forces and stretches of a log.
+    """Forces and stretches of a log whose forces were recorded `late`, s; negative if they act later than recorded.
 
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        Joints and sensors of the axis.
-    log : Log
-        A run of it.
-    signals : sequence of str
-        Sensors used.
-    course : {"held", "smooth"}
-        Course of the forces between samples.
-    cutoff_hz : float
-        Of the low-pass filter from which velocities of joints with friction are taken.
-    late : float
-        Seconds by which the forces were recorded late; negative for ones that act later than recorded.
-    standstill : float, optional
-        Speed below which a joint with friction that can hold it counts as resting; 0 cuts nothing.
+    Velocities of joints with friction are filtered at `cutoff_hz`; a joint that friction can hold counts as resting
+    below the speed `standstill`; 0 cuts nothing.
     """
     recorded = np.stack([log[drive.signal] for drive in dynamics.axis.drives], axis=-1)
     parts = min(_FINEST, max(1, math.ceil(_FINE_ENOUGH * log.sampling_period)))

@@ -68,20 +68,9 @@ class SampledPlant:
 def sampled_plant(
     plant: Plant, signals: Sequence[str], period: float, parts: int, disturbed: Sequence[str] = ()
 ) -> SampledPlant:
-    """Exact recursion of a plant from sample to sample.
+    """Exact recursion of a plant from sample to sample, a period, s, later; signals are the rows of its output.
 
-    Parameters
-    ----------
-    plant : Plant
-        The axis at parameter values.
-    signals : sequence of str
-        Sensors, the rows of the output.
-    period : float
-        Sampling period, s.
-    parts : int
-        Parts of an interval in which forces are constant.
-    disturbed : sequence of str
-        Sensors along whose direction a disturbing force acts.
+    Forces are constant in each of the parts of an interval; a disturbing force acts along each disturbed sensor.
 
     Examples
     --------

@@ -66,24 +66,8 @@ class RunError(Protocol):
 class Search:
     """Arguments x are the seen parameters (masses and springs as logarithms), then the nuisance parameters by run.
 
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        The axis.
-    errors : tuple of RunError
-        One for each run.
-    start : mapping of str to float
-        Physical parameters at the beginning.
-    seen : tuple of str
-        Those that are searched.
-    weights : tuple of float
-        Of the runs.
-    highest : float
-        Frequency that no mode of the axis may reach, Hz.
-    x : array of shape (n,)
-        Where the search stands.
-    minimum : Minimum or None
-        Where its last iterations ended.
+    `start` holds the physical parameters at the beginning, `seen` those that are searched; no mode of the axis may
+    reach the frequency `highest`, Hz.
     """
 
     dynamics: ForwardDynamics
@@ -145,13 +129,7 @@ class Search:
         return tuple(part.size for part in self._parts(self.x))
 
     def residual(self, x: FloatArray) -> FloatArray:
-        """Weighted scaled errors of all runs.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            If a mode is too high, or an error is not defined.
-        """
+        """Weighted scaled errors of all runs; LinAlgError if a mode is too high, or an error is not defined."""
         if self.dynamics.at(self._physical(x)).highest_mode >= self.highest:
             raise np.linalg.LinAlgError(f"a mode lies above {self.highest:g} Hz")
         return np.concatenate(self._parts(x))

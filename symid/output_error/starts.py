@@ -20,17 +20,7 @@ _FARTHEST = 300.0
 def spread(
     dynamics: ForwardDynamics, known: Mapping[str, float], sampling_frequency: float
 ) -> list[dict[str, float]]:
-    """Known parameters as they are, and with springs that bring the highest mode to several frequencies.
-
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        The axis.
-    known : mapping of str to float
-        Physical parameters, masses and stiffnesses positive.
-    sampling_frequency : float
-        Of the log, Hz.
-    """
+    """Known parameters as they are, and with springs that bring the highest mode to several frequencies."""
     springs = dynamics.parameters_of("stiffness")
     highest = dynamics.at(known).highest_mode
     if not springs or highest == 0.0:
@@ -40,17 +30,7 @@ def spread(
 
 
 def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence[Log]) -> dict[str, float]:
-    """Parameters of an axis of which only the rigid motion is known: one mass for each body, and friction.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Names of the parameters.
-    dynamics : ForwardDynamics
-        The axis.
-    logs : sequence of Log
-        Runs; the first one is looked at.
-    """
+    """Parameters of an axis of which the first log shows only the rigid motion: a mass for each body, and friction."""
     log, axis = logs[0], dynamics.axis
     lowpass = LowPass(0.02 * log.sampling_frequency)
     known = [name for name, (_, order) in dynamics.sensors.items() if order == 0 and name in log.signals]
@@ -81,15 +61,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
 
 
 def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> dict[str, float]:
-    """Parameters with bodies ten times as heavy, but for those that the drive moves as a rigid axis.
-
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        The axis.
-    known : mapping of str to float
-        Physical parameters.
-    """
+    """Parameters with bodies ten times as heavy, but for those that the drive moves as a rigid axis."""
     driven = {
         name
         for forces, row in zip(dynamics.drives, dynamics.motion[2], strict=True)
@@ -104,19 +76,10 @@ def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> 
 def plausible(
     model: GeneratedModel, dynamics: ForwardDynamics, found: Mapping[str, float], rough: Mapping[str, float]
 ) -> dict[str, float]:
-    """Found parameters as far as they can be true, rough ones in the place of the others.
+    """Found parameters as far as they can be true; rough ones where they cannot, are nan or are missing.
 
     Masses and stiffnesses are taken together or not at all; no parameter may be negative that must not be, and no mass
     further from the rough ones than a factor of 300.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Says which parameters may be negative.
-    dynamics : ForwardDynamics
-        The axis.
-    found, rough : mapping of str to float
-        Physical parameters; `found` may lack some or be nan.
 
     Examples
     --------

@@ -38,17 +38,8 @@ def verdict_of(
 ) -> tuple[Status, str]:
     """Status of an estimate, and a sentence on its meaning and cure; empty for "ok".
 
-    Parameters
-    ----------
-    found : OutputErrorIdentification
-        The estimate.
-    regression : Identification, optional
-        What least squares found in the same logs, examined: a fault of a channel that it names holds here too, and
-        others where the innovations are not white either.
-    alone : sequence of LikelihoodFit, optional
-        Of each of several logs.
-    criteria : Criteria
-        What a result has to meet.
+    A fault of a channel that least squares found in the same logs holds here too, and others where the innovations are
+    not white either. `alone` are the estimates of each of several logs.
     """
     if found.fit is None:
         return (

@@ -17,16 +17,9 @@ _ROOM = 0.15
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means of a residual in bins of equal width.
+    """Means of a residual in bins of equal width, at the mean places of the samples.
 
-    Parameters
-    ----------
-    places : array of shape (n_bins,)
-        Mean place of the samples of each bin.
-    values : array of shape (n_bins,)
-        Means of the residual there.
-    doubt : array of shape (n_bins,)
-        Twice the deviation of each mean, samples taken as independent.
+    `doubt` is twice the deviation of each mean, samples taken as independent.
     """
 
     places: FloatArray

@@ -51,14 +51,7 @@ def plain(text: str, style: str = "") -> Text:
 class TextTable(Table):
     """Table of plain text: brackets in names of logs and signals are no markup.
 
-    Parameters
-    ----------
-    title : str
-        Above it; empty for none.
-    *headings : str
-        Of the columns.
-    right : sequence of str
-        Headings of columns that are aligned at the right.
+    Columns whose headings are in `right` are aligned at the right.
     """
 
     def __init__(self, title: str, *headings: str, right: Sequence[str] = ()) -> None:

@@ -27,15 +27,7 @@ _SMOOTHED_HZ = 50.0
 
 @dataclass(frozen=True, eq=False)
 class SensorMotion:
-    """Position and velocity of the first position sensor.
-
-    Parameters
-    ----------
-    signal, unit : str
-        The sensor's signal.
-    time, position, velocity : array of shape (n_samples,)
-        SI; the velocity is smoothed below 50 Hz.
-    """
+    """Position and velocity of the first position sensor, SI; the velocity is smoothed below 50 Hz."""
 
     signal: str
     unit: str

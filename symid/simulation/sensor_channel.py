@@ -54,22 +54,8 @@ class SensorChannel:
     """A sensor in a simulation.
 
     In each interval between two samples of the controller it takes one value, `moment` after the begin of the interval;
-    sample k reads the value of interval k - 1 - age. Without delay the moment is the interval's end.
-
-    Parameters
-    ----------
-    sensor : Sensor
-        With its noise, resolution and delay.
-    plant : Plant
-        The axis.
-    n_samples : int
-        Samples of the controller.
-    period : float
-        Time between them, s.
-    random : Generator
-        Source of the noise.
-    misread : callable, optional
-        Error that the sensor adds to exact values.
+    sample k reads the value of interval k - 1 - age. Without delay the moment is the interval's end. `misread` adds the
+    error of the sensor to exact values.
     """
 
     def __init__(
