@@ -11,7 +11,7 @@ import numba
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function of numbers and arrays as machine code, which is compiled at the first call.
 
-    What was compiled is kept beside the module, or in the user's cache if that cannot be written; where neither can,
+    Machine code is kept beside the module, or in the user's cache if that cannot be written; where neither can,
     each process compiles again.
 
     Examples

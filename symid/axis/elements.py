@@ -120,7 +120,7 @@ class Body(Parametrised):
 
     @property
     def gears(self) -> tuple[Geared, ...]:
-        """Its transmissions; none of a body with a coordinate of its own."""
+        """Its transmissions; none for a body with its own coordinate."""
         if self.geared is None:
             return ()
         return self.geared if isinstance(self.geared, tuple) else (self.geared,)

@@ -305,7 +305,7 @@ class FrictionDrift(JointImperfection):
     at : Body or Between
         The joint.
     coulomb, viscous : float
-        What the cold axis has more than the warm one: N or N m, N s/m or N m s/rad.
+        Excess of the cold axis over the warm one: N or N m, N s/m or N m s/rad.
     time_constant : float
         T, s.
     """

@@ -47,7 +47,7 @@ class Sensor:
 
     @property
     def quantity(self) -> str:
-        """What is read: position, velocity or acceleration."""
+        """Quantity read: position, velocity or acceleration."""
         return ("position", "velocity", "acceleration")[self.derivative]
 
 

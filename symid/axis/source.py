@@ -16,7 +16,7 @@ from symid.files import write_whole
 from symid.signals import is_signal_name
 
 _WIDTH = 88
-"""Longest line. What does not fit has one argument a line, which formatters of longer lines leave as it is."""
+"""Longest line. A longer call has one argument a line, which formatters of longer lines leave as it is."""
 _NAMED = ("mass", "inertia", "stiffness", "damping")
 """Fields that are written with their name wherever they stand."""
 

@@ -29,7 +29,7 @@ _EXAMPLES = {
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a foreign file besides its text.
+    """Facts about a foreign file that its text does not state.
 
     Columns and units by signal; sampling rate without a column of the time, Hz; force per unit of the drive's column;
     force at 100 %.
@@ -43,7 +43,7 @@ class Known:
 
     @classmethod
     def of(cls, options: dict[str, Any]) -> Known:
-        """What the options of `symid import` give."""
+        """Facts that the options of `symid import` give."""
         named, units = assignments(options["column"], "--column"), assignments(options["unit"], "--unit")
         return cls(named, units, options["rate"], options["gain"], options["rated"])
 
@@ -94,7 +94,7 @@ def _with_signal(
     mapping: LogMapping,
     known: Known,
 ) -> Known:
-    """What is known after the questions about a signal."""
+    """All that is known after the questions about a signal."""
     if signal not in known.named:
         column = click.prompt(
             f"Column of {signal}, the {quantity} (name, number, or - for none)",

@@ -38,7 +38,7 @@ def finish_output() -> None:
     try:
         sys.stdout.flush()
     except OSError:
-        # What is left in the buffer would fail again, with a trace, when the interpreter ends.
+        # The rest of the buffer would fail again, with a trace, when the interpreter ends.
         with contextlib.suppress(OSError, ValueError, AttributeError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise

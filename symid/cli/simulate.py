@@ -206,7 +206,7 @@ def runs_of(
 ) -> tuple[tuple[Controller, ...], tuple[Trajectory, ...]]:
     """Controller and trajectory of each drive; open loop they come from the log of the forces.
 
-    A log that is followed may hold a reference of its own for each drive.
+    A log that is followed may hold a reference for each drive.
     """
     if options["open_loop"]:
         log = read_axis_log(axis, options["open_loop"])

@@ -31,7 +31,7 @@ class GeneratedModel:
     signals : tuple of str
         Flat names of the arguments of the functions, in order.
     output_names, output_units : tuple of str
-        What each equation has on its left-hand side, and its unit.
+        Left-hand side of each equation, and its unit.
     minimal_units, physical_units : mapping of str to str
         Names and units of the parameters, in order.
     signed : tuple of str
@@ -43,7 +43,7 @@ class GeneratedModel:
     held : bool
         Whether the axis declares its force as held from sample to sample.
     assumptions : tuple of str
-        What was assumed in the derivation.
+        Assumptions of the derivation.
     sliding : tuple of tuple of int
         For each equation, the rows of `sliding_velocities` whose sign enters it.
     law_columns : tuple of tuple of int

@@ -82,7 +82,7 @@ class IdentificationTrial:
     parameters : mapping of str to float
         Values assumed of the physical parameters, SI.
     controller : Controller or sequence of Controller
-        What makes the axis follow, one for each drive.
+        Controllers, one for each drive.
     limits : Limits
         Length of the travel, speed, acceleration and jerk.
     force : float

@@ -1,6 +1,6 @@
-"""C functions for what is on its way: the force that was sent, and readings, each late by a known time.
+"""C functions for signals on their way: the force that was sent, and readings, each late by a known time.
 
-Both are looked up in what was noted of earlier steps, on a straight line between two of them: a reading itself, and
+Both are looked up in notes of earlier steps, on a straight line between two of them: a reading itself, and
 for the force its integral, whose change over the step gives the mean of what arrives in it.
 """
 

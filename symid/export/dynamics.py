@@ -51,7 +51,7 @@ class SymbolicDynamics:
     Parameters
     ----------
     axis : Axis
-        What was declared.
+        The declaration.
     bodies : tuple of str
         Free bodies, in the order of the displacements.
     mass, damping, stiffness : sympy.Matrix of shape (n, n)
@@ -67,7 +67,7 @@ class SymbolicDynamics:
     constants : mapping of str to float
         Known numbers that stand in the terms as symbols: ratios and gravity.
     imperfect : Imperfect
-        What acts beyond these equations; its forces in joints, and masses that it adds, are in the terms.
+        Imperfections; their forces in joints, and the masses that they add, are in the terms.
     """
 
     axis: Axis

@@ -84,7 +84,7 @@ class Mechanism:
     moments : mapping of str to float
         m l of each pendulum, in units of the first one's gravity.
     paths : mapping of Path to Properties
-        What acts where.
+        Forces and inertias along each path.
     plays : tuple of Play
         Springs with play.
     drives : tuple of Path

@@ -1,7 +1,7 @@
 """An axis as a MuJoCo model: slides and hinges, joint and tendon properties, actuators and sensors.
 
-Every free body gets one slide along x or one hinge about x. What acts in the joint of one body becomes a property of
-it; what acts between bodies, or on a geared one, a fixed tendon: a linear combination of joints.
+Every free body gets one slide along x or one hinge about x. A force in the joint of one body becomes a property of
+it; one between bodies, or on a geared body, a fixed tendon: a linear combination of joints.
 """
 
 from __future__ import annotations

@@ -48,9 +48,8 @@ def parameter_record(
     """
     module, axis = compiled(model), model.axis
     known = covariances or {}
-    physical_names = list(axis.physical_parameters)
     if minimal is None:
-        found = module.minimal_parameters(*(values[name] for name in physical_names))
+        found = module.minimal_parameters(*(values[name] for name in module.physical_units))
         minimal = dict(zip(module.minimal_units, map(float, found), strict=True))
     if missing := [name for name in module.minimal_units if name not in minimal]:
         raise SettingError(
@@ -62,57 +61,40 @@ def parameter_record(
         "signature": axis.signature,
         "measured": list(model.measured),
         "units": "SI",
-        "minimal": _table(
-            "minimal",
-            list(module.minimal_units),
-            [minimal[name] for name in module.minimal_units],
-            list(module.minimal_units.values()),
-            known.get("minimal"),
-        ),
-        "physical": _table(
-            "physical",
-            physical_names,
-            [values[name] for name in physical_names],
-            list(module.physical_units.values()),
-            known.get("physical"),
-        ),
+        "minimal": _table("minimal", minimal, module.minimal_units, known.get("minimal")),
+        "physical": _table("physical", values, module.physical_units, known.get("physical")),
     }
 
 
 def _table(
     kind: str,
-    names: Sequence[str],
-    values: Sequence[float],
-    units: Sequence[str],
+    values: Mapping[str, float],
+    units: Mapping[str, str],
     covariance: Sequence[Sequence[float | None]] | None,
 ) -> dict[str, Any]:
     table: dict[str, Any] = {
-        "names": list(names),
-        "values": list(values),
-        "units": list(units),
-        "std": None,
-        "covariance": None,
-        "correlation": None,
+        "names": list(units),
+        "values": [values[name] for name in units],
+        "units": list(units.values()),
+        **dict.fromkeys(("std", "covariance", "correlation")),
     }
-    if covariance is not None:
-        try:
-            matrix = np.array(covariance, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise SettingError(
-                f"the covariance of the {kind} parameters is not a matrix of numbers"
-            ) from error
-        if matrix.shape != (len(names), len(names)):
-            raise SettingError(
-                f"the covariance of the {kind} parameters is of shape {matrix.shape}, there are {len(names)} of them: "
-                "give --measured as it was identified"
-            )
-        deviations = np.sqrt(np.maximum(np.diag(matrix), 0.0))
-        table |= {
-            "std": deviations.tolist(),
-            "covariance": matrix.tolist(),
-            "correlation": correlation(matrix).tolist(),
-        }
-    return table
+    if covariance is None:
+        return table
+    try:
+        matrix = np.array(covariance, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise SettingError(f"the covariance of the {kind} parameters is not a matrix of numbers") from error
+    if matrix.shape != (len(units), len(units)):
+        raise SettingError(
+            f"the covariance of the {kind} parameters is of shape {matrix.shape}, there are {len(units)} of them: "
+            "give --measured as it was identified"
+        )
+    return {
+        **table,
+        "std": np.sqrt(np.maximum(np.diag(matrix), 0.0)).tolist(),
+        "covariance": matrix.tolist(),
+        "correlation": correlation(matrix).tolist(),
+    }
 
 
 def correlation(covariance: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Collection, Mapping
 from typing import Any
@@ -48,79 +49,15 @@ _FUNCTIONS = {
     "log": "LN",
     "atan": "ATAN",
 }
-_TAKEN = {
-    *("position", "velocity", "acceleration", "force", "friction", "command", "direction", "rest_speed"),
-    *(
-        "abs",
-        "sqrt",
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "exp",
-        "ln",
-        "log",
-        "expt",
-        "sel",
-        "mod",
-        "trunc",
-    ),
-    *(
-        "and",
-        "or",
-        "xor",
-        "not",
-        "if",
-        "then",
-        "else",
-        "elsif",
-        "end_if",
-        "case",
-        "of",
-        "for",
-        "to",
-        "by",
-        "do",
-    ),
-    *(
-        "while",
-        "repeat",
-        "until",
-        "exit",
-        "return",
-        "at",
-        "true",
-        "false",
-        "t",
-        "s",
-        "r",
-        "s1",
-        "r1",
-        "n",
-        "l",
-        "d",
-    ),
-    *(
-        "p",
-        "ton",
-        "tof",
-        "tp",
-        "date",
-        "time",
-        "tod",
-        "dt",
-        "int",
-        "dint",
-        "real",
-        "lreal",
-        "bool",
-        "byte",
-        "word",
-    ),
-    *("en", "eno", "on", "var", "task", "type", "with", "step", "action", "array", "struct", "string", "pi"),
-}
+_TAKEN = frozenset(
+    re.findall(
+        r"\w+",
+        """position velocity acceleration force friction command direction rest_speed
+    abs sqrt sin cos tan asin acos atan exp ln log expt sel mod trunc and or xor not if then else elsif end_if
+    case of for to by do while repeat until exit return at true false t s r s1 r1 n l d p ton tof tp date time tod
+    dt int dint real lreal bool byte word en eno on var task type with step action array struct string pi""",
+    )
+)
 """Words of the language and of the block; letters of case do not matter there."""
 
 

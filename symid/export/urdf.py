@@ -26,7 +26,7 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
     Parameters
     ----------
     axis : Axis
-        What URDF cannot express becomes losses.
+        Parts that URDF cannot express become losses.
     values : mapping of str to float
         Physical parameters, SI.
 
@@ -76,7 +76,7 @@ def _linked(machine: Mechanism, parent: str, body: Body) -> Iterator[str]:
 
 
 def _losses(axis: Axis, machine: Mechanism) -> Iterator[str]:
-    """What an axis has and URDF has not."""
+    """Parts of an axis that URDF cannot express."""
     yield f"{', '.join(d.signal for d in axis.drives)}: URDF has no drives; force acts on the joints."
     yield f"{', '.join(s.signal for s in axis.sensors)}: URDF has no sensors."
     for path, found in machine.paths.items():

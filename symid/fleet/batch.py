@@ -132,7 +132,7 @@ def identify_batch(
     output : path-like or iterable of path-like, optional
         A .parquet or .csv file, or one of each.
     settings : BatchSettings, optional
-        What all logs share.
+        Settings that all logs share.
     jobs : int, optional
         Processes; as many as there are cores by default. 1 works in this process.
     scheduler : str, optional

@@ -34,7 +34,7 @@ class FleetAxis:
     modules : tuple of ((str, ...), StoredModule)
         Generated module of each set of sensors that has one.
     settings : BatchSettings
-        What of them concerns this axis.
+        Those that concern this axis.
     """
 
     axis: Axis

@@ -51,7 +51,7 @@ class Bias:
     preparation : array of shape (n_parameters,)
         By central differences, by reversals that the filter moves, by a force that is not filtered as the motion is.
     removed : array of shape (n_parameters,), optional
-        What has been taken off the estimate already.
+        Part that has been taken off the estimate already.
     """
 
     noise: FloatArray
@@ -120,7 +120,7 @@ def _bias_and_growth(
 
 @dataclass(frozen=True, eq=False)
 class Correction:
-    """What is taken off an estimate for the noise in W; the bias that remains, and the growth of errors by it."""
+    """Correction of an estimate for the noise in W: the bias that remains, and the growth of errors by it."""
 
     bias: Bias
     growth: FloatArray

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Criteria:
-    """What a result has to meet for the status "ok".
+    """Requirements for the status "ok".
 
     Figures "on random logs" are those of ``python -m benchmarks.ok_promise`` with seeds that its reports do not use.
 

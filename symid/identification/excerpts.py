@@ -26,7 +26,7 @@ _PARTS = 4
 
 @dataclass(frozen=True, eq=False)
 class Excerpt:
-    """A part of a log with its observation; the whole log if it is short. What checks share is computed once.
+    """A part of a log with its observation; the whole log if it is short. Checks share its results, each computed once.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Excerpt:
         )
 
     def kept(self, key: object, computed: Callable[[], Kept]) -> Kept:
-        """What was computed under a key before, or is now."""
+        """Result under a key, computed at the first call."""
         if key not in self._kept:
             self._kept[key] = computed()
         found: Kept = self._kept[key]

@@ -66,7 +66,7 @@ def identify(
     model : GeneratedModel or DerivedModel
         Regressor and maps, from `symid.load_generated` or `symid.derive`.
     logs : Log, LongLog or sequence of these
-        Runs of one axis; every equation of every log gets a weight of its own. A long log is identified in blocks.
+        Runs of one axis; every equation of every log gets its own weight. A long log is identified in blocks.
     method : {"wls", "ols"}
         Weighted [24]-[30] or ordinary [20]-[23] least squares.
     preparation : Preparation, optional
@@ -83,7 +83,7 @@ def identify(
     Returns
     -------
     Identification
-        What cannot be determined is said by its status; nothing is raised for it.
+        The status says what cannot be determined; nothing is raised for it.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def found_from(
     model, nominal, constraints
         As in `identify`.
     logs, observations : sequence of logs and tuple of Observation
-        What was estimated from; of a long log, its first block.
+        Rows of each log; of a long log, its first block.
     fit : LeastSquares
         The estimate.
     blocks : callable, optional
@@ -223,7 +223,7 @@ def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
 def _faults(
     found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment]
 ) -> Faults:
-    """What contradicts the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
+    """Contradictions to the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
     model = found.model
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit, inflation)

@@ -2,7 +2,7 @@
 
 Each group of logs with the same known values gives minimal parameters X_g with covariance C_g, by the model in which
 these values are known. The physical parameters theta that all groups share minimise
-sum (X_g - X_g(theta))' C_g^-1 (X_g - X_g(theta)). A single log tells masses and friction in units of the drive's
+sum (X_g - X_g(theta))' C_g^-1 (X_g - X_g(theta)). A single log determines masses and friction in units of the drive's
 constant only; two known payloads tell that constant.
 """
 
@@ -32,7 +32,7 @@ _PART = 1e-6
 """Share of a parameter in a direction that is not determined, from which on it is not either."""
 _LEAST_PROBABILITY = 1e-3
 _AS_EXPECTED = ("ok", "no_physical_parameters", "not_physical")
-"""What a group by itself may be: the values that it does not tell, others do."""
+"""Statuses that a group alone may have: other groups determine what it does not."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -25,7 +25,7 @@ _PERIOD = re.compile(
 
 @dataclass(frozen=True)
 class LogMapping:
-    """What `read_axis_log` must know of a foreign file.
+    """Columns, units and layout of a foreign file, for `read_axis_log`.
 
     Parameters
     ----------
@@ -38,9 +38,9 @@ class LogMapping:
     sampling_period : float or None
         Of a file without a column of the time, s.
     guesses : tuple of str
-        What was guessed and why; said whenever the mapping is used, until these lines are deleted.
+        Guesses with their reasons; said whenever the mapping is used, until these lines are deleted.
     missing : tuple of str
-        What neither the file nor an answer provided; a mapping with such lines cannot be used.
+        Facts that neither the file nor an answer provided; a mapping with such lines cannot be used.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)

@@ -38,7 +38,7 @@ _LOCAL_SHARE = 0.5
 
 
 def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """What contradicts the parameters, all determined, in a part of the logs, in words; empty if nothing does."""
+    """Contradiction to the parameters, all determined, in a part of the logs, in words; empty without one."""
     return _cut(model, parts) or _clipped(model, parts, fit) or _local(parts, fit)
 
 
@@ -109,7 +109,7 @@ def _clipped_force(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> s
 
 
 def _of_rows(parts: Sequence[Excerpt], valid: Sequence[BoolArray]) -> LeastSquares:
-    """Estimate from some rows of the parts, each part with weights of its own."""
+    """Estimate from some rows of the parts, each part with its own weights."""
     seen = [part.observation for part in parts]
     return estimate([f for o, v in zip(seen, valid, strict=True) for f in triangular_factors(o.W, o.y, v)])
 

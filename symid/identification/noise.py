@@ -37,7 +37,7 @@ def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
     """One-sided power spectral density of the white noise of each signal, in the square of its unit by Hz.
 
     Levels are medians above 0.7 of the Nyquist frequency, of second differences, which keep the motion from leaking
-    there. What the force has in common with the motion is not noise of its measurement, but what the controller made
+    there. The part of the force that follows the motion is not noise of its measurement, but what the controller made
     of the encoder's: it is left out.
 
     Examples

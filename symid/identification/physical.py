@@ -39,7 +39,7 @@ class PhysicalEstimate:
     disagreement : float
         Chi-square of these relations; nan without any.
     restricted : Restricted, optional
-        What bounds and priors did to the parameters; None without them.
+        Changes by bounds and priors; None without them.
     """
 
     parameters: FloatArray

@@ -43,7 +43,7 @@ def predict(found: Identification, log: Log) -> Prediction:
     Parameters
     ----------
     found : Identification
-        What `identify` returned.
+        Result of `identify`.
     log : Log
         A log that took no part in it.
 

@@ -83,9 +83,9 @@ class Identification(EstimatedParameters, Shown):
     status : str
         "ok", or what keeps the result from being complete.
     message : str
-        What the status means here and what to do; empty if all is well.
+        Meaning of the status here and the cure; empty if all is well.
     notes : tuple of str
-        What looked odd in the logs.
+        Oddities of the logs.
     timing : Timing, optional
         Estimated delay of the force; None if it was not examined or cannot be estimated.
     bias : Bias, optional

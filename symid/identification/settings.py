@@ -37,7 +37,7 @@ _EXCERPTS = 8
 
 @dataclass(frozen=True)
 class Preparation:
-    """Filter, differences, decimation and choice of rows. What is None is chosen from the log.
+    """Filter, differences, decimation and choice of rows. A setting that is None is chosen from the log.
 
     Parameters
     ----------

@@ -183,7 +183,7 @@ def predict_output_error(found: OutputErrorIdentification, log: Log) -> OutputEr
     Parameters
     ----------
     found : OutputErrorIdentification
-        What `identify_output_error` returned; it must hold an estimate.
+        Result of `identify_output_error`, with an estimate.
     log : Log
         A log that took no part in it.
 

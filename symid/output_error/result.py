@@ -37,17 +37,17 @@ class OutputErrorIdentification(Shown):
     model : GeneratedModel
         Names, units and maps of the parameters.
     logs : tuple of Log
-        What they were identified from.
+        Logs that they were identified from.
     comparison : ErrorModel
-        What the logs were compared with.
+        Model that the logs were compared with.
     fit : LikelihoodFit or None
         None if there was no start at which the axis could be evaluated.
     status : str
         "ok", or what keeps the result from being complete.
     message : str
-        What the status means here and what to do.
+        Meaning of the status here and the cure.
     notes : tuple of str
-        What the user should know.
+        Remarks for the user.
     """
 
     axis: Axis

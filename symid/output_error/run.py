@@ -65,7 +65,7 @@ class LogRun:
     period : float
         Sampling period, s.
     readings : array of shape (n_samples, n_outputs)
-        What they read.
+        Their readings.
     drive : array of shape (n_samples, n_parts, n_drives)
         Drive forces in each part of the interval after each sample.
     drive_at : array of shape (n_samples, n_drives)

@@ -194,7 +194,7 @@ def _reversal_line(gap: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _repetition_line(gap: dict[str, Any]) -> tuple[str, ...]:
-    """What of the error is new each time that the motion repeats; nothing where it does not."""
+    """Part of the error that is new each time the motion repeats; empty without repetition."""
     if gap["not_repeated"] is None:
         return ()
     rms, period = (

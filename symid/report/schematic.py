@@ -1,7 +1,7 @@
 """The schematic of an axis, drawn from its declaration: bodies in a row, what acts between them, drives and sensors.
 
-The ground is at the left. What joins neighbours lies between them; what joins a later body to the ground hangs below
-it; what joins bodies that are not neighbours runs above. A sensor is an arrow to what it measures from its reference.
+The ground is at the left. Links of neighbours lie between them; links of a later body to the ground hang below
+it; links of bodies that are not neighbours run above. A sensor is an arrow from its reference to what it measures.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ def multiple_of_floor(level: Level | None, floor: Level) -> float:
 def waterfall(found: Diagnosis) -> tuple[Stage, ...]:
     """Stages of the gap from the nominal values down to the noise floor.
 
-    What the stages remove and the noise floor add up to the first stage that has a level.
+    The reductions of all stages and the noise floor add up to the first stage that has a level.
     """
     effects = [f"{words(effect.effect)} at {effect.at}" for effect in found.effects]
     levels = [

@@ -25,7 +25,7 @@ _PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0
 
 
 class SensorRow(NamedTuple):
-    """What a sensor measures: a derivative of row @ displacements.
+    """Quantity that a sensor measures: a derivative of row @ displacements.
 
     Parameters
     ----------

@@ -119,7 +119,7 @@ class ClosedLoop:
         return log.sampling_period / self._samples_for_one(log)
 
     def reference_columns(self, log: Log) -> tuple[str, ...]:
-        """Column of the log with the reference of each drive: the common one where it has none of its own."""
+        """Column of the log with the reference of each drive: the common one where it has none."""
         own = (f"{REFERENCE}_{drive.signal}" for drive in self.axis.drives)
         return tuple(name if name in log.signals else REFERENCE for name in own)
 

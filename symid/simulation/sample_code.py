@@ -17,23 +17,6 @@ from symid.simulation.mode import StickSlipMode
 from symid.simulation.plant import JUST_MOVING
 from symid.simulation.sensor_channel import SensorChannel
 
-_TEMPLATE = """
-def run(columns, pasts, state, memory, limits):
-    {state}, = state
-    {limits}
-    {unpack}
-    {remember}
-    out, pending = [], None
-    emit = out.extend
-    for {columns} in zip(*columns, *pasts):
-        {control}
-        {motion}
-        {update}
-        emit(({results},))
-        {append}
-    return out, pending, {memory}
-"""
-
 
 def compiled(loop: Loop, mode: StickSlipMode) -> Callable[..., Any]:
     """Function that runs samples of a loop in a mode.
@@ -77,32 +60,32 @@ class SampleCode:
 
     def text(self) -> str:
         """Source text of the function."""
-        motion = self._motion()
-        end = self._names("z")
-        noise = [f"e{i}" for i in range(len(self._readings))]
-        columns = ["k", *self._inputs, *noise, *self._given, *self._readings]
+        end, readings = self._names("z"), range(len(self._readings))
+        columns = ["k", *self._inputs, *(f"e{i}" for i in readings), *self._given, *self._readings]
         limits = [name for i in range(len(self.mode.flow.stuck)) for name in (f"low{i}", f"high{i}")]
-        parts: dict[str, Iterable[str]] = {
-            "limits": [f"{', '.join(limits)}, = limits"] if limits else [],
-            "unpack": [f"{', '.join(self._memory)}, = memory"] if self._memory else [],
-            "remember": [f"remember{i} = pasts[{i}].append" for i in range(len(self._readings))],
-            "control": self._control(),
-            "motion": motion,
-            "update": [*self._settled(end), *_assigned(self._state, end), *_assigned(*self._next_memory())],
-            "append": [
-                f"remember{i}({self._value(i, reader)})" for i, reader in enumerate(self.loop.controlled)
-            ],
-        }
-        text = _TEMPLATE
-        for name, lines in parts.items():
-            text = _filled(text, name, lines)
+        sample = [*self._control(), *self._motion()]
+        sample += [
+            f"settle{i}({_form(zip(end[: self._n], direction, strict=True))})"
+            for i, (direction, _) in enumerate(self._memories)
+        ]
+        for names, values in ((self._state, end), self._next_memory()):
+            sample += [f"{', '.join(names)} = {', '.join(values)}"] if names else []
         between = [self._values[reader.signal] for reader in self.loop.between]
-        return text.format(
-            state=", ".join(self._state),
-            columns=", ".join(columns),
-            results=", ".join([*end, *self._forces_sent, *self._accelerations, *between]),
-            memory=f"({''.join(name + ', ' for name in self._memory)})" if self.loop.law else "memory",
-        )
+        sample.append(f"emit(({', '.join([*end, *self._forces_sent, *self._accelerations, *between])},))")
+        sample += [f"remember{i}({self._value(i, reader)})" for i, reader in enumerate(self.loop.controlled)]
+        memory = f"({''.join(name + ', ' for name in self._memory)})" if self.loop.law else "memory"
+        lines = [
+            f"{', '.join(self._state)}, = state",
+            *([f"{', '.join(limits)}, = limits"] if limits else []),
+            *([f"{', '.join(self._memory)}, = memory"] if self._memory else []),
+            *(f"remember{i} = pasts[{i}].append" for i in readings),
+            "out, pending = [], None",
+            "emit = out.extend",
+            f"for {', '.join(columns)} in zip(*columns, *pasts):",
+            *(f"    {line}" for line in sample),
+            f"return out, pending, {memory}",
+        ]
+        return "\n    ".join(["def run(columns, pasts, state, memory, limits):", *lines])
 
     def _next_memory(self) -> tuple[list[str], list[str]]:
         if self.loop.law is None:
@@ -152,13 +135,6 @@ class SampleCode:
                 q = _form(zip(self._state[: self._n], law.direction, strict=True))
                 lines.append(f"low{i}, high{i} = hold{i}({q})")
         return lines
-
-    def _settled(self, end: Sequence[str]) -> list[str]:
-        """Displacements at the end of the sample, for laws that remember."""
-        return [
-            f"settle{i}({_form(zip(end[: self._n], direction, strict=True))})"
-            for i, (direction, _) in enumerate(self._memories)
-        ]
 
     def _motion(self) -> list[str]:
         """All pieces of a sample, the conditions at their ends, and what sensors read there."""
@@ -270,19 +246,3 @@ def _form(terms: Iterable[tuple[str, float]], constants: Sequence[str] = ()) -> 
 def _reading(value: str, noise: str, step: float, misread: str) -> str:
     noisy = f"({misread}({value}) + {noise})" if misread else f"({value} + {noise})"
     return f"{value} = {step!r} * round({noisy} / {step!r})" if step else f"{value} = {noisy}"
-
-
-def _assigned(names: Sequence[str], values: Sequence[str]) -> list[str]:
-    return [f"{', '.join(names)} = {', '.join(values)}"] if names else []
-
-
-def _filled(text: str, name: str, lines: Iterable[str]) -> str:
-    """The text with lines for a place, at its indentation; the place vanishes if there are none."""
-    found = []
-    for line in text.split("\n"):
-        if line.strip() == f"{{{name}}}":
-            indent = line[: len(line) - len(line.lstrip())]
-            found += [indent + new.replace("{", "{{").replace("}", "}}") for new in lines]
-        else:
-            found.append(line)
-    return "\n".join(found)

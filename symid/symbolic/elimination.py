@@ -52,7 +52,7 @@ class InputOutputModel:
     equations : tuple of InputOutputEquation
         As many as there are independent sensors.
     assumptions : tuple of str
-        What was assumed on the way.
+        Assumptions made on the way.
     """
 
     source: InverseDynamicModel

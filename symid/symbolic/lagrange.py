@@ -54,7 +54,7 @@ class InverseDynamicModel:
     Parameters
     ----------
     axis : Axis
-        What was declared.
+        The declaration.
     coordinates : tuple of str
         Name of each free body's coordinate; ``q_motor_d2`` is its second derivative.
     constants : mapping of str to float

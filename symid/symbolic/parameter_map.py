@@ -52,7 +52,7 @@ class ParameterMap:
     inverse : tuple of mapping of str to sympy.Expr
         Physical parameters in terms of the minimal ones, one mapping for each branch; empty without closed form.
     identifiability : mapping of str to {"unique", "several", "none"}
-        What the sensors determine of each physical parameter; of solutions in closed form only those count that have
+        Whether the sensors determine each physical parameter; of solutions in closed form only those count that have
         the declared signs.
     combinations : tuple of ParameterFunction
         Determined functions of the parameters that are not determined themselves.
@@ -238,7 +238,7 @@ class _Point:
     def with_several_values(self) -> tuple[set[str], bool]:
         """Parameters that take several values among all solutions, and whether these were counted.
 
-        What monomial steps leave over is a core that only a Groebner basis can count; if it is too large, all its
+        Monomial steps leave a core that only a Groebner basis can count; if it is too large, all its
         unknowns and those that depend on them are suspected.
         """
         if not self.is_small:

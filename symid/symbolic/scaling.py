@@ -87,7 +87,7 @@ class Scaling:
     ) -> PolyElement:
         """A polynomial in the parameters of the axis, times a power of the ratios."""
         own = [self.parameters[str(symbol)] for symbol in self.ring.symbols[1:]]
-        # exponents of all ratios in one number, which tells terms of equal exponents quickly
+        # exponents of all ratios in one number, which finds terms of equal exponents quickly
         packed = [0, *(sum(w << 20 * k for k, w in enumerate(weights)) for weights in own)]
         exponents: dict[int, Exponents] = {}
         terms = {}

@@ -28,7 +28,7 @@ class StandardModel:
     signals : tuple of str
         Coordinates of the free bodies and their derivatives, such as ``q_motor_d2``: arguments of the columns.
     force_gains : tuple of float
-        What the drive force is multiplied by on the left-hand side of each equation.
+        Factor of the drive force on the left-hand side of each equation.
     columns : tuple of tuple of callable
         For each equation and parameter, the column of DS.
     law_columns : tuple of tuple of int

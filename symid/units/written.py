@@ -68,7 +68,7 @@ def to_si(text: str, expected: Unit | None = None) -> float:
     text : str
         A unit as users write it: ``"mm"``, ``"deg/s"``, ``"kN"``, ``"1/min"``, ``"4096 counts/rev"``.
     expected : Unit, optional
-        What the signal must be measured in. Where that is an angular velocity, ``Hz`` and ``1/min`` count turns; where
+        Unit that the signal must have. Where that is an angular velocity, ``Hz`` and ``1/min`` count turns; where
         it is an acceleration, ``g`` is that of gravity; where it is a position, counts per turn or length are taken.
 
     Returns

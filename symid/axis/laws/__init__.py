@@ -3,7 +3,7 @@
 A law is one class. It states its place and the force that opposes the motion there, as a sum of terms
 ``parameter * expression(q, v)``, q and v being displacement and velocity of the joint. The expression is
 text, so that declaring an axis needs no sympy; derivation, generated code, simulation, export and diagnosis
-all read the same text. What a module of this package lists in ``__all__`` is known to all of symid.
+all read the same text. All of symid knows the names that a module of this package lists in ``__all__``.
 
 Amplitudes are parameters to identify; what an amplitude cannot scale, such as a pitch, is a number of the declaration.
 """

@@ -69,10 +69,10 @@ class ShapeParameter:
     symbol : str
         Its name in a diagnosis.
     scale : str
-        What it is compared with, from which its unit follows, see `Scale`.
+        The quantity it is compared with, which determines its unit, see `Scale`.
     trials : tuple of (float, float, int), optional
         Values that a diagnosis tries: lowest and highest in multiples of the scale, and how many, evenly spaced on a
-        logarithmic scale. None if the effect has a search of its own.
+        logarithmic scale. None if the effect has its own search.
     bounds : tuple of (float, float), optional
         Multiples of the scale between which a fit may move it.
     """
@@ -93,7 +93,7 @@ class Hypothesis:
     effect : str
         Name of the effect.
     symbols : tuple of str
-        What the diagnosis calls the parameters: those of the laws `together` with it, then its own, in the order of
+        Names of the parameters in the diagnosis: those of the laws `together` with it, then its own, in the order of
         their formulas. With fewer symbols than terms, the last terms are left out.
     together : tuple of Law classes
         Laws that are added with it.
