@@ -150,6 +150,15 @@ class GeneratedModel:
         highest = self.highest_derivatives
         return max((name for name in self.measured if name in highest), key=highest.__getitem__)
 
+    @cached_property
+    def laws_of_velocity(self) -> bool:
+        """Whether laws and sliding velocities hold no derivative beyond the first."""
+        beyond = np.array([split_derivative(name)[1] > 1 for name in self.signals])
+        at = [np.where(beyond, other, 0.7)[:, None] for other in (0.0, 1.0)]
+        laws = [[self.regressor(*x)[:, 0][place] for place in self.law_columns] for x in at]
+        velocities = [self.sliding_velocities(*x).tolist() for x in at]
+        return laws[0] == laws[1] and velocities[0] == velocities[1]
+
     def sample(self, signals: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Observation W and y of sampled signals, by flat name."""
         arguments = [np.asarray(signals[name], dtype=float) for name in self.signals]

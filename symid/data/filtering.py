@@ -86,15 +86,20 @@ class LowPass:
             If the cutoff is not below half the sampling frequency, or the signal not longer than the padding.
         """
         values = np.asarray(x, dtype=np.float64)
+        n_samples = values.shape[-1] if values.ndim else 1
+        filtered = np.empty(values.shape)
+        self.run_over(n_samples, sampling_frequency).apply_rows(values, filtered, slice(None), workers)
+        return filtered
+
+    def run_over(self, n_samples: int, sampling_frequency: float) -> ZeroPhaseFilter:
+        """Filter that `apply` runs over a signal of a length, with the errors of `apply`."""
         if not 0.0 < self.cutoff_hz < sampling_frequency / 2:
             raise SettingError(
                 f"cutoff {self.cutoff_hz:g} Hz is not below half the sampling frequency of "
                 f"{sampling_frequency:g} Hz: choose a cutoff under {sampling_frequency / 2:g} Hz"
             )
-        _check_length(values, self.padding, "low-pass filter")
-        filtered = np.empty(values.shape)
-        self.zero_phase(sampling_frequency).apply_rows(values, filtered, slice(None), workers)
-        return filtered
+        _check_length(n_samples, self.padding, "low-pass filter")
+        return self.zero_phase(sampling_frequency)
 
     def by_spectrum(self, x: FloatArray, sampling_frequency: float) -> FloatArray:
         """Low-passed vector by `gain`, whose ends are continued oddly.
@@ -355,7 +360,7 @@ def decimate(x: npt.ArrayLike, factor: int, *, workers: int = 1) -> FloatArray:
         raise SettingError(f"decimation by {factor} is not possible: give a factor of 1 or more")
     if factor == 1:
         return values.copy()
-    _check_length(values, 3 * _DECIMATION_ORDER, "decimation")
+    _check_length(values.shape[-1] if values.ndim else 1, 3 * _DECIMATION_ORDER, "decimation")
     kept = kept_indices(values.shape[-1], factor)
     thinned = np.empty((*values.shape[:-1], -(-values.shape[-1] // factor)))
     decimation_filter(factor).apply_rows(values, thinned, kept, workers)
@@ -369,8 +374,7 @@ def decimation_filter(factor: int) -> ZeroPhaseFilter:
     return ZeroPhaseFilter(sections, 3 * _DECIMATION_ORDER)
 
 
-def _check_length(values: FloatArray, padding: int, what: str) -> None:
-    n_samples = values.shape[-1] if values.ndim else 1
+def _check_length(n_samples: int, padding: int, what: str) -> None:
     if n_samples <= padding:
         raise SettingError(
             f"{n_samples} samples are too few for the {what}: more than {padding} are required"

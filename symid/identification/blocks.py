@@ -27,7 +27,14 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LongLog, kept_indices, spans
 from symid.estimation import ObservationBlock, TriangularFactor
 from symid.identification.excerpts import block_of
-from symid.identification.observation import Observation, ends_of, highest_speeds, observe, reaches
+from symid.identification.observation import (
+    Observation,
+    ends_of,
+    highest_speeds,
+    observe,
+    reaches,
+    without_levels,
+)
 from symid.identification.settings import Preparation, completed
 
 
@@ -41,27 +48,50 @@ class Run:
         All rows of a log in memory; those of the first block of a long log. Its preparation is that of the whole.
     read : callable
         Returns the blocks in time order, from the start each time it is called.
+    without : callable
+        Returns the run without friction of given levels beside the drives; this one can no longer be used.
     """
 
     observation: Observation
     read: Callable[[], Iterable[Observation]]
+    without: Callable[[tuple[float, ...]], Run]
 
     @classmethod
-    def of(cls, model: GeneratedModel, log: AnyLog, preparation: Preparation) -> Run:
+    def of(
+        cls, model: GeneratedModel, log: AnyLog, preparation: Preparation, *, friction: bool = False
+    ) -> Run:
         """Blocks of a log; parameters and errors as those of `observe`."""
         if isinstance(log, Log):
-            whole = observe(model, log, preparation)
-            return cls(whole, lambda: (whole,))
-        blocks = _settled(model, log, preparation)
+            return cls._in_memory(model, observe(model, log, preparation, friction=friction))
+        return cls._in_blocks(replace(_settled(model, log, preparation), friction=friction))
+
+    @classmethod
+    def _in_memory(cls, model: GeneratedModel, whole: Observation) -> Run:
+        return cls(
+            whole,
+            lambda: (whole,),
+            lambda levels: cls._in_memory(model, without_levels(model, whole, levels)),
+        )
+
+    @classmethod
+    def _in_blocks(cls, blocks: _Blocks) -> Run:
         first = blocks.observation(0)
-        return cls(first, lambda: chain((first,), map(blocks.observation, range(1, len(blocks.rows)))))
+
+        def without(levels: tuple[float, ...]) -> Run:
+            chosen = replace(blocks.chosen, coulomb=levels)
+            return cls._in_blocks(replace(blocks, chosen=chosen, friction=False))
+
+        return cls(
+            first, lambda: chain((first,), map(blocks.observation, range(1, len(blocks.rows)))), without
+        )
 
     def factors(self) -> tuple[TriangularFactor, ...]:
-        """Triangular factor of each equation."""
-        n_equations, _, n_parameters = self.observation.W.shape
-        found = [TriangularFactor.empty(n_parameters)] * n_equations
+        """Triangular factor of each equation, with the columns of friction beside drives if there are any."""
+        found: list[TriangularFactor] = []
         for seen in self.read():
-            found = [f.update(*rows) for f, *rows in zip(found, seen.W, seen.y, seen.valid, strict=True)]
+            W = seen.W if seen.with_friction is None else seen.with_friction
+            found = found or [TriangularFactor.empty(W.shape[2])] * len(W)
+            found = [f.update(*rows) for f, *rows in zip(found, W, seen.y, seen.valid, strict=True)]
         return tuple(found)
 
 
@@ -125,6 +155,7 @@ class _Blocks:
     chosen: Preparation
     layout: _Layout
     speeds: FloatArray | None
+    friction: bool = False
 
     @cached_property
     def rows(self) -> list[tuple[int, int]]:
@@ -136,10 +167,11 @@ class _Blocks:
         first, stop = self.rows[block]
         wide_first, wide_stop = self.layout.widened(first, stop)
         window, cut = _window(self.log, self.chosen, self.layout, *self.layout.samples(wide_first, wide_stop))
-        seen = observe(self.model, window, cut, highest=self.speeds)
+        seen = observe(self.model, window, cut, highest=self.speeds, friction=self.friction)
         rows = slice(first - wide_first, stop - wide_first)
+        more = None if seen.with_friction is None else seen.with_friction[:, rows]
         return Observation(
-            seen.W[:, rows], seen.y[:, rows], seen.valid[:, rows], seen.time[rows], self.chosen
+            seen.W[:, rows], seen.y[:, rows], seen.valid[:, rows], seen.time[rows], self.chosen, more
         )
 
 

@@ -17,8 +17,9 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
-from symid.estimation import LeastSquares, Method, estimate, refine_blocks
+from symid.estimation import LeastSquares, Method, TriangularFactor, estimate, refine_blocks
 from symid.identification.blocks import Run, blocks_of_runs
+from symid.identification.coulomb import factors_without
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
 from symid.identification.misfit import unexplained
@@ -119,35 +120,38 @@ class Estimation:
     def _at(self, preparations: Sequence[Preparation]) -> Trial:
         """Rows and estimate; friction beside a differentiated force is taken off it, and found by secants."""
         model = self.model
-        runs = tuple(Run.of(model, log, one) for log, one in zip(self.logs, preparations, strict=True))
-        fit = self._estimated(runs)
-        if not model.coulomb_at_drive or self.preparation.coulomb is not None:
-            return Trial(runs, fit)
-        places = [parameter for _, parameter in model.coulomb_at_drive]
-        taken, slope = np.zeros(len(places)), np.ones(len(places))
-        for _ in range(_MOST_COULOMB_ROUNDS):
+        is_open = bool(model.coulomb_at_drive) and self.preparation.coulomb is None
+        runs = tuple(
+            Run.of(model, log, one, friction=is_open)
+            for log, one in zip(self.logs, preparations, strict=True)
+        )
+        factors = [factor for run in runs for factor in run.factors()]
+        if is_open:
+            levels = self._levels(factors)
+            factors = factors_without(model, factors, levels)
+            runs = tuple(run.without(levels) for run in runs) if any(levels) else runs
+        fit = estimate(factors, self.method, self.ddof)
+        many = sum(fit.rows) >= _MANY_ROWS and fit.condition_number_scaled <= _CONDITION_THAT_COSTS_DIGITS
+        if len(runs) == 1 and fit.status == "ok" and not many:
+            fit = refine_blocks(blocks_of_runs(runs), fit)
+        return Trial(runs, fit)
+
+    def _levels(self, factors: Sequence[TriangularFactor]) -> tuple[float, ...]:
+        """Levels of the friction beside drives, found by secants from the factors of rows with columns of it."""
+        places = [parameter for _, parameter in self.model.coulomb_at_drive]
+        taken, slope, before = np.zeros(len(places)), np.ones(len(places)), None
+        for _ in range(_MOST_COULOMB_ROUNDS + 1):
+            fit = estimate(factors_without(self.model, factors, taken.tolist()), self.method, self.ddof)
             levels = fit.solution[places]
+            if before is not None:
+                moved, risen = taken - before[0], levels - before[1]
+                slope = 1.0 - np.divide(risen, moved, out=np.zeros_like(moved), where=moved != 0.0)
+                slope = np.where(np.abs(slope) < _FLATTEST, np.copysign(_FLATTEST, slope), slope)
             better = np.maximum(taken + (levels - taken) / slope, 0.0)
             if fit.status != "ok" or np.all(np.abs(better - taken) <= _COULOMB_SETTLED * better):
                 break
             before, taken = (taken, levels), better
-            coulomb = tuple(map(float, taken))
-            settled = [replace(run.observation.preparation, coulomb=coulomb) for run in runs]
-            runs = tuple(Run.of(model, log, one) for log, one in zip(self.logs, settled, strict=True))
-            fit = self._estimated(runs)
-            moved, risen = taken - before[0], fit.solution[places] - before[1]
-            slope = 1.0 - np.divide(risen, moved, out=np.zeros_like(moved), where=moved != 0.0)
-            slope = np.where(np.abs(slope) < _FLATTEST, np.copysign(_FLATTEST, slope), slope)
-        return Trial(runs, fit)
-
-    def _estimated(self, runs: Sequence[Run]) -> LeastSquares:
-        fit = estimate([factor for run in runs for factor in run.factors()], self.method, self.ddof)
-        worth_refining = (
-            sum(fit.rows) < _MANY_ROWS or fit.condition_number_scaled > _CONDITION_THAT_COSTS_DIGITS
-        )
-        if len(runs) == 1 and fit.status == "ok" and worth_refining:
-            fit = refine_blocks(blocks_of_runs(runs), fit)
-        return fit
+        return tuple(map(float, taken))
 
 
 def least_uncertain(

@@ -20,11 +20,14 @@ from symid.data import (
     kept_of,
 )
 from symid.errors import SettingError
+from symid.identification.coulomb import more_columns, sample_friction, take_off
 from symid.identification.sampling import (
     STANDSTILL_SHARE,
     WORKERS,
     Sampling,
     filtered,
+    linear_part,
+    sample_into,
     sampled,
     sampling_of,
 )
@@ -48,6 +51,8 @@ class Observation:
         Time of each row, s.
     preparation : Preparation
         The settings used, complete.
+    with_friction : array of shape (n_equations, n_rows, n_columns), optional
+        W with columns of the friction beside drives, see `coulomb`.
     """
 
     W: FloatArray
@@ -55,6 +60,7 @@ class Observation:
     valid: BoolArray
     time: FloatArray
     preparation: Preparation
+    with_friction: FloatArray | None = None
 
 
 def observe(
@@ -64,6 +70,7 @@ def observe(
     scheme: Scheme | None = None,
     *,
     highest: FloatArray | None = None,
+    friction: bool = False,
 ) -> Observation:
     """Filter and differentiate a log, evaluate the regressor, decimate, and choose the rows.
 
@@ -80,6 +87,8 @@ def observe(
     highest : array of shape (n_sliding,), optional
         Highest speed of each sliding velocity, where that of the log itself is not the one that tells what standstill
         is.
+    friction : bool
+        Whether columns of the friction beside drives are wanted.
 
     Raises
     ------
@@ -98,11 +107,32 @@ def observe(
             f"{sampling.n_samples} samples are left between the trimmed ends, too few for the filters: more than "
             f"{sampling.padding} are required, trim less or give a longer log"
         )
-    W, y, velocities = sampled(sampling, sampling.needs_velocities)
-    usable = _usable_rows(sampling, velocities, highest)
+    needs_velocities = any(model.sliding) and chosen.standstill != 0
+    beside_drives = friction or bool(chosen.coulomb)
+    p, more = len(model.minimal_units), more_columns(model) if beside_drives else 0
+    W = np.empty((len(model.output_names), p + more, sampling.n_rows))
+    y = np.empty((W.shape[0], W.shape[2]))
+    n_sliding = len(model.sliding_velocities(*np.zeros((len(model.signals), 1))))
+    velocities = np.empty((n_sliding, log.n_samples))
+    sample_into(sampling, W[:, :p], y, velocities if needs_velocities or beside_drives else None)
+    inside = velocities[: n_sliding if needs_velocities else 0, before : log.n_samples - after]
+    usable = _usable_rows(sampling, inside, highest)
+    if beside_drives:
+        sample_friction(sampling, W, velocities)
+    if chosen.coulomb:
+        take_off(model, W, y, chosen.coulomb)
     kept = kept_indices(sampling.n_samples, sampling.factor)
     places = np.arange(before + kept.start, log.n_samples - after, sampling.factor, dtype=np.float64)
-    return Observation(W.transpose(0, 2, 1), y, usable, log.start + log.sampling_period * places, chosen)
+    time = log.start + log.sampling_period * places
+    W = W.transpose(0, 2, 1)
+    return Observation(W[..., :p], y, usable, time, chosen, W if friction else None)
+
+
+def without_levels(model: GeneratedModel, seen: Observation, levels: tuple[float, ...]) -> Observation:
+    """The rows without friction of given levels beside the drives, in place of those with columns of it."""
+    assert seen.with_friction is not None
+    take_off(model, seen.with_friction.transpose(0, 2, 1), seen.y, levels)
+    return replace(seen, preparation=replace(seen.preparation, coulomb=levels), with_friction=None)
 
 
 def ends_of(chosen: Preparation, n_samples: int) -> tuple[int, int]:
@@ -124,7 +154,7 @@ def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> Floa
         Complete.
     """
     sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
-    signals = sampling.window(0, sampling.n_samples, sampling.wide)
+    signals = sampling.motion(0, sampling.n_samples)
     velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
     return np.asarray(np.max(np.abs(velocities), axis=1))
 
@@ -177,52 +207,40 @@ class SignalRows:
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
         """Filtered log, with the complete preparation of its observation."""
         before, after = chosen.trim or (0, 0)
-        still = np.broadcast_to(0.0, log.n_samples)
         scheme = Scheme(chosen.difference_order)
-        own = filtered(model, log, chosen, 1.0, (name,))
-        signals = {**dict.fromkeys(model.highest_derivatives, still), **own}
+        own = filtered(model, log, chosen, 1.0, (name,))[name][:]
         rest = log.n_samples - before - after
-        sampling = Sampling(_linear(model), chosen, scheme, log.sampling_period, signals, {}, before, rest)
+        period = log.sampling_period
+        sampling = Sampling(linear_part(model), chosen, scheme, period, {name: own}, {}, before, rest)
         return cls(sampling, name)
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """Rows of W and y of the window."""
-        return self._rows(self.sampling.signals[self.name])
+        return self._rows(self._recorded)
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y, by a signal that is moved `late` seconds to an earlier time."""
-        return self._rows(self._earlier(late) - self.sampling.signals[self.name])
+        return self._rows(self._earlier(late) - self._recorded)
 
     def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y by second, from signals that are moved `step` seconds to either side."""
         return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
 
+    @property
+    def _recorded(self) -> FloatArray:
+        return self.sampling.signals[self.name][:]
+
     @cached_property
     def _spline(self) -> QuinticSpline:
-        return QuinticSpline(self.sampling.signals[self.name])
+        return QuinticSpline(self._recorded)
 
     def _earlier(self, late: float) -> FloatArray:
         return self._spline.earlier(late / self.sampling.period)
 
     def _rows(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        signals = {**self.sampling.signals, self.name: values}
-        W, y, _ = sampled(replace(self.sampling, signals=signals), with_velocities=False)
+        W, y = sampled(replace(self.sampling, signals={self.name: values}))
         return W.transpose(0, 2, 1), y
-
-
-def _linear(model: GeneratedModel) -> GeneratedModel:
-    """The model less what it is at rest: what is linear in the signals remains, of laws nothing as long as it rests."""
-    rest = {name: np.zeros(1) for name in model.signals}
-    W, y = model.sample(rest)
-    return replace(
-        model,
-        law_columns=(),
-        coulomb_at_drive=(),
-        coulomb_drives=(),
-        regressor=lambda *signals: model.regressor(*signals) - W,
-        output=lambda *signals: model.output(*signals) - y,
-    )
 
 
 def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray | None) -> BoolArray:
@@ -233,7 +251,7 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
     is any part of its level, filters carry that twice as far.
     """
     chosen, factor = sampling.chosen, sampling.factor
-    usable = np.ones((len(sampling.model.sliding), -(-sampling.n_samples // factor)), dtype=bool)
+    usable = np.ones((len(sampling.model.sliding), sampling.n_rows), dtype=bool)
     margin = _standstill_margin(chosen, sampling.period)
     offset = kept_indices(sampling.n_samples, factor).start
     for row, velocity in enumerate(velocities):

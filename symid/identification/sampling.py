@@ -36,6 +36,42 @@ WORKERS = min(4, os.cpu_count() or 1)
 
 
 @dataclass(frozen=True, eq=False)
+class Filtered:
+    """A recorded signal that is filtered, and moved in time, where it is read: no copy of the whole is kept.
+
+    Parameters
+    ----------
+    recorded : array of shape (n,)
+        The signal.
+    low_pass : ZeroPhaseFilter or None
+        What it passes.
+    earlier : float
+        Samples by which it is moved to an earlier time.
+    """
+
+    recorded: FloatArray
+    low_pass: ZeroPhaseFilter | None
+    earlier: float = 0.0
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.recorded.size
+
+    def __getitem__(self, part: slice) -> FloatArray:
+        first, last, _ = part.indices(self.size)
+        reach = self.low_pass.reach if self.low_pass else 0
+        reach += QuinticSpline.reach(self.earlier) if self.earlier else 0
+        low, high = max(first - reach, 0), min(last + reach, self.size)
+        values = self.recorded[low:high]
+        if self.low_pass:
+            values = self.low_pass.apply(values)
+        if self.earlier:
+            values = QuinticSpline(values).earlier(self.earlier)
+        return values[first - low : last - low]
+
+
+@dataclass(frozen=True, eq=False)
 class Sampling:
     """Data for sampling the model anywhere between the trimmed ends of a log.
 
@@ -49,10 +85,10 @@ class Sampling:
         How derivatives and laws are made.
     period : float
         Sampling period, s.
-    signals : mapping of str to array of shape (n,)
-        Filtered signals of the whole log.
-    wide : mapping of str to array of shape (n,)
-        The same, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of `signals`.
+    signals : mapping of str to array or Filtered of shape (n,)
+        Filtered signals of the whole log; those that are not among them are still.
+    wide : mapping of str to Filtered of shape (n,)
+        Motion, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of `signals`.
     before : int
         Samples trimmed at the beginning.
     n_samples : int
@@ -63,8 +99,8 @@ class Sampling:
     chosen: Preparation
     scheme: Scheme
     period: float
-    signals: Mapping[str, FloatArray]
-    wide: Mapping[str, FloatArray]
+    signals: Mapping[str, FloatArray | Filtered]
+    wide: Mapping[str, Filtered]
     before: int
     n_samples: int
 
@@ -72,6 +108,11 @@ class Sampling:
     def factor(self) -> int:
         """Samples that become one row."""
         return self.chosen.decimation or 1
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows."""
+        return -(-self.n_samples // self.factor)
 
     @cached_property
     def low_pass(self) -> ZeroPhaseFilter | None:
@@ -88,11 +129,6 @@ class Sampling:
         return decimation_filter(self.factor) if self.factor > 1 else None
 
     @property
-    def needs_velocities(self) -> bool:
-        """Whether rows near standstill have to be found."""
-        return any(self.model.sliding) and self.chosen.standstill != 0
-
-    @property
     def reach(self) -> int:
         """Samples on either side that the filters need."""
         return sum(f.reach for f in (self.low_pass, self.row_filter) if f is not None)
@@ -102,24 +138,34 @@ class Sampling:
         """Samples that there must be more of for the filters."""
         return max((f.padding for f in (self.low_pass, self.row_filter) if f is not None), default=0)
 
-    def window(
-        self, first: int, last: int, recorded: Mapping[str, FloatArray] | None = None
-    ) -> dict[str, FloatArray]:
+    def window(self, first: int, last: int) -> dict[str, FloatArray]:
         """Flat names with the derivatives that the model needs, from sample `first` to before sample `last`.
 
-        The differences are those of the whole log: they are taken of as many more samples as they need; of `signals`
-        if not of others.
+        The differences are those of the whole log: they are taken of as many more samples as they need.
         """
-        flat: dict[str, FloatArray] = {}
+        return self._derivatives(self.signals, first, last, self.model.highest_derivatives)
+
+    def motion(self, first: int, last: int) -> dict[str, FloatArray]:
+        """The same for laws and sliding velocities; filtered less, forces are still and, as a rule, accelerations."""
+        if not self.wide:
+            return self.window(first, last)
+        highest = self.model.highest_derivatives
+        if self.model.laws_of_velocity:
+            highest = {name: min(order, 1) for name, order in highest.items()}
+        return self._derivatives(self.wide, first, last, highest)
+
+    def _derivatives(
+        self, signals: Mapping[str, FloatArray | Filtered], first: int, last: int, highest: Mapping[str, int]
+    ) -> dict[str, FloatArray]:
+        flat = dict.fromkeys(self.model.signals, np.broadcast_to(0.0, last - first))
         first, last = first + self.before, last + self.before
-        for name, highest in self.model.highest_derivatives.items():
-            whole = (recorded or self.signals)[name]
-            margin = highest * self.scheme.reach
+        for name, whole in signals.items():
+            margin = highest[name] * self.scheme.reach
             lead = min(margin, first)
             current = whole[first - lead : min(last + margin, whole.size)]
-            for order in range(highest + 1):
+            for order in range(highest[name] + 1):
                 flat[derivative_name(name, order)] = current[lead : lead + last - first]
-                if order < highest:
+                if order < highest[name]:
                     current = self.scheme.difference(current, self.period)
         return flat
 
@@ -129,52 +175,10 @@ def sampling_of(model: GeneratedModel, log: Log, chosen: Preparation, scheme: Sc
     before, after = chosen.trim or (0, 0)
     signals, wide = filtered(model, log, chosen, 1.0, model.highest_derivatives), {}
     if scheme.widening > 1.0 and (model.law_columns or model.coulomb_at_drive):
-        still = np.broadcast_to(0.0, log.n_samples)  # laws do not hold forces
         motion = [name for name in model.highest_derivatives if name not in model.forces]
-        wide = dict.fromkeys(model.forces, still) | filtered(model, log, chosen, scheme.widening, motion)
+        wide = filtered(model, log, chosen, scheme.widening, motion)
     n_samples = log.n_samples - before - after
-    found = Sampling(model, chosen, scheme, log.sampling_period, signals, wide, before, n_samples)
-    if not chosen.coulomb:
-        return found
-    for force, friction in _coulomb_friction(found, log).items():
-        signals[force] = signals[force] - friction
-    return replace(found, signals=signals)
-
-
-def _coulomb_friction(sampling: Sampling, log: Log) -> dict[str, FloatArray]:
-    """Friction beside each drive along a whole log, filtered as the force is."""
-    model, chosen = sampling.model, sampling.chosen
-    assert chosen.coulomb is not None
-    motion = replace(sampling, before=0).window(0, log.n_samples, sampling.wide)
-    velocities = model.sliding_velocities(*(motion[name] for name in model.signals))
-    found: dict[str, FloatArray] = {}
-    for (row, _), force, level in zip(
-        model.coulomb_at_drive, model.coulomb_drives, chosen.coulomb, strict=True
-    ):
-        found[force] = found.get(force, 0.0) + level * direction(velocities[row])
-    if not chosen.filter_force:
-        return found
-    lowpass, rate = low_pass_of(chosen, 1.0, log.sampling_frequency), log.sampling_frequency
-    return {force: lowpass.apply(friction, rate, workers=WORKERS) for force, friction in found.items()}
-
-
-def direction(velocity: FloatArray) -> FloatArray:
-    """Sign of a velocity, which changes once in a reversal; while the machine stands it stays what it was.
-
-    Examples
-    --------
-    >>> direction(np.array([1.0, 0.001, -0.001, 0.001, -0.001, -1.0, 0.0, -0.001, -1.0])).tolist()
-    [1.0, 1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0]
-    """
-    fast = np.abs(velocity) > STANDSTILL_SHARE * np.max(np.abs(velocity), initial=0.0)
-    sign, every = np.sign(velocity), np.arange(velocity.size)
-    last = np.maximum.accumulate(np.where(fast, every, 0))
-    after = np.minimum.accumulate(np.where(fast, every, velocity.size - 1)[::-1])[::-1]
-    before, behind = sign[last], sign[after]
-    turned = (sign == behind) & (before != behind)
-    # the first sample of a reversal that has the new direction, and all behind it
-    turned_since = np.maximum.accumulate(np.where(turned, every, -1)) > last
-    return np.where(before == behind, before, np.where(turned_since, behind, before))
+    return Sampling(model, chosen, scheme, log.sampling_period, signals, wide, before, n_samples)
 
 
 def low_pass_of(chosen: Preparation, widening: float, sampling_frequency: float) -> LowPass:
@@ -184,26 +188,61 @@ def low_pass_of(chosen: Preparation, widening: float, sampling_frequency: float)
     return LowPass(cutoff, chosen.order)
 
 
-def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """W of shape (n_equations, n_parameters, n_rows), y, and the sliding velocities at all samples.
+def linear_part(model: GeneratedModel) -> GeneratedModel:
+    """The model less what it is at rest: what is linear in the signals remains, of laws nothing as long as it rests."""
+    rest = {name: np.zeros(1) for name in model.signals}
+    W, y = model.sample(rest)
+    return replace(
+        model,
+        law_columns=(),
+        coulomb_at_drive=(),
+        coulomb_drives=(),
+        regressor=lambda *signals: model.regressor(*signals) - W,
+        output=lambda *signals: model.output(*signals) - y,
+    )
 
-    The model is sampled, filtered and decimated piece by piece, each in the cache of one processor.
+
+def sampled(sampling: Sampling) -> tuple[FloatArray, FloatArray]:
+    """W of shape (n_equations, n_parameters, n_rows), and y."""
+    shape = (len(sampling.model.output_names), len(sampling.model.minimal_units), sampling.n_rows)
+    W, y = np.empty(shape), np.empty((shape[0], shape[2]))
+    sample_into(sampling, W, y)
+    return W, y
+
+
+def sample_into(
+    sampling: Sampling, W: FloatArray, y: FloatArray, velocities: FloatArray | None = None
+) -> None:
+    """Sample the model, filter and decimate it piece by piece, each in the cache of one processor.
+
+    Parameters
+    ----------
+    sampling : Sampling
+        The model and the log.
+    W : array of shape (n_equations, n_parameters, n_rows)
+        Is filled.
+    y : array of shape (n_equations, n_rows)
+        Is filled.
+    velocities : array of shape (n_sliding, n), optional
+        Is filled with the sliding velocities at all samples of the log.
     """
-    model, n_rows = sampling.model, -(-sampling.n_samples // sampling.factor)
-    equations, sliding = len(model.output_names), {row for rows in model.sliding for row in rows}
-    W = np.empty((equations, len(model.minimal_units), n_rows))
-    y = np.empty((equations, n_rows))
-    velocities = np.empty((len(sliding) if with_velocities else 0, sampling.n_samples))
+    model, before = sampling.model, sampling.before
     offset, thin = kept_indices(sampling.n_samples, sampling.factor).start, sampling.row_filter
 
     def sample(piece: Piece) -> None:
         places, chosen = kept_of(piece, offset, sampling.factor)
-        signals = sampling.window(piece.first, piece.last)
+        first, last = piece.first, piece.last
+        if velocities is not None:  # those of the trimmed ends too
+            first = -before if piece.start == 0 else first
+            last = velocities.shape[1] - before if piece.stop == sampling.n_samples else last
+        motion = sampling.motion(first, last)
+        inside = slice(piece.first - first, piece.last - first)
+        within = {name: values[inside] for name, values in motion.items()}
+        signals = sampling.window(piece.first, piece.last) if sampling.wide else within
         columns, output = model.sample(signals)
         columns = columns.transpose(0, 2, 1)
-        if sampling.wide:
-            signals = sampling.window(piece.first, piece.last, sampling.wide)
-            laws = model.regressor(*(signals[name] for name in model.signals)).transpose(0, 2, 1)
+        if sampling.wide and model.law_columns:
+            laws = model.regressor(*(within[name] for name in model.signals)).transpose(0, 2, 1)
             for place in model.law_columns:
                 columns[place] = laws[place]
         if sampling.low_pass is not None:
@@ -214,36 +253,25 @@ def sampled(sampling: Sampling, with_velocities: bool) -> tuple[FloatArray, Floa
         rows = ((columns.reshape(-1, columns.shape[-1]), W), (output, y))
         for values, out in rows:
             thinned = values[:, chosen] if thin is None else thin.apply_thinned(values, chosen)
-            out[..., places] = thinned.reshape(*out.shape[:-1], -1)
-        if with_velocities:
-            arguments = (signals[name][piece.inner] for name in model.signals)
-            velocities[:, piece.start : piece.stop] = model.sliding_velocities(*arguments)
+            out[..., places] = thinned.reshape(*out.shape[:-1], thinned.shape[-1])
+        if velocities is not None:
+            begin = first if piece.start == 0 else piece.start
+            end = last if piece.stop == sampling.n_samples else piece.stop
+            arguments = (motion[name][begin - first : end - first] for name in model.signals)
+            velocities[:, begin + before : end + before] = model.sliding_velocities(*arguments)
 
     in_pieces(sample, sampling.n_samples, sampling.reach, WORKERS)
-    _give_back(sampling, W, y)
-    return W, y, velocities
-
-
-def _give_back(sampling: Sampling, W: FloatArray, y: FloatArray) -> None:
-    """Add the friction that was taken off the force to the outputs that have a column of it."""
-    for (_, parameter), level in zip(
-        sampling.model.coulomb_at_drive, sampling.chosen.coulomb or (), strict=False
-    ):
-        for equation, column in sampling.model.law_columns:
-            if column == parameter:
-                y[equation] += level * W[equation, column]
 
 
 def filtered(
     model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
-) -> dict[str, FloatArray]:
+) -> dict[str, Filtered]:
     """Low-passed signals at the times at which they were; forces are filtered only if the preparation filters them."""
-    signals = {name: log[name] for name in names}
-    lowpass = low_pass_of(chosen, widening, log.sampling_frequency)
-    for name, values in signals.items():
-        if chosen.filter_force or name not in model.forces:
-            signals[name] = lowpass.apply(values, log.sampling_frequency, workers=WORKERS)
-    for name, seconds in chosen.late.items():
-        if name in signals:
-            signals[name] = QuinticSpline(signals[name]).earlier(seconds / log.sampling_period)
-    return signals
+    rate = log.sampling_frequency
+    low_pass = low_pass_of(chosen, widening, rate).run_over(log.n_samples, rate)
+    found = {}
+    for name in names:
+        passes = chosen.filter_force or name not in model.forces
+        late = chosen.late.get(name, 0.0)
+        found[name] = Filtered(log[name], low_pass if passes else None, late / log.sampling_period)
+    return found
