@@ -108,8 +108,8 @@ class Axis(Shown):
         if isinstance(self.drive, tuple):
             signals = ", ".join(drive.signal for drive in self.drive)
             raise SettingError(
-                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): diagnosis, tuning and feed-forward "
-                "take an axis with one; identify it (methods wls, ols, iv and oe)"
+                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): diagnosis and feed-forward take "
+                "an axis with one; identify it (methods wls, ols, iv and oe)"
             )
 
     def require_diagnosable(self) -> None:

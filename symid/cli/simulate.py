@@ -223,13 +223,6 @@ def runs_of(
     return cascades_of(axis, plant, options), trajectories
 
 
-def cascade_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> Cascade:
-    """Cascade of the controller options, of an axis with one drive."""
-    axis.require_one_drive()
-    (cascade,) = cascades_of(axis, plant, options)
-    return cascade
-
-
 def cascades_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Cascade, ...]:
     """Cascade of the controller options for each drive."""
     tuned = tuned_cascades(plant, axis.controlled_signals, options["bandwidth"], options["force_limit"])

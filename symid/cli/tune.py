@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -24,7 +25,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.progress import tracked
-from symid.cli.simulate import band_of, cascade_of, controller_options, runs_of, trajectory_options
+from symid.cli.simulate import band_of, cascades_of, controller_options, runs_of, trajectory_options
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of
@@ -135,7 +136,6 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
     total error.
     """
     declared = load_axis(axis)
-    declared.require_one_drive()
     parameters = parameter_file(file, declared)
     if options["noise_from"] or options["noise"]:
         total = _total(axis, declared, parameters, options)
@@ -202,13 +202,14 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
 _tracked = partial(tracked, what="errors by frequency")
 
 
-def _run_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Controller, Trajectory]:
-    """Controller and trajectory; a chirp of constant velocity is the one that the paper's velocity loop gets."""
+def _run_of(
+    axis: Axis, plant: Plant, options: dict[str, Any]
+) -> tuple[Sequence[Controller], Trajectory | Sequence[Trajectory]]:
+    """Controllers and trajectories; a chirp of constant velocity is the one that the paper's velocity loop gets."""
     low, high = excited_band(plant) if options["band"] == "modes" else band_of(options["band"])
     is_velocity = options["trajectory"] == "chirp" and options["amplitude_of"] == "velocity"
     if not is_velocity or options["open_loop"]:
-        (controller,), (trajectory,) = runs_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
-        return controller, trajectory
+        return runs_of(axis, plant, {**options, "band": f"{low:g},{high:g}"})
     limits = {name: options[name] for name in ("travel", "speed", "acceleration")}
     reference = tuning_chirp(plant, options["rate"], options["seconds"], (low, high), **limits)
-    return cascade_of(axis, plant, options), reference
+    return cascades_of(axis, plant, options), reference

@@ -22,7 +22,7 @@ _PLACE, _PROBE = "place_of_{}", "probe_of_{}"
 
 @dataclass(frozen=True, eq=False)
 class ExactRun:
-    """Exact motion of every body, and the force, of a noise-free simulation.
+    """Exact motion of every body, and the forces, of a noise-free simulation.
 
     The force of the simulation is held during a controller sample. At the middle of it the force is that of a
     continuous controller up to (w T)^2 / 24, which the rate of the controller makes small; there it is taken.
@@ -51,8 +51,14 @@ class ExactRun:
         """Rate of the controller, Hz."""
         return 1.0 / self.period
 
-    def exact_signals(self, every: int = 1) -> tuple[dict[str, FloatArray], FloatArray]:
-        """Coordinates with their exact derivatives by name, such as ``q_motor_d2``, and the force that caused them.
+    @property
+    def forces(self) -> dict[str, FloatArray]:
+        """Force of each drive by its signal, from each sample to the next."""
+        columns = self.simulation.forces.reshape(self.simulation.time.size, -1).T
+        return {drive.signal: column for drive, column in zip(self.axis.drives, columns, strict=True)}
+
+    def exact_signals(self, every: int = 1) -> dict[str, FloatArray]:
+        """Coordinates with their exact derivatives, such as ``q_motor_d2``, and the forces that caused them, by name.
 
         `every` is the number of controller samples per sample.
         """
@@ -64,17 +70,16 @@ class ExactRun:
             exact = (run.states[:, :n], run.states[:, n:], run.accelerations)
             for order, values in enumerate(exact):
                 motion[derivative_name(f"q_{body.name}", order)] = values[kept] @ row
-        return motion, run.forces[:-1][kept.start - 1 :: every]
+        return motion | {name: force[:-1:every] for name, force in self.forces.items()}
 
     def log(self, frequency_hz: float, signals: Sequence[str] | None = None) -> Log:
         """Log of the given sensors, all by default, sampled at any rate, all signals at the time of the sample."""
-        names = signals or [sensor.signal for sensor in self.axis.sensors]
+        names = [*(signals or (sensor.signal for sensor in self.axis.sensors)), *self.forces]
         count = int((self.simulation.time.size - 1) * self.period * frequency_hz * (1 + 1e-12)) + 1
         if count < 2:
             raise SettingError(f"{frequency_hz:g} Hz leaves {count} samples of the run: choose a higher rate")
         time = self.simulation.time[0] + np.arange(count) / frequency_hz
         sampled = {name: self._interpolants[name](time) for name in names}
-        sampled[self.axis.only_drive.signal] = self._interpolants[self.axis.only_drive.signal](time)
         return Log.from_arrays(
             sampled, sampling_period=1.0 / frequency_hz, start=time[0], source=f"simulated {self.axis.name}"
         )
@@ -84,7 +89,7 @@ class ExactRun:
         """Cubics through exact values and slopes of positions; means of acceleration and force between samples."""
         run = self.simulation
         n, middle = run.accelerations.shape[1], run.time[:-1] + 0.5 * self.period
-        found: dict[str, PPoly] = {self.axis.only_drive.signal: CubicSpline(middle, run.forces[:-1])}
+        found: dict[str, PPoly] = {name: CubicSpline(middle, f[:-1]) for name, f in self.forces.items()}
         for sensor in self.axis.sensors:
             row, order = self.rows[sensor.signal]
             place, speed = run.states[:, :n] @ row, run.states[:, n:] @ row
@@ -97,7 +102,10 @@ class ExactRun:
 
 
 def exact_run(
-    axis: Axis, parameters: Mapping[str, float], trajectory: Trajectory, controller: Controller
+    axis: Axis,
+    parameters: Mapping[str, float],
+    trajectory: Trajectory | Sequence[Trajectory],
+    controller: Controller | Sequence[Controller],
 ) -> ExactRun:
     """Simulate an axis without noise, resolution or delay of its signals.
 
@@ -107,10 +115,11 @@ def exact_run(
         The declared axis.
     parameters : mapping of str to float
         Values of its physical parameters, SI.
-    trajectory : Trajectory
-        Reference; its rate, that of the controller, should be far above the motion's frequencies.
-    controller : Controller
-        Reads sensors of the axis.
+    trajectory : Trajectory or sequence of Trajectory
+        Reference, one for all drives or one for each; its rate, that of the controllers, should be far above the
+        motion's frequencies.
+    controller : Controller or sequence of Controller
+        One for each drive; reads sensors of the axis.
 
     Raises
     ------
@@ -127,9 +136,9 @@ def exact_run(
     >>> run.log(333.3).sampling_frequency
     333.3
     """
-    perfect = axis.with_signal(axis.only_drive.signal, noise=0.0)
-    for sensor in axis.sensors:
-        perfect = perfect.with_signal(sensor.signal, noise=0.0)
+    perfect = axis
+    for signal in axis.signal_units:
+        perfect = perfect.with_signal(signal, noise=0.0)
     bodies = axis.free_bodies
     probes = tuple(Position(_PLACE.format(body.name), body) for body in bodies)
     accelerometer = Acceleration(_PROBE.format(bodies[0].name), bodies[0])

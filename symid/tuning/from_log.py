@@ -16,7 +16,7 @@ from symid.errors import SettingError
 from symid.identification import Preparation, identify
 from symid.identification.noise import noise_deviations
 from symid.identification.settings import coherent_band, completed
-from symid.simulation import Replay, Trajectory, plant_of, tuned_cascade
+from symid.simulation import Replay, Trajectory, plant_of, tuned_cascades
 from symid.tuning.bound import Track
 from symid.tuning.exact_run import ExactRun, exact_run
 from symid.tuning.total import TotalTuning, tune_total
@@ -40,9 +40,9 @@ def run_of_log(
 ) -> ExactRun:
     """Simulate an axis without noise so that it moves as in a log.
 
-    The recorded force drives it, and a slow cascade keeps it to the recorded position. Nothing need be known of the
-    controller of the log, and the motion is excited at the frequencies at which it was. Both signals are low-passed
-    at 1.5 times the band in which they are coherent, so that their noise does not move the axis.
+    The recorded forces drive it, and a slow cascade for each drive keeps it to the recorded position. Nothing need be
+    known of the controller of the log, and the motion is excited at the frequencies at which it was. All signals are
+    low-passed at 1.5 times the band in which they are coherent, so that their noise does not move the axis.
 
     Parameters
     ----------
@@ -53,11 +53,11 @@ def run_of_log(
     parameters : mapping of str to float
         Values of its physical parameters, SI.
     log : Log
-        Holds the force and the first position sensor.
+        Holds the force and the controlled position of each drive.
     late : mapping of str to float, optional
         Seconds by which signals were recorded late, as in `Preparation`.
     bandwidth_hz : float
-        Bandwidth of the cascade's velocity loop.
+        Bandwidth of the velocity loops of the cascades.
 
     Raises
     ------
@@ -70,18 +70,22 @@ def run_of_log(
     period, samples = log.sampling_period / finer, log.sampling_period * np.arange(log.n_samples)
     time = period * np.arange((log.n_samples - 1) * finer + 1)
     delays = late or {}
-    position, force = (
-        scipy.interpolate.CubicSpline(samples, low_pass.apply(log[name], rate))
-        for name in (axis.controlled, model.force)
-    )
-    at = time + delays.get(axis.controlled, 0.0)
-    reference = Trajectory(
-        position(at) - position(at[0]), position(at, 1), position(at, 2), period, log.source, log.start
-    )
-    # A force that is held acts as at the middle of its hold.
-    forces = force(time + delays.get(model.force, 0.0) + 0.5 * period)
-    cascade = tuned_cascade(plant_of(axis, parameters), axis.controlled, bandwidth_hz)
-    return exact_run(axis, parameters, reference, Replay(forces, cascade))
+    references, controllers = [], []
+    for drive, cascade in zip(
+        axis.drives,
+        tuned_cascades(plant_of(axis, parameters), axis.controlled_signals, bandwidth_hz),
+        strict=True,
+    ):
+        position, force = (
+            scipy.interpolate.CubicSpline(samples, low_pass.apply(log[name], rate))
+            for name in (cascade.signal, drive.signal)
+        )
+        at = time + delays.get(cascade.signal, 0.0)
+        moved = position(at) - position(at[0])
+        references.append(Trajectory(moved, position(at, 1), position(at, 2), period, log.source, log.start))
+        # A force that is held acts as at the middle of its hold.
+        controllers.append(Replay(force(time + delays.get(drive.signal, 0.0) + 0.5 * period), cascade))
+    return exact_run(axis, parameters, references, controllers)
 
 
 def runs_of_log(

@@ -59,29 +59,40 @@ class LowPassErrors:
         return self.run.rate / self._every
 
     @cached_property
-    def _exact(self) -> tuple[dict[str, FloatArray], FloatArray]:
+    def _exact(self) -> dict[str, FloatArray]:
         return self.run.exact_signals(self._every)
+
+    @property
+    def _n_samples(self) -> int:
+        return next(iter(self._exact.values())).size
 
     def scan(self, points: int) -> list[float]:
         """Cutoff frequencies to be scanned, Hz, from that which trims a quarter of the data."""
-        duration = self._exact[1].size / self.rate
+        duration = self._n_samples / self.rate
         lowest = max(_LOWEST_SHARE * self.rate, 8 * _EDGE_PERIODS / duration)
         return [float(f) for f in np.geomspace(lowest, _HIGHEST_SHARE * self.rate, points)]
 
     def errors(self, cutoff_hz: float) -> dict[str, float]:
         """Error of each physical parameter in percent; nan if its true value is 0 or not determined."""
-        motion, force = self._exact
         low_pass = LowPass(cutoff_hz, self.order)
-        filtered = {name: low_pass.apply(values, self.rate) for name, values in motion.items()}
+        kept_as_is = () if self.filter_force else self.run.forces
+        filtered = {
+            name: values if name in kept_as_is else low_pass.apply(values, self.rate)
+            for name, values in self._exact.items()
+        }
         # Exact derivatives are filtered, so that neither differences nor noise play a part: the error of the filter
         # remains, which nonlinear laws of filtered motion do not commute with.
-        W, y = self.model.sample(filtered, low_pass.apply(force, self.rate) if self.filter_force else force)
+        W, y = self.model.sample(filtered)
         if self.filter_force:
             for equation, column in self.model.law_columns:
                 W[equation, :, column] = low_pass.apply(W[equation, :, column], self.rate)
         kept = self._kept(filtered, cutoff_hz)
-        fit = estimate(triangular_factors(W[:, kept], y[:, kept]), "ols")
-        found = zip(self.model.parameters, map(float, fit.parameters), strict=True)
+        known = self.run.axis.known_parameters
+        sought = [i for i, name in enumerate(self.model.parameters) if name not in known]
+        for i, name in enumerate(self.model.parameters):
+            y -= known.get(name, 0.0) * W[:, :, i]
+        fit = estimate(triangular_factors(W[:, kept][:, :, sought], y[:, kept]), "ols")
+        found = zip((self.model.parameters[i] for i in sought), map(float, fit.parameters), strict=True)
         return {
             name: 100.0 * (value / self.parameters[name] - 1.0) if self.parameters[name] else math.nan
             for name, value in found
@@ -90,7 +101,7 @@ class LowPassErrors:
 
     def _kept(self, filtered: Mapping[str, FloatArray], cutoff_hz: float) -> BoolArray:
         """Rows away from the ends, and from the zeros of velocities at which a law jumps."""
-        n_samples = self._exact[1].size
+        n_samples = self._n_samples
         kept = np.ones(n_samples, dtype=bool)
         edge = math.ceil(_EDGE_PERIODS * self.rate / cutoff_hz)
         kept[:edge] = kept[n_samples - edge :] = False

@@ -26,11 +26,11 @@ class StandardModel:
     parameters : tuple of str
         Physical parameters, the columns of DS.
     signals : tuple of str
-        Coordinates of the free bodies and their derivatives, such as ``q_motor_d2``: arguments of the columns.
-    force_gains : tuple of float
-        Factor of the drive force on the left-hand side of each equation.
+        Coordinates of the free bodies and their derivatives, such as ``q_motor_d2``, and what the drives record.
+    outputs : tuple of callable
+        For each equation, yS of the signals.
     columns : tuple of tuple of callable
-        For each equation and parameter, the column of DS.
+        For each equation and parameter, the column of DS of the signals.
     law_columns : tuple of tuple of int
         Equation and parameter of the columns that hold values of nonlinear laws.
     jumps : tuple of callable
@@ -41,24 +41,26 @@ class StandardModel:
 
     parameters: tuple[str, ...]
     signals: tuple[str, ...]
-    force_gains: tuple[float, ...]
+    outputs: tuple[_Column, ...]
     columns: tuple[tuple[_Column, ...], ...]
     law_columns: tuple[tuple[int, int], ...]
     jumps: tuple[_Column, ...]
     per_log: tuple[str, ...]
 
-    def sample(self, motion: Mapping[str, FloatArray], force: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def sample(self, values: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Observation W of shape (n_equations, n_samples, n_parameters) and y of shape (n_equations, n_samples)."""
-        arguments = [motion[name] for name in self.signals]
-        W = np.empty((len(self.columns), force.size, len(self.parameters)))
+        arguments = [values[name] for name in self.signals]
+        W = np.empty((len(self.columns), arguments[0].size, len(self.parameters)))
+        y = np.empty(W.shape[:2])
         for j, row in enumerate(self.columns):
+            y[j] = self.outputs[j](*arguments)
             for i, column in enumerate(row):
                 W[j, :, i] = column(*arguments)
-        return W, np.outer(self.force_gains, force)
+        return W, y
 
-    def sliding(self, motion: Mapping[str, FloatArray]) -> tuple[FloatArray, ...]:
+    def sliding(self, values: Mapping[str, FloatArray]) -> tuple[FloatArray, ...]:
         """Velocities at whose zeros a law jumps."""
-        return tuple(jump(*(motion[name] for name in self.signals)) for jump in self.jumps)
+        return tuple(jump(*(values[name] for name in self.signals)) for jump in self.jumps)
 
 
 def standard_model(axis: Axis) -> StandardModel:
@@ -67,12 +69,13 @@ def standard_model(axis: Axis) -> StandardModel:
     Examples
     --------
     >>> from symid.axis import load_axis
-    >>> model = standard_model(load_axis("direct_2m1s"))
-    >>> model.parameters, model.force_gains
-    (('Ms', 'Fvs', 'Ks', 'Mm', 'Fvm', 'Fsm'), (0.0, 1.0))
+    >>> model = standard_model(load_axis("rigid_1m"))
+    >>> model.parameters, model.signals
+    (('M', 'Fv', 'Fs'), ('q_motor', 'q_motor_d1', 'q_motor_d2', 'F'))
     """
     dynamics, kinematics = inverse_dynamics(axis), Kinematics(axis)
     symbols = [kinematics.symbol(body, order) for body in axis.free_bodies for order in range(3)]
+    symbols += [sp.Symbol(drive.signal) for drive in axis.drives]
     parameters = tuple(
         name for name in axis.parameter_units if name in dynamics.known or name in axis.physical_parameters
     )
@@ -84,17 +87,18 @@ def standard_model(axis: Axis) -> StandardModel:
         laws[entry.symbol] = entry.expression.xreplace({sp.Symbol("q"): place, sp.Symbol("v"): speed})
         if not is_smooth(entry.expression):
             jumps[speed] = _function(speed.xreplace(constants), symbols)
-    columns, law_columns, force_gains = [], [], []
+    outputs, columns, law_columns = [], [], []
+    absent = {parameter_symbol(name): sp.Integer(0) for name in parameters}
     for j, balance in enumerate(dynamics.balances):
         by_parameter = [sp.diff(balance, parameter_symbol(name)) for name in parameters]
         law_columns += [(j, i) for i, column in enumerate(by_parameter) if column.free_symbols & laws.keys()]
         written = [column.xreplace(laws).xreplace(constants) for column in by_parameter]
         columns.append(tuple(_function(column, symbols) for column in written))
-        force_gains.append(0.0 - float(balance.coeff(sp.Symbol(axis.only_drive.signal)).xreplace(constants)))
+        outputs.append(_function(-balance.xreplace(absent).xreplace(constants), symbols))
     return StandardModel(
         parameters,
         tuple(map(str, symbols)),
-        tuple(force_gains),
+        tuple(outputs),
         tuple(columns),
         tuple(law_columns),
         tuple(jumps.values()),

@@ -17,7 +17,7 @@ from symid.data import differencing_bandwidth
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
 from symid.shown import Shown
-from symid.simulation import Controller, Trajectory, plant_of, tuned_cascade
+from symid.simulation import Controller, Trajectory, plant_of, tuned_cascades
 from symid.symbolic import derive
 from symid.symbolic.expressions import is_smooth, law_expression
 from symid.tuning.bound import BoundSearch, Track, lowest_within
@@ -126,8 +126,8 @@ def tune(
     parameters: Mapping[str, float],
     measured: Sequence[str] | None = None,
     *,
-    trajectory: Trajectory | None = None,
-    controller: Controller | None = None,
+    trajectory: Trajectory | Sequence[Trajectory] | None = None,
+    controller: Controller | Sequence[Controller] | None = None,
     max_lowpass_error: float = 0.01,
     max_sampling_error: float = 1.0,
     order: int = 4,
@@ -145,11 +145,12 @@ def tune(
     parameters : mapping of str to float
         A priori values of its physical parameters, SI.
     measured : sequence of str, optional
-        Signals of the sensors; the first sensor by default.
-    trajectory : Trajectory, optional
-        Reference of the simulation, at the rate of the controller; `tuning_chirp` at 20 kHz by default.
-    controller : Controller, optional
-        By default a cascade tuned to the axis, 10 Hz of bandwidth, on the first position sensor.
+        Signals of the sensors; those required by default.
+    trajectory : Trajectory or sequence of Trajectory, optional
+        Reference of the simulation, one for all drives or one for each, at the rate of the controller; `tuning_chirp`
+        at 20 kHz by default.
+    controller : Controller or sequence of Controller, optional
+        One for each drive; by default a cascade tuned to the axis, 10 Hz of bandwidth, on its position sensor.
     max_lowpass_error : float
         Bound of the largest error in [35], percent.
     max_sampling_error : float
@@ -188,7 +189,6 @@ def tune(
     >>> tuned.status, tuned.differences, tuned.left_out
     ('ok', 2, ('Fs',))
     """
-    axis.require_one_drive()
     for bound in (max_lowpass_error, max_sampling_error):
         if not 0.0 < bound < math.inf:
             raise SettingError(f"a bound of {bound:g} % is not possible: give a positive number of percent")
@@ -244,8 +244,8 @@ def without_jumps(axis: Axis) -> Axis:
 def noise_free_run(
     axis: Axis,
     parameters: Mapping[str, float],
-    trajectory: Trajectory | None = None,
-    controller: Controller | None = None,
+    trajectory: Trajectory | Sequence[Trajectory] | None = None,
+    controller: Controller | Sequence[Controller] | None = None,
 ) -> ExactRun:
     """Run along the trajectory under the controller, or along the default chirp under the default cascade."""
     plant = plant_of(axis, parameters)
@@ -253,7 +253,7 @@ def noise_free_run(
         axis,
         parameters,
         trajectory or tuning_chirp(plant, CONTROLLER_HZ),
-        controller or tuned_cascade(plant, axis.controlled, 10.0),
+        controller or tuned_cascades(plant, axis.controlled_signals, 10.0),
     )
 
 

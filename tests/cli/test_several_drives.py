@@ -68,7 +68,6 @@ def test_two_drives_from_simulation_to_a_page_and_a_batch(
     [
         "diagnose gantry run.csv",
         "batch gantry run.csv -o rows.parquet --diagnose",
-        "tune gantry --parameters P.json",
     ],
 )
 def test_what_takes_one_drive_says_so_in_one_line(
@@ -80,6 +79,15 @@ def test_what_takes_one_drive_says_so_in_one_line(
     said = capsys.readouterr().err
     assert "axis 'gantry' has 2 drives (F1, F2)" in said
     assert said.count("\n") == 1
+
+
+def test_tuning_takes_a_reference_of_each_drive(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = "--trajectory paths.csv --measured q1,q2 --rate 4000 --max-lowpass-error 0.1"
+    assert run("tune", "gantry", "--parameters", "P.json", *options.split(), "--json", "tuned.json") == 0
+    found = json.loads(Path("tuned.json").read_text())
+    assert found["sampling"]["errors_percent"].keys() == TRUE.keys() - {"Fs1", "Fs2"}
+    assert found["cutoff"]["largest_error_percent"] == pytest.approx(0.1, rel=0.03)
+    assert found["status"] == "ok", found["message"]
 
 
 def test_held_names_a_force_of_the_axis(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -103,7 +103,7 @@ def test_standard_model_is_that_of_the_paper():
     }
     force = random.normal(size=50)
     model = standard_model(load_axis("direct_2m1s"))
-    W, y = model.sample(motion, force)
+    W, y = model.sample(motion | {"Fm": force})
     a1, v1, p1 = (motion[f"q_structure{order}"] for order in ("_d2", "_d1", ""))
     a2, v2 = motion["q_motor_d2"], motion["q_motor_d1"]
     zero = np.zeros(50)
