@@ -20,7 +20,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
-from symid.diagnosis.prediction.dead_channels import without_dead_channels
+from symid.diagnosis.prediction.dead_channels import require_live_channels
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of, signals_of
 from symid.diagnosis.selection.backward import backward_elimination, without
@@ -129,13 +129,11 @@ def diagnose(
     others = [validation] if isinstance(validation, Log) else list(validation or ())
     if not others and len(logs) > 1:
         others = [logs.pop()]
-    kept, dead = without_dead_channels(axis, [*logs, *others])
-    logs, others = kept[: len(logs)], kept[len(logs) :]
+    require_live_channels(axis, [*logs, *others])
     runs = _one_run(axis, logs), _one_run(axis, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller)
-        found = _either_way(axis, runs, nominal, recorded, library)
-    return replace(found, faults=(*dead, *found.faults))
+        return _either_way(axis, runs, nominal, recorded, library)
 
 
 def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:

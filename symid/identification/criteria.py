@@ -25,12 +25,19 @@ class Criteria:
         Part of the residual's power that parameters of their own for the two parts must take away: a change that
         explains less is widened into the interval, but is not what is wrong with the log.
     nonlinear : float
-        Part of the residual's power that a cubic of the predicted output must take away for the drive to be called
-        limited; on random undamaged logs it takes 0 to 0.1, on clipped ones 0.4 to 0.9.
+        Part of the residual's power that a cubic of the predicted output, or for a smoothed force its second
+        derivative, must take away; on random undamaged logs a cubic takes 0 to 0.1, on clipped ones 0.4 to 0.9.
+    gain_certain : float
+        Standard deviations of such a cubic, and of a drifting gain, that are as good: undamaged logs show up to 3.
     nonlinear_output : float
         Part of the output (rms) that this cubic must be.
     smoothed_output : float
         The same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it.
+    averaged : float
+        Part that a mean takes from one signal at the cutoff, and from another not: sensors and forces of such logs are
+        off by 5 % from about there on, since dampers and modes hang on what is fast.
+    gain_drift : float
+        Relative change of a force's gain from begin to end of a log: well above what 10 % of warm friction make of it.
     worst_fit : float
         Residual, as part of the output, beyond which an equation says nothing where noise does not explain it: shares
         of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1.
@@ -56,8 +63,11 @@ class Criteria:
     change_certain: float = 6.0
     change_explains: float = 0.25
     nonlinear: float = 0.35
+    gain_certain: float = 6.0
     nonlinear_output: float = 0.01
     smoothed_output: float = 0.03
+    averaged: float = 0.01
+    gain_drift: float = 0.15
     worst_fit: float = 0.3
     cutoff_fit: float = 0.1
     precise: float = 0.05

@@ -31,13 +31,14 @@ from symid.identification.contradiction import judged
 from symid.identification.cutoff import Estimation, Trial, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.misfit import misfit_of, noiseless_misfit
-from symid.identification.nonlinearity import nonlinearity_of
+from symid.identification.nonlinearity import drift_of_gain, nonlinearity_of
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.result import Identification, trusted_covariance
 from symid.identification.settings import Preparation
+from symid.identification.smoothing import smoothing_of
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import drift_of, timing_of
 from symid.identification.trust import Faults, distrust
@@ -228,10 +229,11 @@ def _faults(
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit, inflation)
     return Faults(
-        recording=fault_of(model, parts, fit) or disagreement_of(model, parts),
+        recording=fault_of(model, parts, fit) or smoothing_of(model, parts) or disagreement_of(model, parts),
         misfit=misfit_of(model, parts, fit)
-        or nonlinearity_of(model, parts, fit)
+        or nonlinearity_of(model, parts, fit, inflation)
         or (change.statement(model) if change else "")
+        or drift_of_gain(model, parts, fit, inflation)
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift_of(model, parts, fit),
     )

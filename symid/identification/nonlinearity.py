@@ -8,7 +8,7 @@ itself explains. A force that was smoothed lacks, in the same way, a part of its
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.misfit import unexplained
-from symid.identification.whitened import whitened
+from symid.identification.whitened import WhitenedRows, whitened
 
 _NOISE_EXPLAINS = 1.5
 """Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
@@ -27,7 +27,11 @@ _INDEPENDENT = 1e-8
 
 
 def nonlinearity_of(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, criteria: Criteria = CRITERIA
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    inflation: float,
+    criteria: Criteria = CRITERIA,
 ) -> str:
     """Compression of the force where it is large, in words; empty if it is in proportion."""
     of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
@@ -39,26 +43,59 @@ def nonlinearity_of(
             np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
         )
         scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
-        share, size = _share(Z, rest, (y / scale) ** 3, y)
-        if share > criteria.nonlinear and abs(size) > criteria.nonlinear_output:
-            less = "less" if size < 0 else "more"
+        cubic = _Column.of(Z, rest, (y / scale) ** 3, y)
+        is_bent = cubic.share > min(criteria.nonlinear, _certain(rest, inflation, criteria))
+        if is_bent and abs(cubic.size) > criteria.nonlinear_output:
+            less = "less" if cubic.factor < 0 else "more"
             return (
                 f"where {force} is large it is {less} than in proportion to the motion (a cubic takes away "
-                f"{100 * share:.2g} % of the residual's power): it is clipped, limited, or its gain changes with it; "
-                "record with a wider range"
+                f"{100 * cubic.share:.2g} % of the residual's power): it is clipped, limited, or its gain changes with "
+                "it; record with a wider range"
             )
         if any(name.startswith(f"{force}_d") for name in model.signals):
             continue  # flexible bodies make the same difference
         if not beyond_noise[j]:
             continue  # noise in W does too
         bent = np.concatenate([_bent(parts[r.part], fit, j) for r in rows])
-        share, size = _share(Z, rest, bent, y)
-        if share > criteria.nonlinear and size > criteria.smoothed_output:
+        missing = _Column.of(Z, rest, bent, y)
+        if missing.share > criteria.nonlinear and missing.size > criteria.smoothed_output:
             return (
-                f"{force} lacks what is fast in the motion (its second derivative takes away {100 * share:.2g} % "
-                "of the residual's power): it was smoothed; record it raw, or lower --cutoff"
+                f"{force} lacks what is fast in the motion (its second derivative takes away "
+                f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
+                "--cutoff"
             )
     return ""
+
+
+def drift_of_gain(
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    inflation: float,
+    criteria: Criteria = CRITERIA,
+) -> str:
+    """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
+    every = list(whitened(parts, fit))
+    for j, force in enumerate(model.output_names):
+        if force not in model.forces:
+            continue
+        rows = [r for r in every if r.equation == j]
+        Z, rest, y = (
+            np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
+        )
+        drift = _Column.of(Z, rest, y * np.concatenate([_course(parts, r) for r in rows]), y)
+        if drift.share > _certain(rest, inflation, criteria) and abs(drift.factor) > criteria.gain_drift:
+            return (
+                f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the same "
+                "motion takes: its gain drifts, or the machine changes; identify the parts apart (--trim)"
+            )
+    return ""
+
+
+def _certain(residual: FloatArray, inflation: float, criteria: Criteria) -> float:
+    """Part of the residual's power that a column which is certain takes away."""
+    ratio = criteria.gain_certain**2 * inflation / residual.size
+    return ratio / (1.0 + ratio)
 
 
 def _bent(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
@@ -70,15 +107,42 @@ def _bent(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
     return np.asarray(bent[seen.valid[equation]])
 
 
-def _share(Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> tuple[float, float]:
-    """Part of the power of the residual r that a column takes away beyond those of Z, and its size by that of y."""
-    power, whole = float(r @ r), float(column @ column)
-    if not power > 0.0 or not whole > 0.0:
-        return 0.0, 0.0
-    own = column - Z @ np.linalg.lstsq(Z, column, rcond=None)[0]
-    rest = float(own @ own)
-    if rest < _INDEPENDENT * whole:
-        return 0.0, 0.0
-    factor = float(own @ r) / rest
-    size = np.sign(factor) * np.sqrt(factor**2 * rest / max(float(y @ y), np.finfo(float).tiny))
-    return factor**2 * rest / power, float(size)
+def _course(parts: Sequence[Excerpt], rows: WhitenedRows) -> FloatArray:
+    """Time of the used rows of a part within its log, from -0.5 to 0.5."""
+    own = parts[rows.part]
+    times = np.concatenate([part.observation.time for part in parts if part.of == own.of])
+    used = own.observation.time[own.observation.valid[rows.equation]]
+    return np.asarray((used - times.min()) / np.ptp(times) - 0.5)
+
+
+@dataclass(frozen=True)
+class _Column:
+    """What one more column would do.
+
+    Parameters
+    ----------
+    share : float
+        Part of the residual's power that it takes away beyond the columns of the model.
+    size : float
+        What is its own (rms), as part of the output, with the sign of the factor.
+    factor : float
+        Its parameter.
+    """
+
+    share: float = 0.0
+    size: float = 0.0
+    factor: float = 0.0
+
+    @classmethod
+    def of(cls, Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> _Column:
+        """Of columns Z of the model, residual r, and output y."""
+        power, whole = float(r @ r), float(column @ column)
+        if not power > 0.0 or not whole > 0.0:
+            return cls()
+        own = column - Z @ np.linalg.lstsq(Z, column, rcond=None)[0]
+        rest = float(own @ own)
+        if rest < _INDEPENDENT * whole:
+            return cls()
+        factor = float(own @ r) / rest
+        size = np.sign(factor) * np.sqrt(factor**2 * rest / max(float(y @ y), np.finfo(float).tiny))
+        return cls(factor**2 * rest / power, float(size), factor)

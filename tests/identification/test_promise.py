@@ -74,6 +74,28 @@ FAULTS = {
         "poor_fit",
         "clipped",
     ),
+    "soft limit in noise": (
+        lambda F, r: (
+            1.5 * F.max() * np.tanh(F / (1.5 * F.max())) + 0.03 * F.max() * r.standard_normal(F.size)
+        ),
+        "poor_fit",
+        "where F is large it is less",
+    ),
+    "drifting gain": (
+        lambda F, r: F * np.linspace(1.0, 0.8, F.size) + 0.2 * F.max() * r.standard_normal(F.size),
+        "poor_fit",
+        "from begin to end of the log",
+    ),
+    "interpolated": (
+        lambda F, r: np.interp(np.arange(F.size), np.arange(0, F.size, 2), F[::2]),
+        "recording",
+        "along straight lines of 2 samples each",
+    ),
+    "mean": (
+        lambda F, r: np.convolve(F, np.full(21, 1 / 21), mode="same"),
+        "recording",
+        "a mean over 21 samples",
+    ),
     "two machines": (
         lambda F, r: F * np.where(np.arange(F.size) < 0.6 * F.size, 1.0, 1.5),
         "poor_fit",
@@ -90,6 +112,12 @@ def test_a_fault_of_the_force_is_named(fault: str) -> None:
     assert found.status != "ok"
     assert status in (None, found.status), found.message
     assert words in found.message
+
+
+def test_signals_that_are_averaged_alike_are_no_fault() -> None:
+    same = {name: np.convolve(x, np.full(5, 0.2), mode="same") for name, x in rigid().items()}
+    assert "a mean" not in identified(**same).message
+    assert "F is a mean over 5" in identified(F=same["F"]).message
 
 
 def test_a_drifting_clock_is_named() -> None:

@@ -1,0 +1,100 @@
+"""Channels that were interpolated or averaged before they were recorded: their noise near Nyquist says nothing.
+
+Both leave a trace in differences of neighbouring samples. Between the samples of a linear interpolation every second
+difference is zero. A mean over n samples has the first difference (x[k] - x[k - n]) / n, so that what is fast in it,
+such as noise, comes again with the other sign n samples later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.codegen import GeneratedModel
+from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.excerpts import Excerpt
+
+_SPACINGS = range(2, 17)
+_STRAIGHT = 0.01
+"""Of the median second difference at the samples between which a signal is interpolated, that others may have."""
+_DIFFERENCES = 4
+_USUAL = 3.0
+"""Times the median difference beyond which a larger one counts as no larger."""
+_NEAREST, _FARTHEST = 4, 600
+"""Samples of means that are looked for."""
+_ECHO = -0.3
+"""Autocorrelation of the differences beyond which they come again with the other sign; -0.5 without any motion."""
+_ALONE = 0.6
+"""Of the echo, that no other lag may have: a disturbance with a period has many."""
+
+
+def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
+    """Which channel was interpolated, or averaged and others not, in words; empty if none was."""
+    for part in parts:
+        averaged = {}
+        for name in model.highest_derivatives:
+            x = part.log[name]
+            if spacing := interpolated_from(x):
+                return (
+                    f"{name} runs along straight lines of {spacing} samples each: it was interpolated, so that its "
+                    f"noise cannot be told; record it at the rate of the log, or thin the log by {spacing}"
+                )
+            averaged[name] = averaged_over(x)
+        cutoff = part.observation.preparation.cutoff_hz
+        assert cutoff is not None
+        lost = {n: 1.0 - float(np.sinc(k * cutoff * part.log.sampling_period)) for n, k in averaged.items()}
+        name = max(lost, key=lost.__getitem__)
+        if lost[name] - min(lost.values()) > criteria.averaged:
+            return (
+                f"{name} is a mean over {averaged[name]} samples, which takes {100 * lost[name]:.2g} % at the cutoff, "
+                "and not of all signals: record it raw, or average all alike"
+            )
+    return ""
+
+
+def interpolated_from(x: FloatArray) -> int:
+    """Spacing of the samples between which a signal was interpolated linearly; 0 if it was not.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).standard_normal(1000)
+    >>> interpolated_from(np.interp(np.arange(4000) / 4, np.arange(1000), x)), interpolated_from(x)
+    (4, 0)
+    """
+    bent = np.abs(np.diff(x, 2))
+    for n in _SPACINGS:
+        if bent.size < 10 * n:
+            break
+        phases = bent[: bent.size // n * n].reshape(-1, n)
+        knots = np.median(phases, axis=0)
+        k = int(np.argmax(knots))
+        if np.quantile(np.delete(phases, k, axis=1), 0.9) < _STRAIGHT * knots[k]:
+            return n
+    return 0
+
+
+def averaged_over(x: FloatArray) -> int:
+    """Samples over which a signal was averaged; 0 if that cannot be seen.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).standard_normal(4000)
+    >>> averaged_over(np.convolve(x, np.full(21, 1 / 21), mode="valid")), averaged_over(x)
+    (21, 0)
+    """
+    z = np.diff(x, _DIFFERENCES)
+    usual = _USUAL * float(np.median(np.abs(z)))
+    z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
+    size = 1 << (2 * z.size - 1).bit_length()
+    power = np.abs(np.fft.rfft(z, size)) ** 2
+    lags = np.fft.irfft(power, size)[: min(_FARTHEST + _NEAREST + 1, z.size // 4)]
+    if lags.size < 3 * _NEAREST or not lags[0] > 0.0:
+        return 0
+    lags /= lags[0]
+    n = _NEAREST + int(np.argmin(lags[_NEAREST:-_NEAREST]))
+    others = np.abs(lags[_DIFFERENCES + 1 :])
+    others[max(n - 2 * _DIFFERENCES - 1, 0) : n] = 0.0
+    is_echo = lags[n] < _ECHO and min(lags[n - 1], lags[n + 1]) > 0.5 * abs(lags[n])
+    return n if is_echo and lags[1] < 0.0 and np.max(others) < _ALONE * abs(lags[n]) else 0
