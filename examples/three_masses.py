@@ -22,13 +22,17 @@ def main() -> None:
     for signal, noise in (("q2", 2e-9), ("ddq1", 2e-3), ("ddql", 2e-3), ("Fm", 1.0)):
         axis = axis.with_signal(signal, noise=noise)
     lines = np.arange(2, 160, 2) / 2.0
-    period = 1 / 80_000  # of the controller: accelerometers feel the steps of its force, which the log does not show
+    period = (
+        1 / 80_000
+    )  # of the controller: accelerometers feel the steps of its force, which the log does not show
     moves = trapezoids([0.2], [0.1, 0.5], acceleration=10.0, jerk=2000.0, sampling_period=period)
     shaking = multisine(lines, 1.0, sampling_period=period, quantity="acceleration", seconds=4.0)
     reference = moves.then(shaking)  # friction shows in the moves, springs in the multisine
     controller = tuned_cascade(plant_of(axis, TRUE), "q2", bandwidth_hz=40.0)
     log = simulate(axis, TRUE, reference, controller, frequency_hz=8000.0).log
-    held = Preparation(late={"Fm": -period / 2})  # held over a period of the controller, it acts half of it late
+    held = Preparation(
+        late={"Fm": -period / 2}
+    )  # held over a period of the controller, it acts half of it late
     found = identify(derive(axis, ("q2", "ddq1", "ddql")), log, preparation=held)
     print(found.status)
     for name, value in found.physical_parameters.items():
