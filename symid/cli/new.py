@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from symid.axis import load_axis, sketch, sketch_source
-from symid.cli.options import json_option, write_json
+from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
 from symid.cli.saying import say
 from symid.errors import SettingError
@@ -86,7 +86,5 @@ def command(
     with path.open("x", encoding="utf-8") as file:
         file.write(sketch_source(sketched))
     load_axis(str(path))
-    if json_file:
-        write_json({"axis": sketched.name, "file": str(path)}, json_file)
-    if json_file != "-":
-        say(f"wrote {path}: edit it, then symid show {axis}")
+    record = {"axis": sketched.name, "file": str(path)}
+    give_result(record, json_file, lambda _: say(f"wrote {path}: edit it, then symid show {axis}"))

@@ -80,8 +80,10 @@ class PolynomialLowering:
             first = last
         key = (variable, tuple(parts))
         if key not in self._known:
-            text = self._horner(str(self.names[variable]), dict(parts))
-            self._known[key] = text if len(monomials) == 1 else self._assign(text)
+            self._known[key] = text = self._horner(str(self.names[variable]), dict(parts))
+            if len(monomials) > 1:
+                self._known[key] = name = f"{self._prefix}{len(self.assignments)}"
+                self.assignments.append((name, text))
         return self._known[key]
 
     def _horner(self, name: str, parts: Mapping[int, str]) -> str:
@@ -92,11 +94,6 @@ class PolynomialLowering:
             if power in parts:
                 text = f"{text} + {parts[power]}" if text else parts[power]
         return text
-
-    def _assign(self, text: str) -> str:
-        name = f"{self._prefix}{len(self.assignments)}"
-        self.assignments.append((name, text))
-        return name
 
 
 def minimal_parameter_code(

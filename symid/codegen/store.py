@@ -108,19 +108,13 @@ def write(files: Sequence[GeneratedFile]) -> None:
     for file in files:
         if file.is_current:
             continue
-        if file.wanted is None:
-            _remove(file)
-            continue
-        file.path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(file.path, file.wanted)
-
-
-def _remove(file: GeneratedFile) -> None:
-    """Remove a generated module; a file of that name that symid did not generate is kept under another name."""
-    if file.found and _HEADER not in file.found:
-        file.path.replace(free_name(file.path, ".before"))
-    else:
-        file.path.unlink(missing_ok=True)
+        if file.wanted is not None:
+            file.path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(file.path, file.wanted)
+        elif file.found and _HEADER not in file.found:  # symid did not generate it
+            file.path.replace(free_name(file.path, ".before"))
+        else:
+            file.path.unlink(missing_ok=True)
 
 
 def load_generated(

@@ -51,12 +51,7 @@ def inspect_values(time: FloatArray, signals: Mapping[str, FloatArray]) -> tuple
 def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: int = 0) -> tuple[str, ...]:
     """Faults of channels with values that are empty or not finite.
 
-    Parameters
-    ----------
-    time, signals
-        As in `inspect_values`.
-    before : int
-        Rows before the first of these samples, in messages.
+    `before` counts the rows before the first of these samples, in messages.
 
     Examples
     --------
@@ -100,12 +95,7 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
     """Faults of positions that jump: rows are missing, the unit changes, a value is wrong, or a counter overflows.
 
     A jump is a step that differs from both the step before it and the one after it by far more than the steps
-    nearby do. A change of speed, such as an impact, does not count.
-
-    Parameters
-    ----------
-    time, signals, before
-        As in `inspect_finite`; the signals are positions or angles without missing values.
+    nearby do. A change of speed, such as an impact, does not count. The positions or angles lack no values.
 
     Examples
     --------

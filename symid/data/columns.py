@@ -31,15 +31,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Assignment:
-    """Assignment of columns by the user and the axis.
-
-    Parameters
-    ----------
-    headers : tuple of str
-        Headers of the file.
-    expected, alternatives, columns, units, gains
-        As in `read_log`.
-    """
+    """Assignment of columns, by their headers, by the user and the axis; the rest is as in `read_log`."""
 
     headers: tuple[str, ...]
     expected: Mapping[str, Unit]

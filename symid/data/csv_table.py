@@ -47,13 +47,7 @@ def open_laid_out(path: Path, layout: Layout) -> Table:
 
 
 def open_text(path: Path, text: bytes, layout: Layout | None = None) -> Table:
-    """Table in text extracted from another file; its layout is guessed if none is given.
-
-    Raises
-    ------
-    LogError
-        If the text holds no columns of numbers.
-    """
+    """Table in text from another file, of a layout that is given or guessed; LogError if it holds no numbers."""
     given = layout or layout_of_text(path, text)
     return _laid_out(path, given, lines_of(path, text, given.encoding), lambda: text)
 
@@ -200,15 +194,7 @@ def _values_of_text(texts: pl.Series, separator: str, before: int = 0) -> FloatA
 
 @dataclass(frozen=True)
 class _Lines:
-    """Positions of the rows of a CSV file.
-
-    Parameters
-    ----------
-    offsets : list of int
-        Bytes before the first row of each chunk, and those of the file.
-    rows : list of int
-        Rows before each chunk, and all of them.
-    """
+    """Bytes and rows before each chunk of a CSV file; the last ones are those of the file."""
 
     offsets: list[int]
     rows: list[int]

@@ -79,17 +79,8 @@ def incoherent_density(
 def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
     """Spectra of Hann-weighted segments that overlap by half, without their means.
 
-    Parameters
-    ----------
-    x : array of shape (..., n)
-        Samples, a stretch of time a row; n at least `segment`.
-    segment : int
-        Samples of a segment.
-
-    Returns
-    -------
-    array of shape (n_segments, segment // 2 + 1)
-        The segments of all rows, one after the other.
+    The samples are stretches of time, one a row, of at least a segment each; the segments of all rows follow each other
+    in the result, of shape (n_segments, segment // 2 + 1).
     """
     segments = np.lib.stride_tricks.sliding_window_view(x, segment, axis=-1)[
         ..., :: segment - segment // 2, :
@@ -107,12 +98,8 @@ def mean_power(spectra: ComplexArray) -> FloatArray:
 def explained_power(spectra: ComplexArray, others: ComplexArray) -> FloatArray:
     """Part of the mean power of a signal that is linear in other ones; over the power it is the multiple coherence.
 
-    Parameters
-    ----------
-    spectra : array of shape (n_segments, n_frequencies)
-        Of the signal.
-    others : array of shape (n_others, n_segments, n_frequencies)
-        Of the other signals.
+    The spectra are of shape (n_segments, n_frequencies), those of the others of shape (n_others, n_segments,
+    n_frequencies).
     """
     cross = np.mean(others.conj() * spectra, axis=1)
     if len(others) == 1:

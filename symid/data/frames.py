@@ -29,17 +29,9 @@ _CONTEXTS: Final = tuple(map(Unit.of, ("rad", "rad/s", "rad/s^2", "m/s^2")))
 
 
 def table_of(frame: Frame) -> Table:
-    """A frame as a table; a column of moments or durations is seconds from its first value.
+    """A data frame, or arrays by name, as a table; a column of moments or durations is seconds from its first value.
 
-    Parameters
-    ----------
-    frame : data frame or mapping of str to array
-        The columns. An index of pandas that is called ``t`` is a column too.
-
-    Raises
-    ------
-    LogError
-        If it is not a frame, or its columns differ in length.
+    An index of pandas that is called ``t`` is a column too. LogError if columns differ in length, or it is not a frame.
 
     Examples
     --------

@@ -110,13 +110,7 @@ def fields(line: str, separator: str) -> list[str]:
 
 
 def first_lines(path: Path, encoding: str) -> list[str]:
-    """The first lines of a text file.
-
-    Raises
-    ------
-    LogError
-        If the text has another encoding.
-    """
+    """The first lines of a text file; LogError if the text has another encoding."""
     with path.open("rb") as file:
         return lines_of(path, file.read(4 * _BEGINNING), encoding)
 

@@ -12,14 +12,7 @@ _VALUE = 8
 
 
 def require_room(n_values: int, memory: int | None = None) -> None:
-    """Raise LogError if numbers would take more memory than they may.
-
-    Parameters
-    ----------
-    n_values : int
-        Numbers of 64 bit.
-    memory : int, optional
-        Bytes that they may take; what is free on this machine by default.
+    """Raise LogError if numbers of 64 bit would take more bytes than they may; by default, than this machine has free.
 
     Examples
     --------

@@ -132,10 +132,7 @@ def opened_table(
 def with_clock(table: Table, sampling_period: float) -> Table:
     """The table with a last column `t` of the time, for a file that has none.
 
-    Raises
-    ------
-    LogError
-        If there is such a column, or the period is not positive.
+    LogError if there is such a column, or the period is not positive.
     """
     if TIME in table.headers:
         raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
@@ -163,22 +160,10 @@ def read_table(
     memory: int | None = None,
     resample: Rate | None = None,
 ) -> Log:
-    """Log of the whole of a file.
+    """Log of the whole of a file, which was opened as a table.
 
-    Parameters
-    ----------
-    file, table
-        The file, and what it was opened as.
-    expected : Mapping of str to Unit
-        Signals that the axis knows.
-    sources : sequence of Source
-        Where the signals are.
-    named : collection of str
-        Signals whose column the user has named: these must be usable.
-    memory : int, optional
-        Bytes that the columns may take; those that are free by default.
-    resample : float or "own", optional
-        As in `read_log`.
+    Columns of the signals that the user has named must be usable. They may take `memory` bytes, by default those that
+    are free.
     """
     require_room(len(sources) * (table.n_rows or 0), memory)
     values, notes = _read(

@@ -69,10 +69,7 @@ def _low_pass(poles: ComplexArray, gain: float, share: float) -> FloatArray:
 def settled_states(sections: FloatArray) -> FloatArray:
     """States in which a constant input of 1 leaves the sections, shape (n_sections, 2).
 
-    Raises
-    ------
-    SettingError
-        If a section does not settle.
+    SettingError if a section does not settle.
     """
     states, level = np.empty((len(sections), 2)), 1.0
     for k, (b0, b1, b2, _, a1, a2) in enumerate(sections.tolist()):
@@ -88,16 +85,9 @@ def settled_states(sections: FloatArray) -> FloatArray:
 
 
 def run(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Filtered rows, and the states behind them.
+    """Rows of samples filtered by sections of shape (n_sections, 6), and the states behind them.
 
-    Parameters
-    ----------
-    sections : array of shape (n_sections, 6)
-        The filter.
-    x : array of shape (n_rows, n_samples)
-        One signal a row.
-    states : array of shape (n_rows, n_sections, 2)
-        Of each row before its first sample.
+    The states, of shape (n_rows, n_sections, 2), are those before the first samples.
 
     Examples
     --------

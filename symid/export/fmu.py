@@ -75,7 +75,11 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
     if path.suffix != ".fmu":
         raise SettingError(f"unit {path.name!r} is of no known kind: end its name with .fmu")
     exported = c_source(model, values)
-    folder, suffix = _platform()
+    if sys.platform not in _LIBRARIES:
+        raise SettingError(
+            f"no unit can be made on {sys.platform}: export to C and compile the sources there"
+        )
+    folder, suffix = _LIBRARIES[sys.platform]
     with tempfile.TemporaryDirectory() as place:
         sources = Path(place)
         for ending, text in exported.files.items():
@@ -99,14 +103,6 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         *kept,
         f"The binary runs on {' and '.join(built)} only{more}; for another machine, compile what is in sources/.",
     )
-
-
-def _platform() -> tuple[str, str]:
-    if sys.platform not in _LIBRARIES:
-        raise SettingError(
-            f"no unit can be made on {sys.platform}: export to C and compile the sources there"
-        )
-    return _LIBRARIES[sys.platform]
 
 
 def _compiler() -> tuple[str, ...]:

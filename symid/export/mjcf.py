@@ -104,7 +104,9 @@ class _Writer:
     def exported(self) -> Exported:
         """The model as text, with its losses."""
         bodies = "\n".join(self._body(b, 2) for b in self.machine.roots)
-        actuators = "\n".join(["    " + line for line in (*self._motors(), *self._constants())])
+        driven = zip(self.axis.drives, self.machine.drives, self.machine.gains, strict=True)
+        motors = [self._motor(drive, path, gain) for drive, path, gain in driven]
+        actuators = "\n".join(["    " + line for line in (*motors, *self._constants())])
         sensors = "\n".join("    " + line for s in self.axis.sensors for line in self._sensor(s))
         gravity = next((-e.acceleration for e in self.axis.elements if isinstance(e, PendulumWeight)), 0.0)
         text = _TEMPLATE.format(
@@ -192,11 +194,6 @@ class _Writer:
         if len(path) == 1:
             return f"joint={quoteattr(path[0][0])}", path[0][1]
         return f"tendon={quoteattr(self._tendon(path))}", 1.0
-
-    def _motors(self) -> list[str]:
-        machine = self.machine
-        every = zip(self.axis.drives, machine.drives, machine.gains, strict=True)
-        return [self._motor(drive, path, gain) for drive, path, gain in every]
 
     def _motor(self, drive: Drive, path: Path, gain: float) -> str:
         axis, (where, ratio) = self.axis, self._transmission(path)

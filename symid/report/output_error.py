@@ -63,18 +63,11 @@ def _output_error_parameters(
 ) -> dict[str, dict[str, Any]]:
     if found.fit is None:
         return {}
-    if kind == "minimal":
-        units, values, covariance = (
-            found.model.minimal_units,
-            found.minimal_parameters,
-            found.minimal_covariance,
-        )
-    else:
-        units, values, covariance = (
-            found.model.physical_units,
-            found.physical_parameters,
-            found.physical_covariance,
-        )
+    units, values, covariance = (
+        (found.model.minimal_units, found.minimal_parameters, found.minimal_covariance)
+        if kind == "minimal"
+        else (found.model.physical_units, found.physical_parameters, found.physical_covariance)
+    )
     classical, corrected = (np.sqrt(np.diag(covariance(corrected=which))) for which in (False, True))
     return parameter_records(units, np.array(list(values.values())), classical, corrected)
 

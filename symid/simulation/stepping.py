@@ -48,17 +48,13 @@ class SimulationRun:
             if self._made == 0:
                 self._one()
             while self._made < end:
-                self._next(end)
+                ways = self._ways_of_mode()
+                if ways.linear is not None and self._singly == 0:
+                    self._by_block(ways.linear, min(self._made + self._block, end))
+                else:
+                    self._by_sample(ways.sampled, min(self._made + (self._singly or _LONGEST), end))
         except OverflowError as error:  # of a law's expression
             raise runaway(self.loop.trajectories[0].time[self._made]) from error
-
-    def _next(self, end: int) -> None:
-        """A block or some single samples, at most until `end`."""
-        ways = self._ways_of_mode()
-        if ways.linear is not None and self._singly == 0:
-            self._by_block(ways.linear, min(self._made + self._block, end))
-        else:
-            self._by_sample(ways.sampled, min(self._made + (self._singly or _LONGEST), end))
 
     def _ways_of_mode(self) -> _Ways:
         mode = self._engine.mode

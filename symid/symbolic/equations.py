@@ -13,7 +13,7 @@ from typing import Any
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
-from symid.axis import Axis, Between, Body, Joint
+from symid.axis import Axis, Between
 from symid.errors import EliminationError
 from symid.signals import derivative_name, split_derivative
 from symid.symbolic.expressions import positive, time_derivative
@@ -119,11 +119,9 @@ class SignalWriter:
                     total = coefficient * share + (previous.coefficient if previous else 0)
                     term = RegressorTerm(sp.Symbol(derivative_name(signal, left)), order, True, total)
                     collected[signal, left] = term
-        return [term for _, term in sorted(collected.items(), key=self._place) if term.coefficient]
-
-    def _place(self, item: tuple[tuple[str, int], RegressorTerm]) -> tuple[int, int]:
-        (signal, _), term = item
-        return -term.order, [sensor.signal for sensor in self.axis.sensors].index(signal)
+        places = {sensor.signal: place for place, sensor in enumerate(self.axis.sensors)}
+        ordered = sorted(collected.items(), key=lambda item: (-item[1].order, places[item[0][0]]))
+        return [term for _, term in ordered if term.coefficient]
 
     def _law_terms(self, inputs: Row) -> list[RegressorTerm]:
         terms: dict[sp.Expr, RegressorTerm] = {}
@@ -215,11 +213,9 @@ class SignalWriter:
         factor, rest = expression.as_independent(
             *(expression.free_symbols - set(self.constants)), as_Add=False
         )
-        return (
-            (expression, field.one)
-            if factor in (1, -1) or rest == 1
-            else (rest, self.operators.element(factor))
-        )
+        if factor in (1, -1) or rest == 1:
+            return expression, field.one
+        return rest, self.operators.element(factor)
 
     def assumptions(self, equations: Sequence[InputOutputEquation]) -> tuple[str, ...]:
         """Assumptions made in the equations written so far."""
@@ -246,25 +242,19 @@ def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[Row, R
 
 def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
     """Coefficients of a polynomial by powers of s, as polynomials in the parameters."""
+    if entry is None:
+        return {}
     powers: dict[int, dict[tuple[int, ...], Any]] = {}
-    if entry is not None:
-        for monomial, value in entry.terms():
-            powers.setdefault(monomial[0], {})[(0, *monomial[1:])] = value
-    return (
-        {power: entry.ring.from_dict(terms) for power, terms in powers.items()} if entry is not None else {}
-    )
+    for monomial, value in entry.terms():
+        powers.setdefault(monomial[0], {})[(0, *monomial[1:])] = value
+    return {power: entry.ring.from_dict(terms) for power, terms in powers.items()}
 
 
 def _advice(axis: Axis, entry: LawInput, lowest: int) -> str:
-    quantity = "position" if lowest == 0 else "position or velocity"
+    quantity, joint = "position" if lowest == 0 else "position or velocity", entry.joint
+    body, against = (joint.second, joint.first) if isinstance(joint, Between) else (joint, joint.on)
     return (
         f"axis {axis.name!r}: {entry.element} acts on a motion that the sensors do not see, and a nonlinear law "
-        f"cannot be eliminated: add a {quantity} sensor of {_motion(entry.joint)}, or leave the law out"
+        f"cannot be eliminated: add a {quantity} sensor of {body.name!r} relative to {against.name!r}, or leave the "
+        "law out"
     )
-
-
-def _motion(joint: Joint) -> str:
-    if isinstance(joint, Between):
-        return f"{joint.second.name!r} relative to {joint.first.name!r}"
-    assert isinstance(joint, Body)
-    return f"{joint.name!r} relative to {joint.on.name!r}"

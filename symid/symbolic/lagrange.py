@@ -189,7 +189,13 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     Eq(F, Fs*sign(q_motor_d1) + Fv*q_motor_d1 + M*q_motor_d2)
     """
     kinematics = Kinematics(axis)
-    kinetic = _kinetic_energy(axis, kinematics)
+    kinetic = sp.Add(
+        *(
+            kinematics.parameter(b.inertial) * kinematics.rate(kinematics.absolute(b), 1) ** 2
+            for b in axis.bodies
+        )
+    )
+    kinetic /= 2
     potential = _potential_energy(axis, kinematics)
     dissipation = _dissipation(axis, kinematics)
     inputs, work = _virtual_power(axis, kinematics)
@@ -214,14 +220,6 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
         balances=tuple(balances),
         inputs=inputs,
     )
-
-
-def _kinetic_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
-    energies = (
-        kinematics.parameter(body.inertial) * kinematics.rate(kinematics.absolute(body), 1) ** 2
-        for body in axis.bodies
-    )
-    return sp.Add(*energies) / 2
 
 
 def _potential_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:

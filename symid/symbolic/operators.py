@@ -73,7 +73,10 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
     """
     axis, carriers = model.axis, _carriers(model.axis)
     values = {sp.Symbol(name): exact(model.constants[name]) for name in numbers}
-    ring = _parameter_ring(model, numbers)
+    constants = [sp.Symbol(name) for name in model.constants if name not in numbers]
+    names = [name for name in axis.parameter_units if axis.known_parameters.get(name) != 0]
+    domain = QQ.frac_field(*constants) if constants else QQ
+    ring = PolyRing((sp.Symbol("s"), *map(sp.Symbol, names)), domain)
     lagrange = {
         body.name: _split(balance.xreplace(values), ring, model)
         for body, balance in zip(axis.free_bodies, model.balances, strict=True)
@@ -124,14 +127,6 @@ def _relative_to_absolute(relative: Mapping[str, Any], carriers: Mapping[str, st
         if carrier is not None:
             absolute = add(absolute, {carrier: coefficient}, -1)
     return absolute
-
-
-def _parameter_ring(model: InverseDynamicModel, numbers: Sequence[str]) -> PolyRing:
-    constants = [sp.Symbol(name) for name in model.constants if name not in numbers]
-    domain = QQ.frac_field(*constants) if constants else QQ
-    known = model.axis.known_parameters
-    names = [name for name in model.axis.parameter_units if known.get(name) != 0]
-    return PolyRing((sp.Symbol("s"), *map(sp.Symbol, names)), domain)
 
 
 def _split(balance: sp.Expr, ring: PolyRing, model: InverseDynamicModel) -> Row:

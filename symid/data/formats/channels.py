@@ -19,16 +19,9 @@ _NUMBERS, _MOST_COLUMNS = "biufc", 32
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """A signal of a file that keeps the times of each signal.
+    """A signal of a file that keeps the times of each signal, s; empty times where the file does not give them.
 
-    Parameters
-    ----------
-    name, unit : str
-        As written in the file; the unit may be empty.
-    time : array of shape (n,)
-        Times of its samples, s; empty where the file does not give them.
-    values : array of shape (n,)
-        Its samples.
+    Name and unit are as written in the file; the unit may be empty.
     """
 
     name: str

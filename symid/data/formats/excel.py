@@ -20,10 +20,7 @@ _MOST_ROWS = 300
 def open_excel(path: Path, memory: int | None = None) -> Table:
     """Table in a sheet, with lines above the header and a line of units as in text files.
 
-    Raises
-    ------
-    LogError
-        If it is damaged, no sheet holds columns of numbers, or fastexcel is not installed.
+    LogError if it is damaged, no sheet holds columns of numbers, or fastexcel is not installed.
     """
     fastexcel = required("fastexcel", path)
     try:

@@ -11,12 +11,7 @@ from symid.errors import LogError
 
 
 def required(library: str, path: Path) -> Any:
-    """A library that reads a kind of file.
-
-    Raises
-    ------
-    LogError
-        If it is not installed; names the extra that holds it.
+    """A library that reads a kind of file; LogError, which names the extra that holds it, if it is not installed.
 
     Examples
     --------

@@ -19,10 +19,7 @@ _TIMES_TEXT = 4
 def open_gzipped(path: Path, memory: int | None = None, layout: Layout | None = None) -> Table:
     """Table in a compressed CSV file, of a layout that is given or guessed.
 
-    Raises
-    ------
-    LogError
-        If it is damaged, or longer than the memory.
+    LogError if it is damaged, or longer than the memory.
     """
     most = (free_memory() if memory is None else memory) / _TIMES_TEXT
     try:

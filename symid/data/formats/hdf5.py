@@ -24,12 +24,7 @@ _MOST_COLUMNS: Final = 32
 def open_hdf5(path: Path, memory: int | None = None) -> Table:
     """Table in an HDF5 file: its vectors of numbers in all groups, and the columns of its long, narrow arrays.
 
-    An attribute ``unit`` or ``units`` of a vector is its unit.
-
-    Raises
-    ------
-    LogError
-        If it is damaged, or h5py is not installed.
+    An attribute ``unit`` or ``units`` of a vector is its unit. LogError if it is damaged, or h5py is not installed.
     """
     h5py = required("h5py", path)
     try:

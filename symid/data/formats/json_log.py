@@ -22,10 +22,7 @@ _BYTES_OF_A_VALUE, _DEEPEST = 2, 12
 def open_json(path: Path, memory: int | None = None) -> Table:
     """Table in a JSON file: lists of numbers by name, at any depth, or a list of records with the same names.
 
-    Raises
-    ------
-    LogError
-        If it is not JSON, or holds no lists of numbers.
+    LogError if it is not JSON, or holds no lists of numbers.
     """
     return _table(path, _parsed(path, memory, lines=False))
 

@@ -23,14 +23,9 @@ _DEEPEST = 12
 
 
 def open_matlab(path: Path, memory: int | None = None) -> Table:
-    """Table in a MATLAB file.
+    """Table in a MATLAB file; LogError if it is damaged, or holds no numbers that can be read.
 
     Fields of structs are columns, named after the signal where the struct names one.
-
-    Raises
-    ------
-    LogError
-        If it is damaged, or holds no numbers that can be read.
     """
     with path.open("rb") as file:
         begin = file.read(520)

@@ -19,10 +19,7 @@ _BYTES_OF_A_VALUE = 8
 def open_mcap(path: Path, memory: int | None = None) -> Table:
     """Table in an MCAP file: each number in its messages is a signal, with the times of its topic.
 
-    Raises
-    ------
-    LogError
-        If it is damaged, holds messages of other encodings only, or mcap is not installed.
+    LogError if it is damaged, holds messages of other encodings only, or mcap is not installed.
     """
     reader = required("mcap.reader", path)
     ros2 = required("mcap_ros2.decoder", path)

@@ -28,10 +28,7 @@ _LONGEST: Final = 600.0
 def open_mdf(path: Path, memory: int | None = None) -> Table:
     """Table in an MDF file: its channels of numbers, each with the times of its group.
 
-    Raises
-    ------
-    LogError
-        If it is damaged, or asammdf is not installed.
+    LogError if it is damaged, or asammdf is not installed.
     """
     require_installed("asammdf", path)
     with tempfile.TemporaryDirectory() as folder:

@@ -18,13 +18,9 @@ _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsec", "nsecs")
 def table_of_messages(messages: Iterable[tuple[str, int, object]]) -> Table:
     """Messages as a table: each topic has its clock, which begins with the first message of all.
 
-    A message is timed by its header where it has a stamp, otherwise by its recording. Elements of arrays are named by
-    the names that stand beside them, as in ``JointState``, or by their numbers.
-
-    Parameters
-    ----------
-    messages : iterable of (str, int, object)
-        Topic, time of recording in ns, and the message: a mapping, or an object with slots or fields.
+    Each message comes with its topic and its time of recording in ns. It is timed by its header where it has a stamp,
+    otherwise by its recording. Elements of arrays are named by the names that stand beside them, as in ``JointState``,
+    or by their numbers.
 
     Examples
     --------

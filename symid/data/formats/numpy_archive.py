@@ -16,10 +16,7 @@ from symid.data.table import Table, damaged
 def open_npz(path: Path, memory: int | None = None) -> Table:
     """Table in an NPZ file; objects in it are not loaded, they could run code.
 
-    Raises
-    ------
-    LogError
-        If it is damaged, or holds objects.
+    LogError if it is damaged, or holds objects.
     """
     try:
         with zipfile.ZipFile(path) as archive:

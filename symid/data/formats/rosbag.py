@@ -16,12 +16,8 @@ _BYTES_OF_A_VALUE = 8
 def open_rosbag(path: Path, memory: int | None = None) -> Table:
     """Table in a bag: each number in its messages is a signal, with the times of its topic.
 
-    Messages of a bag without definitions are read with those that ROS 2 Humble has.
-
-    Raises
-    ------
-    LogError
-        If it is damaged, or rosbags is not installed.
+    Messages of a bag without definitions are read with those that ROS 2 Humble has. LogError if it is damaged, or
+    rosbags is not installed.
     """
     highlevel = required("rosbags.highlevel", path)
     typesys = required("rosbags.typesys", path)

@@ -51,13 +51,7 @@ def writer_of(path: Path) -> tuple[Writer, str] | None:
 
 
 def open_scope_text(path: Path, writer: Writer, separator: str) -> Table:
-    """Table in the text of a scope.
-
-    Raises
-    ------
-    LogError
-        If it holds no values below its properties.
-    """
+    """Table in the text of a scope; LogError if it holds no values below its properties."""
     with path.open("rb") as file:
         content = file.read(_BEGINNING)
     encoding = encoding_of(content)

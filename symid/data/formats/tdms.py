@@ -23,10 +23,7 @@ _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 def open_tdms(path: Path, memory: int | None = None) -> Table:
     """Table in a TDMS file: its channels, and the times of those that have a waveform's increment.
 
-    Raises
-    ------
-    LogError
-        If it is damaged, or npTDMS is not installed.
+    LogError if it is damaged, or npTDMS is not installed.
     """
     nptdms = required("nptdms", path)
     try:
