@@ -16,7 +16,7 @@ from symid.signals import split_derivative
 ArrayFunction = Callable[..., FloatArray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GeneratedModel:
     """A generated module as a record.
 

@@ -220,14 +220,13 @@ def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> 
     nearest = np.min(distance, axis=1, keepdims=True)  # at least one interval must count
     regular = distance <= np.maximum(0.05 * middle + 1.01 * step, nearest)
     periods = np.sum(stretches * regular, axis=1) / np.sum(regular, axis=1)
-    spread = 1.4826 * float(np.median(distance))
     usual = float(np.median(periods))
     if count < 2:
         return _Rate(usual, usual, None)
     cut = _best_cut(periods)
     before, after = float(np.median(periods[:cut])), float(np.median(periods[cut:]))
-    noise = 2.5 * step / length + 6.0 * spread / np.sqrt(length)
-    if abs(after - before) <= _CLOCK_DIFFERENCE * usual + noise:
+    difference = abs(after - before) - _CLOCK_DIFFERENCE * usual - 2.5 * step / length
+    if difference <= 0.0 or difference <= 6.0 * 1.4826 * float(np.median(distance)) / np.sqrt(length):
         return _Rate(usual, usual, None)
     first = (cut - 1) * length
     near = forward[first : first + 2 * length]

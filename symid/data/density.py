@@ -35,7 +35,14 @@ def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tup
     >>> float(frequency[density.argmax()]), round(float(density.sum() * frequency[1]), 3)
     (50.0, 0.5)
     """
-    return _scaled(mean_power(segment_spectra(x, segment)), sampling_frequency, segment)
+    return density_of(segment_spectra(x, segment), sampling_frequency, segment)
+
+
+def density_of(
+    spectra: ComplexArray, sampling_frequency: float, segment: int
+) -> tuple[FloatArray, FloatArray]:
+    """What `power_density` returns, from the spectra of the segments."""
+    return _scaled(mean_power(spectra), sampling_frequency, segment)
 
 
 def incoherent_density(
@@ -69,8 +76,15 @@ def incoherent_density(
     >>> bool(0.009 < density[1:-1].mean() / 2 < 0.011)
     True
     """
-    spectra = segment_spectra(x, segment)
-    explained = explained_power(spectra, np.stack([segment_spectra(y, segment) for y in others]))
+    of_others = np.stack([segment_spectra(y, segment) for y in others])
+    return incoherent_density_of(segment_spectra(x, segment), of_others, sampling_frequency, segment)
+
+
+def incoherent_density_of(
+    spectra: ComplexArray, others: ComplexArray, sampling_frequency: float, segment: int
+) -> tuple[FloatArray, FloatArray]:
+    """What `incoherent_density` returns, from the spectra of the segments."""
+    explained = explained_power(spectra, others)
     left = np.maximum(mean_power(spectra) - explained, 0.0)
     n_segments = len(spectra)
     return _scaled(left * (n_segments / max(n_segments - len(others), 1)), sampling_frequency, segment)

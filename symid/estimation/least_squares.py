@@ -217,20 +217,24 @@ def _equation_deviations(
     exactly: for these the residual is that of the joint ordinary solution. It must not be iterated: a larger
     weight on a homogeneous equation draws X to 0, which makes its residual smaller still.
     """
-    R = _stacked(factors, np.ones(len(factors)))
-    joint = _solve(R, analyse_rank(R[:-1, :-1], sum(factor.rows for factor in factors)))
-    joint_norms = _residual_norms(factors, joint)
+    ranks = [analyse_rank(factor.R[:-1, :-1], factor.rows) for factor in factors]
+    homogeneous = [factor.norms[-1] == 0.0 for factor in factors]
+    shared = [h or f.rows <= r.rank for h, f, r in zip(homogeneous, factors, ranks, strict=True)]
+    joint = _joint(factors) if any(shared) else np.zeros(factors[0].parameters)
     sigmas, floors = np.zeros(len(factors)), np.zeros(len(factors))
-    for j, factor in enumerate(factors):
-        alone = analyse_rank(factor.R[:-1, :-1], factor.rows)
+    for j, (factor, alone) in enumerate(zip(factors, ranks, strict=True)):
         divisor = factor.rows - (alone.rank if ddof is None else ddof)
-        homogeneous = factor.norms[-1] == 0.0
-        shared = homogeneous or factor.rows <= alone.rank
-        norm = joint_norms[j] if shared else _residual_norms([factor], _solve(factor.R, alone))[0]
+        (norm,) = _residual_norms([factor], joint if shared[j] else _solve(factor.R, alone))
         sigmas[j] = norm / np.sqrt(max(divisor, 1))
-        size = np.append(np.abs(joint), 0.0) if homogeneous else np.append(np.zeros_like(joint), 1.0)
+        size = np.append(np.abs(joint), 0.0) if homogeneous[j] else np.append(np.zeros_like(joint), 1.0)
         floors[j] = 10.0 * _EPS * float(factor.norms @ size) / np.sqrt(max(factor.rows, 1))
     return sigmas, floors
+
+
+def _joint(factors: Sequence[TriangularFactor]) -> FloatArray:
+    """Ordinary solution of all equations together."""
+    R = _stacked(factors, np.ones(len(factors)))
+    return _solve(R, analyse_rank(R[:-1, :-1], sum(factor.rows for factor in factors)))
 
 
 def _weights(sigmas: FloatArray, floors: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 from symid.arrays import FloatArray
@@ -122,13 +122,15 @@ def identify(
             blocks=lambda: blocks_of_runs(trial.runs),
             nominal=nominal,
             constraints=constraints,
-            examine=examine,
+            parts_of=parts_of if examine else None,
         )
 
+    parts_of = lru_cache(maxsize=1)(partial(excerpts, model, every))
     trial = estimation.trial()
     if not examine or trial.fit.status != "ok":
         return judged(found_at(trial))
-    return distrusted(least_uncertain(estimation, trial, found_at), every)
+    found = least_uncertain(estimation, trial, found_at)
+    return distrusted(found, parts_of(found.observations), every)
 
 
 def found_from(
@@ -141,7 +143,7 @@ def found_from(
     instruments: tuple[FloatArray, ...] | None = None,
     nominal: Mapping[str, float] | None = None,
     constraints: Constraints | None = None,
-    examine: bool = False,
+    parts_of: Callable[[tuple[Observation, ...]], tuple[Excerpt, ...]] | None = None,
 ) -> Identification:
     """Identification of an estimate: its corrected covariance, physical parameters and status.
 
@@ -157,15 +159,16 @@ def found_from(
         Returns all rows each time it is called, where the observations do not hold them.
     instruments : tuple of array, optional
         For each observation an array of the shape of its W, for an estimate by instrumental variables.
-    examine : bool
-        Whether the bias by noise is estimated and taken off, and what widens the deviations is added.
+    parts_of : callable, optional
+        Excerpts of the observations, on which the bias by noise is estimated and taken off, and what widens the
+        deviations is added.
     """
     rows = blocks or partial(iter, blocks_of(observations, instruments))
     correlated = corrected_covariance_of_blocks(rows, fit)
     bias: Bias | None = None
     spread: FloatArray | None = None
-    if examine and fit.status == "ok":
-        parts = excerpts(model, logs, observations)
+    if parts_of and fit.status == "ok":
+        parts = parts_of(observations)
         correction = Correction.of(model, parts, fit)
         bias, spread = correction.bias, correction.grown(_scatter(segments(parts, fit), fit))
         fit, correlated = correction.applied(fit, correlated)
@@ -199,13 +202,15 @@ def found_from(
 
 
 def distrusted(
-    found: Identification, logs: Sequence[AnyLog], instruments: tuple[FloatArray, ...] | None = None
+    found: Identification,
+    parts: tuple[Excerpt, ...],
+    logs: Sequence[AnyLog],
+    instruments: tuple[FloatArray, ...] | None = None,
 ) -> Identification:
-    """The identification with what was found about timing and bias; parameters as in `found_from`."""
+    """The identification with what was found about timing and bias on excerpts; others as in `found_from`."""
     model, fit, bias, spread = found.model, found.fit, found.bias, found.scatter
     if bias is not None and bias.removed is not None:
         fit = replace(fit, solution=fit.solution + bias.removed)  # its residual is orthogonal to the columns
-    parts = excerpts(model, logs, found.observations)
     sums = segments(parts, fit)
     if spread is None:
         spread = _scatter(sums, fit)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -54,6 +54,7 @@ class LagScan:
         return float(self.late[i]), float(self.residual[i]) / max(self.at_zero, np.finfo(float).tiny)
 
 
+@lru_cache(maxsize=16)
 def shiftable(model: GeneratedModel) -> tuple[str, ...]:
     """Force and sensors that can be moved against the others: those whose laws have no jump, but one at least rests."""
     names = list(model.highest_derivatives)

@@ -17,8 +17,8 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import Log, LowPass, central_difference_gain, decimation_filter
-from symid.data.density import incoherent_density, power_density
+from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter
+from symid.data.density import density_of, incoherent_density_of, segment_spectra
 from symid.signals import split_derivative
 
 if TYPE_CHECKING:
@@ -29,16 +29,20 @@ _FROM = 0.35
 _QUIET_SHARE = 3e-3
 _LEAST_WIDENING = 1.5
 _LONGEST_SEGMENT = 4096
+_LONGEST = 1_048_576
+"""Samples from which spectra are taken; of a longer log, evenly spread excerpts."""
+_EXCERPTS = 8
 _LINES = 2048
 """Frequencies at which gains are taken."""
 
 
-def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
+def noise_levels(model: GeneratedModel, log: AnyLog, *, forces: bool = True) -> dict[str, float]:
     """One-sided power spectral density of the white noise of each signal, in the square of its unit by Hz.
 
     Levels are medians above 0.7 of the Nyquist frequency, of second differences, which keep the motion from leaking
     there. The part of the force that follows the motion is not noise of its measurement, but what the controller made
-    of the encoder's: it is left out.
+    of the encoder's: it is left out. Of a log above a million samples, evenly spread excerpts are taken; forces are
+    left out on demand.
 
     Examples
     --------
@@ -50,18 +54,28 @@ def noise_levels(model: GeneratedModel, log: Log) -> dict[str, float]:
     (1.0, 9)
     """
     segment = min(max(16, min(_LONGEST_SEGMENT, log.n_samples // 16)), log.n_samples - 2)
-    bent = {name: np.diff(log[name], 2) for name in model.highest_derivatives}
-    motion = np.stack([bent[name] for name in bent if name not in model.forces])
-    levels = {}
-    for name, x in bent.items():
+    rate, found = log.sampling_frequency, {}
+    names = [name for name in model.highest_derivatives if forces or name not in model.forces]
+    spectra = {name: segment_spectra(np.diff(spread_excerpts(log, name), 2), segment) for name in names}
+    motion = [spectra[name] for name in names if name not in model.forces]
+    for name in names:
         if name in model.forces:
-            frequency, density = incoherent_density(x, motion, log.sampling_frequency, segment)
+            frequency, density = incoherent_density_of(spectra[name], np.stack(motion), rate, segment)
         else:
-            frequency, density = power_density(x, log.sampling_frequency, segment)
-        upper = (frequency > _FROM * log.sampling_frequency) & (frequency < 0.5 * log.sampling_frequency)
-        gain = (2 * np.sin(np.pi * frequency[upper] / log.sampling_frequency)) ** 4
-        levels[name] = float(np.median(density[upper] / gain))
-    return levels
+            frequency, density = density_of(spectra[name], rate, segment)
+        upper = (frequency > _FROM * rate) & (frequency < 0.5 * rate)
+        gain = (2 * np.sin(np.pi * frequency[upper] / rate)) ** 4
+        found[name] = float(np.median(density[upper] / gain))
+    return found
+
+
+def spread_excerpts(log: AnyLog, name: str) -> FloatArray:
+    """Evenly spread parts of a long signal, one a row: enough for a spectrum; a shorter signal as it is."""
+    length = _LONGEST // _EXCERPTS
+    if log.n_samples <= _LONGEST:
+        return log.window(0, log.n_samples)[name][None]
+    starts = np.linspace(0, log.n_samples - length, _EXCERPTS).astype(int).tolist()
+    return np.stack([log.window(start, start + length)[name] for start in starts])
 
 
 def noise_deviations(model: GeneratedModel, log: Log) -> dict[str, float]:
@@ -105,7 +119,8 @@ def quiet_widening(
 ) -> float:
     """How many times wider motion may be filtered, up to `widest`, before noise hides the reversals of laws that jump.
 
-    The noise of a sliding velocity stays below 0.3 % of the highest speed. 1 is returned if nothing jumps.
+    The noise of a sliding velocity stays below 0.3 % of the highest speed. 1 is returned if nothing jumps. Levels of
+    forces are not needed.
     """
     if not any(model.sliding):
         return 1.0
@@ -114,7 +129,7 @@ def quiet_widening(
     noise, coarse = [], []
     for flat in model.signals:
         name, order = split_derivative(flat)
-        noise.append(levels[name] * (2 * np.pi) ** 2 / 3 if order == 1 else 0.0)
+        noise.append(levels.get(name, 0.0) * (2 * np.pi) ** 2 / 3 if order == 1 else 0.0)
         moved = (log[name][2 * lag :] - log[name][: -2 * lag]) / (2 * lag * log.sampling_period)
         coarse.append(moved if order == 1 else log[name][lag:-lag] if order == 0 else still)
     factors = np.concatenate(
@@ -156,6 +171,7 @@ def _decimation_gain(factor: int) -> FloatArray:
     return np.asarray(np.abs(np.prod(response, axis=0)) ** 2)
 
 
+@lru_cache(maxsize=16)
 def _coefficients(model: GeneratedModel) -> FloatArray:
     """Factor of each signal in each column of W and in y, of shape (n_equations, n_columns + 1, n_signals)."""
     step = 0.0 if not model.known_laws else 1.0  # jumps of known laws cancel between two values of one sign

@@ -13,7 +13,7 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, LowPass, derivatives, difference_factors, differencing_bandwidth
 from symid.data.density import explained_power, mean_power, segment_spectra
 from symid.errors import SettingError
-from symid.identification.noise import noise_levels, quiet_widening
+from symid.identification.noise import noise_levels, quiet_widening, spread_excerpts
 from symid.identification.scheme import DIFFERENCE_ORDER
 
 _COHERENT = 0.8
@@ -30,9 +30,6 @@ _WIDEST = 4.0
 on a multisine: Fv +1.6 % at 1, +0.04 % at 4, +0.03 % at 16)."""
 _LAWS_SEEN = 32_768
 """Samples in the middle of a log that tell how much noise its velocities have."""
-_LONGEST = 1_048_576
-"""Samples from which spectra are taken; of a longer log, evenly spread excerpts."""
-_EXCERPTS = 8
 
 
 @dataclass(frozen=True)
@@ -144,11 +141,11 @@ class Spectra:
     @classmethod
     def of(cls, log: AnyLog, model: GeneratedModel) -> Spectra:
         """Those of a log; of one above a million samples, of evenly spread excerpts."""
-        recorded = _excerpts(log, model.most_differentiated)
+        recorded = spread_excerpts(log, model.most_differentiated)
         segment = max(16, min(8192, log.n_samples // (_LEAST_SEGMENTS // 2 + 1)))
         length = min(segment, recorded.shape[1])
         bent = derivatives(recorded, log.sampling_period, 2)[1]
-        forces = np.stack([segment_spectra(_excerpts(log, force), length) for force in model.forces])
+        forces = np.stack([segment_spectra(spread_excerpts(log, force), length) for force in model.forces])
         motion, itself = (segment_spectra(x, length) for x in (bent, recorded))
         power = mean_power(itself)
         if length % 2 == 0:
@@ -214,15 +211,6 @@ def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> t
     return float(f"{first:.3g}"), highest
 
 
-def _excerpts(log: AnyLog, name: str) -> FloatArray:
-    """Evenly spread parts of a long signal, one a row: enough for a spectrum; a shorter signal as it is."""
-    length = _LONGEST // _EXCERPTS
-    if log.n_samples <= _LONGEST:
-        return log.window(0, log.n_samples)[name][None]
-    starts = np.linspace(0, log.n_samples - length, _EXCERPTS).astype(int).tolist()
-    return np.stack([log.window(start, start + length)[name] for start in starts])
-
-
 def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
     """Settings with everything chosen that was left open.
 
@@ -251,4 +239,4 @@ def _widening(log: AnyLog, model: GeneratedModel, cutoff: float) -> float:
         return 1.0
     first = max(0, (log.n_samples - _LAWS_SEEN) // 2)
     part = log.window(first, min(first + _LAWS_SEEN, log.n_samples))
-    return quiet_widening(model, part, cutoff, noise_levels(model, part), _WIDEST)
+    return quiet_widening(model, part, cutoff, noise_levels(model, part, forces=False), _WIDEST)

@@ -20,6 +20,7 @@ from symid.identification import (
     Identification,
     Preparation,
     distrusted,
+    excerpts,
     found_from,
     identify,
     judged,
@@ -126,7 +127,7 @@ def identify_by_instruments(
     if weak:
         return replace(found, fit=replace(found.fit, method="iv"), status="weak_instruments", message=weak)
     found = replace(found, notes=(*found.notes, controlled))
-    return distrusted(found, runs, Z) if examine else judged(found)
+    return distrusted(found, excerpts(model, runs, found.observations), runs, Z) if examine else judged(found)
 
 
 def _possible(found: Identification, nominal: Mapping[str, float] | None) -> dict[str, float]:
