@@ -4,14 +4,16 @@ Logs come from a simulator that shares nothing with symid (benchmarks/promise). 
 parameter is off by more than 5 % and by more than three of its own printed deviations. Printed are the share of logs
 with status "ok", how many of these are wrong and by how many deviations at most; by axis, sensors and fault.
 
-Usage: python -m benchmarks.ok_promise [--logs 1000] [--seed 1] [--method wls] [--kind undamaged|damaged|both] [--show]
+Usage: python -m benchmarks.ok_promise [--logs 1000] [--first 0] [--seed 1] [--method wls]
+                                       [--kind undamaged|damaged|both] [--show]
 """
 
 from __future__ import annotations
 
 import argparse
+import time
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -38,6 +40,7 @@ class Outcome:
     deviations: dict[str, float]
     notes: tuple[str, ...] = ()
     message: str = ""
+    seconds: float = 0.0
 
     @property
     def worst(self) -> tuple[float, float, str]:
@@ -83,9 +86,19 @@ def deviations_of(found: Identification | OutputErrorIdentification) -> dict[str
     return dict(zip(found.physical_parameters, map(float, found.physical_deviations), strict=True))
 
 
-def cases(n: int, seed: int, kind: str):
+def outcomes_of(n: int, first: int, seed: int, kind: str, method: str) -> list[Outcome]:
+    """Outcomes of random cases, each with its processor time."""
+    found = []
+    for i, case in cases(n, first, seed, kind):
+        begin = time.process_time()
+        outcome = outcome_of(case, i, method)
+        found.append(replace(outcome, seconds=time.process_time() - begin))
+    return found
+
+
+def cases(n: int, first: int, seed: int, kind: str):
     """Random cases; each has a generator of its own, so that any can be repeated."""
-    for i in range(n):
+    for i in range(first, first + n):
         rng = np.random.default_rng([seed, i, kind == "damaged"])
         case = draw_case(rng)
         yield i, damaged(case, rng) if kind == "damaged" else case
@@ -117,7 +130,9 @@ def summary(outcomes: list[Outcome]) -> str:
     return (
         f"{len(outcomes)} logs: ok {100 * len(ok) / len(outcomes):.1f} %; ok and wrong {len(wrong)} "
         f"({100 * len(wrong) / max(len(ok), 1):.1f} % of the ok, {100 * len(wrong) / len(outcomes):.1f} % of all), "
-        f"{len(far)} of them beyond 6 deviations; worst {max((o.worst[0] for o in wrong), default=0):.1f}"
+        f"{len(far)} of them beyond 6 deviations; worst {max((o.worst[0] for o in wrong), default=0):.1f}; "
+        f"processor time of a log {np.median([o.seconds for o in outcomes]):.2g} s in the median, "
+        f"{max(o.seconds for o in outcomes):.2g} s at most"
     )
 
 
@@ -127,6 +142,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--logs", type=int, default=1000)
+    parser.add_argument("--first", type=int, default=0, help="number of the first log")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--method", default="wls", choices=["wls", "oe"])
     parser.add_argument("--kind", default="both", choices=["undamaged", "damaged", "both"])
@@ -136,9 +152,7 @@ def main() -> None:
     chosen = parser.parse_args()
     with threadpool_limits(1):
         for kind in ("undamaged", "damaged") if chosen.kind == "both" else (chosen.kind,):
-            outcomes = [
-                outcome_of(case, i, chosen.method) for i, case in cases(chosen.logs, chosen.seed, kind)
-            ]
+            outcomes = outcomes_of(chosen.logs, chosen.first, chosen.seed, kind, chosen.method)
             print(f"\n{kind}, method {chosen.method}, seed {chosen.seed}: {summary(outcomes)}")
             print(
                 "\n".join(table(outcomes, "axis and sensors", lambda c: f"{c.axis} {','.join(c.measured)}"))
