@@ -38,6 +38,8 @@ class Criteria:
         off by 5 % from about there on, since dampers and modes hang on what is fast.
     gain_drift : float
         Relative change of a force's gain from begin to end of a log: well above what 10 % of warm friction make of it.
+    lagging : float
+        Residual that is left without a lag of first order, as part of that with it: 0.9 to 1 on undamaged random logs.
     worst_fit : float
         Residual, as part of the output, beyond which an equation says nothing where noise does not explain it: shares
         of damaged logs start there, EMPS leaves 0.04, a motor bench 0.1.
@@ -68,6 +70,7 @@ class Criteria:
     smoothed_output: float = 0.03
     averaged: float = 0.01
     gain_drift: float = 0.15
+    lagging: float = 0.5
     worst_fit: float = 0.3
     cutoff_fit: float = 0.1
     precise: float = 0.05

@@ -30,6 +30,7 @@ from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
 from symid.identification.cutoff import Estimation, Trial, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
+from symid.identification.lagging import lag_of
 from symid.identification.misfit import misfit_of, noiseless_misfit
 from symid.identification.nonlinearity import drift_of_gain, nonlinearity_of
 from symid.identification.observation import Observation
@@ -240,5 +241,5 @@ def _faults(
         or (change.statement(model) if change else "")
         or drift_of_gain(model, parts, fit, inflation)
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
-        drift=drift_of(model, parts, fit),
+        drift=drift_of(model, parts, fit) or lag_of(model, parts, fit, found.timing),
     )

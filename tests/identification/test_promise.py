@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+import scipy
 
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, Preparation, identify, load_generated
@@ -112,6 +113,17 @@ def test_a_fault_of_the_force_is_named(fault: str) -> None:
     assert found.status != "ok"
     assert status in (None, found.status), found.message
     assert words in found.message
+
+
+def test_a_lag_that_imitates_a_damped_mode_is_named() -> None:
+    case = draw_case(np.random.default_rng([3, 2]), "direct_2m1s")
+    a = np.exp(-case.mode_hz / case.rate)
+    signals = {**case.signals, case.force: scipy.signal.lfilter([1 - a], [1, -a], case.signals[case.force])}
+    for chosen, is_named in ((case.signals, False), (signals, True)):
+        log = Log.from_arrays(chosen, sampling_period=1 / case.rate)
+        found = identify(load_generated(case.axis, case.measured), log)
+        said = f"{case.force} lags with a time constant" in found.message
+        assert (said, found.status == "ok") == (is_named, not is_named), found.message
 
 
 def test_signals_that_are_averaged_alike_are_no_fault() -> None:
