@@ -1,8 +1,8 @@
 """Was a signal filtered before it was recorded? The time constant of a first-order lag that leaves the least residual.
 
 A signal F behind a lag was F + tau F' before it. Its rows are linear in tau as they are in F, so that Gauss-Newton
-steps over tau and the parameters need no new rows. On flexible axes a lag imitates a damped mode: the residual is small, and
-the parameters are another machine's.
+steps over tau and the parameters need no new rows. On flexible axes a lag imitates a damped mode: the residual is
+small, and the parameters are another machine's.
 """
 
 from __future__ import annotations
@@ -52,13 +52,11 @@ def _remaining(parts: Sequence[Excerpt], fit: LeastSquares, name: str) -> tuple[
     before = estimate([f for o in seen for f in triangular_factors(o.W, o.y, o.valid)])
     lag, X, found = 0.0, fit.solution, before
     for _ in range(_MOST_ROUNDS):
-        factors = []
-        for o, (W, y) in zip(seen, slopes, strict=True):
-            tangent = (W @ X - y)[..., None]
-            factors += triangular_factors(
-                np.concatenate([o.W + lag * W, tangent], axis=2), o.y + lag * y, o.valid
-            )
-        found = estimate(factors)
+        rows = [
+            (np.concatenate([o.W + lag * W, (W @ X - y)[..., None]], axis=2), o.y + lag * y, o.valid)
+            for o, (W, y) in zip(seen, slopes, strict=True)
+        ]
+        found = estimate([factor for one in rows for factor in triangular_factors(*one)])
         if found.status != "ok":
             return 1.0, 0.0
         X, step = found.solution[:-1], float(found.solution[-1])
