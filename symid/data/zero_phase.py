@@ -24,7 +24,7 @@ _PIECE: Final = 131_072  # samples of a piece at least: measured best for 1 to 8
 _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either side
 _FEW: Final = 8  # distance of kept samples from which products of blocks are faster than filtering all
 _LENGTH: Final = 2048  # samples of a block
-_MOST_KEPT: Final = 32  # of them
+_MOST_KEPT: Final = 16  # of them
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
@@ -129,32 +129,26 @@ class ZeroPhaseFilter:
             else:
                 moving.append(row)
         if moving:
-            extended = self._continued(rows[moving])
-            thinned[moving] = self._in_blocks(extended, self.padding + first, step, thinned.shape[1])
+            chosen = rows if len(moving) == len(rows) else rows[moving]
+            thinned[moving] = self._in_blocks(chosen, first, step, thinned.shape[1])
         return thinned
 
     def _in_blocks(self, x: FloatArray, first: int, step: int, count: int) -> FloatArray:
-        """`count` samples of filtered rows, every `step`-th from `first` on; what is before and behind is settled."""
+        """`count` samples of filtered rows, every `step`-th from `first` on."""
         of = _block_maps(self, step)
-        n_rows, begin = len(x), first % of.length
-        n_blocks = (x.shape[1] - 1 - begin) // of.length
+        begin = (self.padding + first) % of.length - self.padding
+        begin += of.length if begin < 0 else 0
+        n_rows, n_blocks = len(x), max((x.shape[1] - 1 - begin) // of.length, 0)
         end, n = begin + n_blocks * of.length, len(of.across)
-        state = self._states(x[:, 0])
-        if begin:
-            _, state = run(self.sections, x[:, :begin], state)
-        s = state.reshape(n_rows, n)
+        head = np.concatenate((2.0 * x[:, :1] - x[:, self.padding : 0 : -1], x[:, :begin]), axis=1)
+        tail = np.concatenate((x[:, end:], 2.0 * x[:, -1:] - x[:, -2 : -self.padding - 2 : -1]), axis=1)
+        _, state = run(self.sections, head, self._states(head[:, 0]))
         by_input = x[:, begin:end].reshape(n_rows, n_blocks, of.length) @ of.input
-        entering = np.empty((n_rows, n_blocks, n))
-        for k in range(n_blocks):
-            entering[:, k] = s
-            s = s @ of.across + by_input[:, k, :n]
-        passed, _ = run(self.sections, x[:, end:], s.reshape(n_rows, -1, 2))
+        entering, s = of.states_before(by_input[..., :n], state.reshape(n_rows, n))
+        passed, _ = run(self.sections, tail, s.reshape(n_rows, -1, 2))
         rest, state = run(self.sections, passed[:, ::-1], self._states(passed[:, -1]))
-        s = state.reshape(n_rows, n)
         back = by_input[..., n:] + entering @ of.state
-        for k in reversed(range(n_blocks)):
-            entering[:, k] = s
-            s = s @ of.across + back[:, k, :n]
+        entering = of.states_before(back[:, ::-1, :n], state.reshape(n_rows, n))[0][:, ::-1]
         inner = (back[..., n:] + entering @ of.later).reshape(n_rows, -1)
         found = np.concatenate((inner, rest[:, ::-1][:, ::step]), axis=1)
         skipped = (first - begin) // step
@@ -204,6 +198,18 @@ class _BlockMaps:
     input: FloatArray
     state: FloatArray
     later: FloatArray
+
+    def states_before(self, added: FloatArray, first: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """States before each block of rows and behind the last, by what the blocks add to the state before the first.
+
+        Sums over 1, 2, 4 ... blocks are doubled until the filter has forgotten what is before.
+        """
+        states = np.concatenate((first[:, None], added), axis=1)
+        across, reach = self.across, 1
+        while reach < states.shape[1] and np.abs(across).max() > _FORGOTTEN:
+            states[:, reach:] += states[:, :-reach] @ across
+            across, reach = across @ across, 2 * reach
+        return states[:, :-1], states[:, -1]
 
 
 @lru_cache(maxsize=64)
