@@ -1,7 +1,7 @@
 """Declaring an axis: elements, force laws, sensors, the nM-kS family, axis files. Needs neither sympy nor numpy."""
 
 from symid.axis import imperfections, laws, sensors
-from symid.axis.axis import Axis, Element, length_unit
+from symid.axis.axis import Axis, Element
 from symid.axis.chain import chain
 from symid.axis.elements import (
     GROUND,
@@ -24,6 +24,7 @@ from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
+from symid.axis.quantities import length_unit
 from symid.axis.sensors import *  # noqa: F403
 from symid.axis.sketch import sketch, sketch_source
 from symid.axis.source import axis_source, write_axis

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
 
-from symid.axis.elements import Body, Damper, Drive, Ground, Joint, PendulumWeight, Spring, Weight
+from symid.axis.elements import Body, Damper, Drive, Joint, PendulumWeight, Spring, Weight
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
+from symid.axis.quantities import end_of, force_unit, length_unit, parameter_units, unit_faults
 from symid.axis.sensors import Sensor
 from symid.axis.validation import declaration_faults, known_faults
 from symid.errors import DeclarationError, SettingError
@@ -78,7 +79,7 @@ class Axis(Shown):
             object.__setattr__(self, "drive", self.drive[0])
         drives = self.drive if isinstance(self.drive, tuple) else (self.drive,)
         faults = declaration_faults(self.name, self.elements, drives, self.sensors)
-        faults = faults or (*self._unit_faults(), *known_faults(self.elements, self.known))
+        faults = faults or (*unit_faults(self.elements, drives), *known_faults(self.elements, self.known))
         if faults:
             raise DeclarationError(str(self.name), faults)
         object.__setattr__(self, "known", dict(self.known))
@@ -167,9 +168,7 @@ class Axis(Shown):
     @cached_property
     def parameter_units(self) -> dict[str, Unit]:
         """Physical parameters, unknown and known, with their units, in the order of the declaration."""
-        return {
-            name: unit for part in (*self.elements, *self.drives) for name, unit in self._parameters_of(part)
-        }
+        return dict(parameter_units(self.elements, self.drives))
 
     @cached_property
     def signed_parameters(self) -> tuple[str, ...]:
@@ -209,7 +208,7 @@ class Axis(Shown):
         if len(self.drives) == 1:
             return (self.controlled,)
         positions = [sensor for sensor in self.sensors if sensor.derivative == 0]
-        driven = [_end_of(drive.at) for drive in self.drives]
+        driven = [end_of(drive.at) for drive in self.drives]
         return tuple(
             next((sensor.signal for sensor in positions if sensor.body == body), self.controlled)
             for body in driven
@@ -321,73 +320,7 @@ class Axis(Shown):
 
     def force_unit(self, joint: Joint) -> Unit:
         """Unit of a force (or torque) in a joint, which follows the unit of the drives."""
-        known = (drive for drive in self.drives if drive.constant is None and drive.unit)
-        drive, turns = next(known, None), _is_angle(joint)
-        if drive is None:
-            return Unit.of("N*m") if turns else Unit.of("N")
-        unit = Unit.of(drive.unit or "")
-        if _is_angle(drive.at) == turns:
-            return unit
-        return unit * Unit.of("m") if turns else unit / Unit.of("m")
-
-    def _unit_faults(self) -> Iterator[str]:
-        """Parameters that stand for two quantities."""
-        units: dict[str, Unit] = {}
-        for part in (*self.elements, *self.drives):
-            for name, unit in self._parameters_of(part):
-                if units.setdefault(name, unit) != unit:
-                    yield (
-                        f"parameter {name!r} is in {units[name]} and in {unit}: elements share a parameter only "
-                        "if it is the same quantity, give each its own name"
-                    )
-        if (
-            len(
-                {
-                    str(self.force_unit(d.at) / Unit.of(d.unit))
-                    for d in self.drives
-                    if d.unit and not d.constant
-                }
-            )
-            > 1
-        ):
-            yield "the drives have units of different quantities: give all of them in current, or all as forces"
-
-    def _parameters_of(self, element: Element | Drive) -> Iterator[tuple[str, Unit]]:
-        second = Unit.of("s")
-        match element:
-            case Drive(constant=str(name)):
-                yield name, self.force_unit(element.at) / Unit.of(element.unit or "")
-            case Body():
-                inertia = self.force_unit(element) * second**2 / length_unit(element)
-                yield element.inertial, inertia
-            case Spring() | Damper():
-                force, length = self.force_unit(element.at), length_unit(element.at)
-                if isinstance(element, Spring):
-                    yield element.named("stiffness"), force / length
-                if element.damping is not None:
-                    yield element.named("damping"), force * second / length
-            case PendulumWeight():
-                yield element.named("moment"), self.force_unit(element.body) / Unit.of("m/s^2")
-            case Law():
-                for term in element.terms():
-                    yield term.parameter, term.unit(self.force_unit(element.at), length_unit(element.at))
-
-
-def length_unit(joint: Joint) -> Unit:
-    """Unit of the displacement in a joint: m where it slides, rad where it turns."""
-    return Unit.of("rad") if _is_angle(joint) else Unit.of("m")
-
-
-def _is_angle(joint: Joint) -> bool:
-    end = _end_of(joint)
-    return isinstance(end, Body) and end.turns
-
-
-def _end_of(joint: Joint) -> Body | Ground:
-    """The body that moves in a joint."""
-    if isinstance(joint, Body):
-        return joint
-    return joint.first if isinstance(joint.second, Ground) else joint.second
+        return force_unit(self.drives, joint)
 
 
 def _canonical(value: object) -> object:

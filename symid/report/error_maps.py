@@ -11,7 +11,7 @@ from bokeh.models.sources import ColumnDataSource
 from bokeh.plotting import figure
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis.axis import length_unit
+from symid.axis import length_unit
 from symid.diagnosis.findings.result import Diagnosis
 from symid.report.binned import Means, means_over, seen_range
 from symid.report.colours import EXPLAINED, INK, MODEL, PAPER

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis.axis import length_unit
+from symid.axis import length_unit
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction

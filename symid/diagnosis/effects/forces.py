@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis.axis import length_unit
+from symid.axis import length_unit
 from symid.diagnosis.effects.base import (
     Effect,
     JointEffect,

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis.axis import length_unit
+from symid.axis import length_unit
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Location, MapCell
 from symid.units import Unit
