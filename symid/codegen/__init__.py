@@ -3,7 +3,8 @@
 Importing this package needs no sympy; `symid.codegen.generate` does.
 """
 
+from symid.codegen.derived import as_generated, model_of
 from symid.codegen.model import GeneratedModel
-from symid.codegen.store import as_generated, load_generated, model_of
+from symid.codegen.store import load_generated
 
 __all__ = ["GeneratedModel", "as_generated", "load_generated", "model_of"]

@@ -7,17 +7,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from symid.axis import Axis, axis_file, load_axis
 from symid.axis.loading import PACKAGE
 from symid.codegen.model import GeneratedModel
 from symid.codegen.vetting import require_vetted
-from symid.errors import GeneratedModuleError, SymidError
+from symid.errors import GeneratedModuleError
 from symid.files import free_name, write_whole
-
-if TYPE_CHECKING:
-    from symid.symbolic.pipeline import DerivedModel
 
 _FORMAT = re.compile(r"^FORMAT = (\d{1,9})$", re.MULTILINE)
 _MEASURED = re.compile(r"^MEASURED = \((.*)\)$", re.MULTILINE)
@@ -182,7 +178,7 @@ def stored_module(
         sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
     )
     module = f"{module_name(declared.name, signals)}.py"
-    if folder is None and (text := _DERIVED.get((declared.signature, declared.name, signals))):
+    if folder is None and (text := DERIVED.get((declared.signature, declared.name, signals))):
         return StoredModule(module, text, declared.signature, "derive it again")
     folder = folder or generated_folder(axis_file(name_or_path))
     path = folder / module
@@ -192,54 +188,8 @@ def stored_module(
     return StoredModule(path.name, _text(path), declared.signature, cure)
 
 
-_DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}
+DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}
 """Texts of modules that this process has derived, by signature and name of the axis and its sensors."""
-
-
-def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> GeneratedModel:
-    """The generated model of an axis; without a current module it is derived and kept in memory.
-
-    Parameters
-    ----------
-    axis : str or Axis
-        Name or path of an axis file, or a declaration, which need not be in any file.
-    measured : sequence of str, optional
-        Signals of the sensors; the first sensor by default.
-
-    Raises
-    ------
-    SymidError
-        If the axis does not exist or cannot be derived.
-
-    Examples
-    --------
-    >>> from symid.axis import Axis, Body, Drive, Position
-    >>> body = Body("body", mass="M")
-    >>> model_of(Axis("free", (body,), Drive("F", body), (Position("q", body),))).signals
-    ('F', 'q_d2')
-    """
-    declared = axis if isinstance(axis, Axis) else load_axis(axis)
-    signals = tuple(
-        sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
-    )
-    try:
-        return load_generated(axis, signals)
-    except SymidError:
-        # sympy is needed only without a module.
-        from symid.codegen.generate import derived_text
-
-        _DERIVED[declared.signature, declared.name, signals] = derived_text(declared, signals)
-        return load_generated(declared, signals)
-
-
-def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
-    """Generated model of a derived one; a generated model is returned as it is."""
-    if isinstance(model, GeneratedModel):
-        return model
-    # A derived model exists only where sympy is loaded already.
-    from symid.codegen.generate import compiled
-
-    return compiled(model)
 
 
 def compile_module(text: str, name: str, cure: str = "generate it again") -> GeneratedModel:

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import symid
 from symid.axis import Axis, load_axis
-from symid.codegen import GeneratedModel
-from symid.codegen.store import StoredModule, model_of, stored_module
+from symid.codegen import GeneratedModel, model_of
+from symid.codegen.store import StoredModule, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
 from symid.errors import GeneratedModuleError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings

@@ -82,7 +82,7 @@ def test_diagnose_takes_names_and_frames(folder: Path, monkeypatch: pytest.Monke
     assert first[0] == symid.load_axis("rigid_1m")
     assert np.array_equal(first[1]["q"], settings["validation"]["q"])
     assert settings["nominal"] == TRUE
-    assert ("own_verbs", ("q",)) in {key[1:] for key in store._DERIVED}
+    assert ("own_verbs", ("q",)) in {key[1:] for key in store.DERIVED}
     assert second[1].n_samples == 2000
 
 
