@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from itertools import groupby
+from itertools import compress, groupby
 from operator import itemgetter
 from typing import Any
 
@@ -56,7 +56,7 @@ class PolynomialLowering:
 
     def __init__(self, names: Sequence[str | None], write: Callable[[sp.Expr], str] = code) -> None:
         self.names = tuple(names)
-        self._write = write
+        self._write, self._one = write, write(sp.S.One)
         self.assignments: list[tuple[str, str]] = []
         self._prefix = "c__" if any(name and re.fullmatch(r"c\d+", name) for name in names) else "c"
         self._known: dict[tuple[int, tuple[tuple[int, str], ...]], str] = {}
@@ -69,10 +69,13 @@ class PolynomialLowering:
 
     def _lower(self, monomials: Sequence[tuple[int, ...]], numbers: Sequence[str], variable: int) -> str:
         """Code of terms in falling order that agree in the variables before this one."""
-        while variable < len(self.names) and not monomials[0][variable]:
+        if len(monomials) == 1:
+            (monomial,), (text,) = monomials, numbers
+            for i in reversed([*compress(range(len(monomial)), monomial)]):
+                text = self._horner(str(self.names[i]), {monomial[i]: text}) if i >= variable else text
+            return text
+        while not monomials[0][variable]:
             variable += 1
-        if variable == len(self.names):
-            return numbers[0]
         parts, first = [], 0
         for power, group in groupby(monomials, key=itemgetter(variable)):
             last = first + len(list(group))
@@ -80,17 +83,15 @@ class PolynomialLowering:
             first = last
         key = (variable, tuple(parts))
         if key not in self._known:
-            self._known[key] = text = self._horner(str(self.names[variable]), dict(parts))
-            if len(monomials) > 1:
-                self._known[key] = name = f"{self._prefix}{len(self.assignments)}"
-                self.assignments.append((name, text))
+            self._known[key] = name = f"{self._prefix}{len(self.assignments)}"
+            self.assignments.append((name, self._horner(str(self.names[variable]), dict(parts))))
         return self._known[key]
 
     def _horner(self, name: str, parts: Mapping[int, str]) -> str:
         text = ""
         for power in range(max(parts), -1, -1):
             if text:
-                text = f"{name}*{as_factor(text)}" if text != self._write(sp.S.One) else name
+                text = f"{name}*{as_factor(text)}" if text != self._one else name
             if power in parts:
                 text = f"{text} + {parts[power]}" if text else parts[power]
         return text

@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import prod
+from operator import sub
 from typing import Any
 
 import sympy as sp
@@ -73,10 +74,7 @@ class ParameterFunction:
             below = str(self.denominator)
         if not any(powers) and scale == self.numerator.ring.domain.one:
             return {(below, m): c for m, c in self.numerator.terms()}
-        return {
-            (below, tuple(a - b for a, b in zip(m, powers, strict=True))): c / scale
-            for m, c in self.numerator.terms()
-        }
+        return {(below, tuple(map(sub, m, powers))): c / scale for m, c in self.numerator.terms()}
 
     def coordinates(self, known: Mapping[int, Any]) -> dict[Any, Any]:
         """Vector of its monomials in the unknown parameters; `known` gives generators their values."""
@@ -136,8 +134,7 @@ class ParameterFunction:
 
 def _over_monomial(polynomial: PolyElement, powers: tuple[int, ...], scale: Any) -> PolyElement:
     """scale * polynomial / monomial."""
-    terms = {tuple(a - b for a, b in zip(m, powers, strict=True)): c * scale for m, c in polynomial.terms()}
-    return polynomial.ring.from_dict(terms)
+    return polynomial.new({tuple(map(sub, m, powers)): c * scale for m, c in polynomial.items()})
 
 
 @dataclass(frozen=True)

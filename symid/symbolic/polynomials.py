@@ -111,4 +111,5 @@ def _copy(polynomial: PolyElement) -> Any:
 
 
 def _back(polynomial: Any, ring: PolyRing) -> PolyElement:
-    return ring.from_dict({tuple(map(int, m)): c for m, c in polynomial.to_dict().items()})
+    # The coefficients are of the ring's domain already: `from_dict` would convert each of them again.
+    return ring.zero.new({tuple(map(int, m)): c for m, c in polynomial.to_dict().items()})

@@ -97,7 +97,7 @@ class Scaling:
                 used = list(zip(m[1:], own, strict=True))
                 exponents[key] = tuple(p - sum(n * w[k] for n, w in used) for k, p in enumerate(power))
             terms[m] = powers.times(c, exponents[key])
-        return ring.from_dict(terms)
+        return ring.zero.new(terms)
 
 
 class _Powers:
