@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
@@ -33,6 +33,7 @@ _PROPERTIES = {
     "1": "constant",
 }
 """Field of `Properties` for each law expression that has one."""
+_NO_MASS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,14 @@ class Play:
     path: Path
     stiffness: float
     gap: float
+
+
+class Inertial(NamedTuple):
+    """Mass, height of its centre above the joint, and inertia about that centre."""
+
+    mass: float
+    height: float
+    inertia: float
 
 
 @dataclass(frozen=True)
@@ -115,6 +124,17 @@ class Mechanism:
     def children(self, body: Body) -> tuple[Body, ...]:
         """Bodies that a body carries."""
         return tuple(b for b in self.bodies if _parent_in_tree(b) == body)
+
+    def inertial(self, body: Body) -> Inertial:
+        """Inertia of a body; readers demand some where the axis has it in an armature.
+
+        A pendulum's centre of mass hangs below its hinge; half of its inertia is then about that centre.
+        """
+        inertia, moment = max(self.inertia[body.name], _NO_MASS), self.moments.get(body.name, 0.0)
+        if not moment:
+            return Inertial(inertia, 0.0, inertia)
+        mass = 2 * moment**2 / inertia
+        return Inertial(mass, -moment / mass, inertia / 2)
 
     def moves_freely(self, body: Body) -> bool:
         """Whether a body is one of the tree, with a frame that moves as it does."""

@@ -44,8 +44,6 @@ _TEMPLATE = """\
 
 _LONGEST_STEP = 2.5e-4
 _STEPS_A_RADIAN = 20
-_NO_MASS = 1e-9
-"""Mass that MuJoCo demands of every body, where the mass of the axis is in an armature instead."""
 _SITE = 0.05
 """Half a side of the boxes that are drawn, m; they have no mass and touch nothing."""
 
@@ -128,28 +126,18 @@ class _Writer:
         return [units, ctrl, *(f"Lost: {loss}".replace("--", "- -") for loss in self.losses)]
 
     def _body(self, body: Body, depth: int) -> str:
-        indent, inertia = "  " * depth, self.machine.inertia[body.name]
+        indent, found = "  " * depth, self.machine.inertial(body)
+        inertia = " ".join([_written(found.inertia)] * 3)
         kind = "hinge" if body.turns else "slide"
         inner = [
             f'<joint name={quoteattr(body.name)} type="{kind}" axis="1 0 0"{self._properties(((body.name, 1.0),))}/>',
-            self._inertial(body, inertia),
+            f'<inertial pos="0 0 {_written(found.height)}" mass="{_written(found.mass)}" diaginertia="{inertia}"/>',
             f'<geom type="box" size="{_SITE} {_SITE} {_SITE}" mass="0" contype="0" conaffinity="0"/>',
             f'<site name={quoteattr(body.name)} size="0.01"/>',
         ]
         carried = [self._body(b, depth + 1) for b in self.machine.children(body)]
         lines = [f"{indent}<body name={quoteattr(body.name)}>", *(f"{indent}  {line}" for line in inner)]
         return "\n".join([*lines, *carried, f"{indent}</body>"])
-
-    def _inertial(self, body: Body, inertia: float) -> str:
-        """Mass and inertia about the centre of mass; a pendulum's centre hangs below its hinge."""
-        size = max(inertia, _NO_MASS)
-        mass, height = size, 0.0
-        moment = self.machine.moments.get(body.name, 0.0)
-        if moment:
-            mass = 2 * moment**2 / size
-            height, size = -moment / mass, size / 2
-        numbers = " ".join([f"{_written(size)}"] * 3)
-        return f'<inertial pos="0 0 {_written(height)}" mass="{_written(mass)}" diaginertia="{numbers}"/>'
 
     def _properties(self, path: Path) -> str:
         """Attributes of a joint or tendon."""

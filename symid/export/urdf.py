@@ -12,8 +12,6 @@ from symid.axis import Axis, Body
 from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, mechanism
 
-_NO_MASS = 1e-9
-"""Mass of a link whose inertia URDF cannot hold, as readers demand one."""
 _WIDE = "1e9"
 """Limits that URDF demands of a prismatic joint and the axis does not have."""
 _HELD = ("damping", "frictionloss")
@@ -54,10 +52,7 @@ def urdf(axis: Axis, values: Mapping[str, float]) -> Exported:
 
 def _linked(machine: Mechanism, parent: str, body: Body) -> Iterator[str]:
     """Link and joint of a body, then those of what it carries."""
-    inertia, moment = machine.inertia[body.name] or _NO_MASS, machine.moments.get(body.name, 0.0)
-    # A pendulum's centre of mass hangs below its hinge; half of its inertia is then about that centre.
-    mass = 2 * moment**2 / inertia if moment else inertia
-    height, own = (-moment / mass, inertia / 2) if moment else (0.0, inertia)
+    mass, height, own = machine.inertial(body)
     found = machine.paths.get(((body.name, 1.0),))
     damping, friction = (found.damping, found.frictionloss) if found else (0.0, 0.0)
     yield f"  <link name={quoteattr(body.name)}>"
