@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import FloatArray, fast_length
 from symid.codegen import GeneratedModel
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
@@ -19,6 +19,8 @@ from symid.identification.excerpts import Excerpt
 _SPACINGS = range(2, 17)
 _STRAIGHT = 0.01
 """Of the median second difference at the samples between which a signal is interpolated, that others may have."""
+_LEAST_STRAIGHT = 0.4
+"""Of all second differences, that are at least as small beside the largest: 0.9 of every second sample are 0.45."""
 _DIFFERENCES = 4
 _USUAL = 3.0
 """Times the median difference beyond which a larger one counts as no larger."""
@@ -64,6 +66,8 @@ def interpolated_from(x: FloatArray) -> int:
     (4, 0)
     """
     bent = np.abs(np.diff(x, 2))
+    if np.count_nonzero(bent < _STRAIGHT * np.max(bent, initial=0.0)) < _LEAST_STRAIGHT * bent.size:
+        return 0
     for n in _SPACINGS:
         if bent.size < 10 * n:
             break
@@ -87,9 +91,9 @@ def averaged_over(x: FloatArray) -> int:
     z = np.diff(x, _DIFFERENCES)
     usual = _USUAL * float(np.median(np.abs(z)))
     z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
-    size = 1 << (2 * z.size - 1).bit_length()
-    power = np.abs(np.fft.rfft(z, size)) ** 2
-    lags = np.fft.irfft(power, size)[: min(_FARTHEST + _NEAREST + 1, z.size // 4)]
+    n_lags = min(_FARTHEST + _NEAREST + 1, z.size // 4)
+    size = fast_length(z.size + n_lags)
+    lags = np.fft.irfft(np.abs(np.fft.rfft(z, size)) ** 2, size)[:n_lags]
     if lags.size < 3 * _NEAREST or not lags[0] > 0.0:
         return 0
     lags /= lags[0]
