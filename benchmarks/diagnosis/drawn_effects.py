@@ -67,10 +67,11 @@ class Scale:
 
 
 def drawn_effect(
-    name: str, scale: Scale, share: float, rng: np.random.Generator
+    name: str, scale: Scale, share: float, rng: np.random.Generator, level: str = "E"
 ) -> tuple[Element | Imperfection, dict[str, float]]:
-    """An effect of a share of the force, and the values of its parameters."""
+    """An effect of a share of the force, and the values of its parameters, which `level` names."""
     body, force, speed = scale.body, share * scale.force, scale.speed
+    second = level + "2"
     phase = float(rng.uniform(0, 2 * np.pi))
     sine, cosine = np.cos(phase), np.sin(phase)
     pitch = 2 * np.pi / float(rng.choice(_WAVES)) if scale.turns else float(rng.choice(_PITCHES))
@@ -81,21 +82,23 @@ def drawn_effect(
         case "saturation":
             return ForceLimit(scale.force * float(rng.uniform(0.9, 1.1))), {}
         case "stribeck_friction":
-            return StribeckFriction(body, "E", velocity=speed * float(rng.uniform(0.03, 0.1))), {"E": force}
+            return StribeckFriction(body, level, velocity=speed * float(rng.uniform(0.03, 0.1))), {
+                level: force
+            }
         case "asymmetric_friction":
             dry = min(force, _MOST_ONE_SIDED * scale.friction)  # with more, friction would push one way
-            return FrictionAsymmetry(body, "E", "Ev"), {
-                "E": dry,
-                "Ev": min(0.3 * dry / speed, _MOST_ONE_SIDED * scale.viscous),
+            return FrictionAsymmetry(body, level, second), {
+                level: dry,
+                second: min(0.3 * dry / speed, _MOST_ONE_SIDED * scale.viscous),
             }
         case "quadratic_drag":
-            return QuadraticDrag(body, "E"), {"E": 1.5 * force / speed**2}
+            return QuadraticDrag(body, level), {level: 1.5 * force / speed**2}
         case "offset_force":
-            return OffsetForce(body, "E"), {"E": force}
+            return OffsetForce(body, level), {level: force}
         case "position_stiffness":
-            return PositionStiffness(body, "E"), {"E": 2 * force / scale.travel}
+            return PositionStiffness(body, level), {level: 2 * force / scale.travel}
         case "cogging":
-            return Cogging(body, "E", "Ec", pitch=pitch), {"E": force * sine, "Ec": force * cosine}
+            return Cogging(body, level, second, pitch=pitch), {level: force * sine, second: force * cosine}
         case "presliding_friction":
             reach = scale.travel * float(rng.uniform(0.001, 0.01))
             return PreslidingFriction(body, 1.5 * force, reach=reach), {}

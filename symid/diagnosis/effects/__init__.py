@@ -19,7 +19,9 @@ from symid.diagnosis.effects.friction import (
     SteadyFrictionDrift,
 )
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
+from symid.diagnosis.effects.imperfections import declared_effects, imperfection_of, place_named
 from symid.diagnosis.effects.signals import (
+    LATE_FORCES,
     ActuatorLag,
     Delay,
     DriveEffect,
@@ -56,6 +58,7 @@ LIBRARY: tuple[Effect, ...] = (
 
 __all__ = [
     "ACTUATOR",
+    "LATE_FORCES",
     "LIBRARY",
     "ActuatorLag",
     "Delay",
@@ -77,5 +80,8 @@ __all__ = [
     "Saturation",
     "Shape",
     "TransferEffect",
+    "declared_effects",
     "effects_of",
+    "imperfection_of",
+    "place_named",
 ]

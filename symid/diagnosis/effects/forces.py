@@ -26,6 +26,7 @@ from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import response_of
+from symid.diagnosis.prediction.weighting import starting_pulses
 from symid.units import Unit
 
 LEAST_PITCH = 1e-3
@@ -188,6 +189,10 @@ _MOMENTS = np.linspace(0.03, 0.97, 48)
 """Moments of a change that are tried under another log, relative to its length."""
 
 
+_UNSETTLED = 12
+"""Points around the moment, and after the end of the log, at which pulses are not yet over."""
+
+
 class PayloadChange(Effect):
     """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
 
@@ -225,22 +230,44 @@ class PayloadChange(Effect):
         return [(shape[0], float(share * record.duration)) for share in _MOMENTS]
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        """What the force of the added inertia does to the axis that has it throughout.
+
+        With the motion x of the axis as it is, (M + dm) x'' + ... = f + dm x''. From the moment on the last term is
+        gone, so that the outputs change by the response of this axis to -dm x'' from then on. What hidden bodies do at
+        the moment goes on after it.
+        """
         record, (change, moment) = prediction.record, shape
         body = prediction.bodies[place]
-        changed = body.remembered(self, (change,), lambda: self._changed(prediction, body.direction, change))
+        other, free = body.remembered(
+            self, (change,), lambda: self._with_change(prediction, body.direction, change)
+        )
         time = record.fine_time
         later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log
-        return record.from_grid(record.fine(changed) * later)[None]
+        changed = -change * other * record.from_grid(body.a * later)
+        return self._ended(record, changed, free, moment)[None]
 
-    def _changed(self, prediction: Prediction, direction: FloatArray, change: float) -> ComplexArray:
-        """What the axis with the other mass makes of the outputs."""
+    def _with_change(
+        self, prediction: Prediction, direction: FloatArray, change: float
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Of the axis with the other mass: outputs for a force on the body, and for pulses as the log ends."""
         record = prediction.record
         inertia = np.asarray(change * (1j * record.omega) ** 2, dtype=np.complex128)
         other = response_of(record, prediction.parameters, [*prediction.impedances, (direction, inertia)])
-        outputs = other.of_position * record.motion + other.of_forces(
-            prediction.law_forces + prediction.forces
-        )
-        return outputs - prediction.outputs
+        hidden = [other.of_force(free) for free in prediction.free_directions]
+        return other.of_force(direction), starting_pulses(record, hidden, (record.duration,))
+
+    def _ended(
+        self, record: Record, changed: ComplexArray, free: ComplexArray, moment: float
+    ) -> ComplexArray:
+        """The same without the free motion after the log, which a periodic record brings back before the moment."""
+        if not len(free):
+            return changed
+        time, margin = record.fine_time, _UNSETTLED * record.fine_time[1]
+        quiet = (time > record.duration + margin) | (time < moment - margin)
+        columns = record.fine(free[:, 0])[:, quiet].T
+        scale = np.linalg.norm(columns, axis=0)
+        amounts = np.linalg.lstsq(columns / scale, record.fine(changed[0])[quiet], rcond=None)[0] / scale
+        return np.asarray(changed - np.tensordot(amounts, free, 1))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)

@@ -14,6 +14,8 @@ from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 
+LATE_FORCES = ("delay", "actuator_lag")
+"""Effects that are nearly the same: beside each other they tell nothing."""
 _LONGEST_DELAY = 0.05
 _STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0])
 _DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from symid.data import Log
-from symid.diagnosis.effects import Key
+from symid.diagnosis.effects import LATE_FORCES, Key, declared_effects
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.gap import Gap, Level
@@ -25,7 +25,7 @@ from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
-from symid.diagnosis.selection.step import LATE_FORCES, SelectionStep
+from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LISTED = 20
@@ -227,26 +227,39 @@ def _shares(
 
 
 def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tuple[ParameterChange, ...]:
+    """Parameters and, named `effect.value`, the values of declared imperfections."""
     base, last = fits[0], fits[-1]
     before, after = standard_deviations(base), standard_deviations(last)
     units = base.state.prediction.axis.physical_parameters
-    found = []
-    for i, name in enumerate(base.parameters):
-        old, new = base.parameters[name], last.parameters[name]
-        limit = max(THRESHOLDS.absorbed_deviations * before[i], THRESHOLDS.absorbed_share * abs(new))
-        found.append(
-            ParameterChange(
-                name=name,
-                unit=str(units[name]),
-                nominal=float(nominal[name]) if nominal and name in nominal else float("nan"),
-                reidentified=old,
-                reidentified_std=float(before[i]),
-                explained=new,
-                explained_std=float(after[i]),
-                absorbed=len(fits) > 1 and bool(abs(new - old) > limit),
-            )
+    changes = [
+        _change(
+            (name, str(units[name]), (nominal or {}).get(name, math.nan)),
+            (base.parameters[name], float(before[i])),
+            (last.parameters[name], float(after[i])),
         )
-    return tuple(found)
+        for i, name in enumerate(base.parameters)
+    ]
+    known = len(base.state.placed)
+    declared = declared_effects(base.state.prediction)
+    for item, olds, news in zip(declared, effect_values(base), effect_values(last)[:known], strict=True):
+        for name, value, unit in item.values(base.state.prediction):
+            old, new = olds[name], news[name]
+            changes.append(
+                _change(
+                    (f"{item.effect.name}.{name}", unit, value), (old.value, old.std), (new.value, new.std)
+                )
+            )
+    return tuple(changes)
+
+
+def _change(
+    declared: tuple[str, str, float], before: tuple[float, float], after: tuple[float, float]
+) -> ParameterChange:
+    """Name, unit and nominal value; value and deviation without effects and with them."""
+    (old, old_std), (new, new_std) = before, after
+    limit = max(THRESHOLDS.absorbed_deviations * old_std, THRESHOLDS.absorbed_share * abs(new))
+    absorbed = before != after and abs(new - old) > limit
+    return ParameterChange(*declared, old, old_std, new, new_std, absorbed=bool(absorbed))
 
 
 def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tuple[str, ...]:

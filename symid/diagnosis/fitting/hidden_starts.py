@@ -17,7 +17,7 @@ import numpy as np
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Placed
 from symid.diagnosis.fitting.fit import Fit, cost_of
-from symid.diagnosis.fitting.state import State, first_state, is_hidden, with_effects
+from symid.diagnosis.fitting.state import State, can_integrate, first_state, is_hidden, with_effects
 from symid.diagnosis.prediction.prediction import Prediction, place_of
 from symid.diagnosis.prediction.weighting import Weighting
 
@@ -121,14 +121,6 @@ def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start
                 if can_integrate(near.prediction, placed)
             ]
             yield from sorted(starts, key=_left)[:_KEPT]
-
-
-def can_integrate(prediction: Prediction, item: Placed) -> bool:
-    """Whether an effect acts on hidden motion, and its force is known point by point."""
-    effect = item.effect
-    if not isinstance(effect, JointEffect) or not is_hidden(prediction, effect.joint(prediction, item.at)):
-        return False
-    return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
 
 
 def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) -> Iterable[Placed]:

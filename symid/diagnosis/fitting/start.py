@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from symid.axis import Axis
 from symid.codegen import load_generated
 from symid.diagnosis.fitting.fit import Fit, converged, fitted, masses_and_stiffnesses, stiffnesses
-from symid.diagnosis.fitting.state import State, first_state
+from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -39,7 +40,8 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     return {name: float(found[name]) for name in axis.physical_parameters}
 
 
-_STIFFNESSES = (0.6, 0.77, 1.3, 1.7)
+_OTHER = (0.6, 0.77, 1.3, 1.7)
+"""Multiples of a stiffness, or of the shape of a declared imperfection, from which a fit begins anew."""
 _FEW = 3
 """Iterations after which a fit from another stiffness that leaves more than the first is given up."""
 
@@ -59,12 +61,12 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     weighting : Weighting
         Of the errors.
     """
-    first = converged(state, weighting)
+    first = _from_other_shapes(converged(state, weighting))
     springs, values = stiffnesses(state.prediction.axis), state.prediction.parameters
     if not springs or first.mean_square < THRESHOLDS.fit_of_noise:
         return first
     astray, others = _ran_away(first, values), []
-    for factor in _STIFFNESSES:
+    for factor in _OTHER:
         moved = dict(values) | {name: factor * values[name] for name in springs}
         begun = first_state(state.prediction.record, moved, weighting.allowed)
         if astray or fitted(*begun, _FEW).mean_square < first.mean_square:
@@ -76,6 +78,32 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
     clearly = best.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
     return best if clearly or astray else first
+
+
+def _from_other_shapes(fit: Fit) -> Fit:
+    """The same with other shapes of declared imperfections, one after the other, where these leave clearly less.
+
+    A limit beyond the largest force and a moment at a rest are not found by small steps from the values declared.
+    """
+    for i in range(len(fit.state.placed)):
+        if fit.mean_square < THRESHOLDS.fit_of_noise:
+            break
+        tried = [
+            fitted(state, fit.weighting, _FEW) for state in _with_other_shapes(fit.state, fit.weighting, i)
+        ]
+        best = min(tried, key=lambda one: one.mean_square, default=fit)
+        if best.mean_square < THRESHOLDS.other_stiffness * fit.mean_square:
+            fit = converged(best.state, best.weighting)
+    return fit
+
+
+def _with_other_shapes(state: State, weighting: Weighting, at: int) -> Iterator[State]:
+    item, others = state.placed[at], state.placed
+    shapes = list(item.effect.shapes_of_log(state.prediction.record, item.shape))[1::2]
+    if not shapes:
+        shapes = [tuple(factor * x for x in item.shape) for factor in _OTHER if item.shape]
+    for shape in shapes:
+        yield with_effects(state, weighting, (*others[:at], replace(item, shape=shape), *others[at + 1 :]))
 
 
 def _ran_away(fit: Fit, start: Mapping[str, float]) -> bool:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect
+from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect, declared_effects
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
@@ -84,7 +84,7 @@ class State:
 def first_state(
     record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
 ) -> tuple[State, Weighting]:
-    """The axis at given parameters, and the weighting that goes with them.
+    """The axis at given parameters, with the imperfections that it declares, and the weighting that goes with them.
 
     Parameters
     ----------
@@ -103,7 +103,11 @@ def first_state(
             f"log {record.log.source!r} has {weighting.kept.sum()} rows of motion: a diagnosis needs {_LEAST_ROWS}; "
             "take a log in which the axis moves"
         )
-    return _state(prediction, (), record.measured - prediction.outputs, weighting), weighting
+    first = _state(prediction, (), record.measured - prediction.outputs, weighting)
+    declared = tuple(
+        replace(item, integrated=can_integrate(prediction, item)) for item in declared_effects(prediction)
+    )
+    return with_effects(first, weighting, declared) if declared else first, weighting
 
 
 def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
@@ -233,6 +237,14 @@ def is_hidden(prediction: Prediction, joint: Joint) -> bool:
     row = prediction.driven_row
     driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
     return not driven and np.array_equal(joint.spectrum, joint.modelled)
+
+
+def can_integrate(prediction: Prediction, item: Placed) -> bool:
+    """Whether an effect acts on hidden motion, and its force is known point by point."""
+    effect = item.effect
+    if not isinstance(effect, JointEffect) or not is_hidden(prediction, effect.joint(prediction, item.at)):
+        return False
+    return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
 
 
 def _equivalent(force: ComplexArray, joint: Joint) -> ComplexArray:

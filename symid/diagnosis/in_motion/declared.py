@@ -3,37 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from symid.axis import (
-    ActuatorDelay,
-    ActuatorLag,
     Axis,
     Between,
     Body,
     CoulombFriction,
-    EncoderRipple,
-    ForceLimit,
-    FrictionDrift,
-    FrictionTrend,
-    GainAsymmetry,
-    GainNonlinearity,
-    Imperfection,
-    LoadDependentFriction,
-    PayloadChange,
-    PeriodicForce,
     PreslidingFriction,
     Spring,
 )
-from symid.axis.elements import Joint as Place
-from symid.diagnosis import effects
-from symid.diagnosis.effects import Delay, LawEffect, PeriodicDisturbance, Placed, Saturation
+from symid.diagnosis.effects import LawEffect, Placed, imperfection_of, place_named
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.prediction import Prediction, place_of
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.errors import SettingError
 
 Values: TypeAlias = dict[str, float]
@@ -103,7 +88,7 @@ def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
 def axis_of(state: State) -> ExplainedAxis:
     """The axis of a model with the effects that it holds as elements, and the values of its parameters.
 
-    A diagnosis passes declared imperfections over, so that they are among what it finds; here they are left out.
+    Declared imperfections are among what the model holds, with the values that were identified.
 
     Parameters
     ----------
@@ -127,7 +112,7 @@ def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
     if item.effect.name == "flexible_mode":
         return _with_mode(axis, item, values)
     if isinstance(item.effect, LawEffect):
-        place, effect = _place(axis, item.at), item.effect
+        place, effect = place_named(axis, item.at), item.effect
         laws, added = effect.elements(place, item.at, item.shape, item.amplitudes)
         if added.keys() & values.keys():  # two effects of a joint may call an amplitude alike
             prefix = f"{item.at}_{effect.name}"
@@ -138,41 +123,8 @@ def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
         return _read_late(axis, item)
     if item.effect.name == "presliding_friction":
         return _with_presliding(axis, item, values)
-    found = _imperfection(axis, item)
+    found = imperfection_of(axis, item)
     return None if found is None else axis.with_effect(found)
-
-
-def _imperfection(axis: Axis, item: Placed) -> Imperfection | None:
-    """An effect in the drive, in a reading or in time; None if it acts before its cause."""
-    effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
-    match effect:
-        case Delay():
-            return ActuatorDelay(shape[0]) if shape[0] > 0 else None
-        case effects.ActuatorLag():
-            return ActuatorLag(amplitudes[0])
-        case Saturation():
-            return ForceLimit(shape[0])
-        case effects.GainNonlinearity():
-            return GainNonlinearity(amplitudes[0], power=effect.power)
-        case effects.GainAsymmetry():
-            return GainAsymmetry(amplitudes[0])
-        case effects.EncoderRipple():
-            return EncoderRipple(item.at, *amplitudes, *shape)
-        case PeriodicDisturbance():
-            return PeriodicForce(_place(axis, item.at), *amplitudes, *shape)
-        case effects.PayloadChange():
-            change, moment = shape
-            body = next(b for b in axis.free_bodies if b.name == item.at)
-            return PayloadChange(body, amplitudes[0] * change, time=moment)
-        case effects.FrictionDrift():
-            coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
-            place = _place(axis, item.at)
-            if not shape:
-                return FrictionTrend(place, coulomb, viscous)
-            return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
-        case effects.LoadDependentFriction():
-            return LoadDependentFriction(_place(axis, item.at), amplitudes[0])
-    return None
 
 
 def _read_late(axis: Axis, item: Placed) -> Axis | None:
@@ -185,7 +137,7 @@ def _read_late(axis: Axis, item: Placed) -> Axis | None:
 def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
     """The axis whose Coulomb friction, which is added where there is none, builds up over a displacement."""
     (level,), (reach,) = item.amplitudes, item.shape
-    place = _place(axis, item.at)
+    place = place_named(axis, item.at)
     if not any(isinstance(law, CoulombFriction) and law.at == place for law in axis.laws):
         name = f"{item.at}_Fs"
         values[name] = level
@@ -230,9 +182,3 @@ def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:
     else:
         values[body.inertial] -= mass
     return axis.with_effect(added, spring)
-
-
-def _place(axis: Axis, name: str) -> Place:
-    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
-    found = next((body for body in axis.free_bodies if body.name == name), None)
-    return found if found is not None else next(s.at for s in springs if place_of(s) == name)

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis import Axis
 from symid.data import REFERENCE, Log
+from symid.diagnosis.effects import declared_effects
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Motion, MotionError
 from symid.diagnosis.findings.result import Diagnosis
@@ -51,18 +51,23 @@ def with_motion(
         found,
         gap=replace(found.gap, motion=motion),
         sentence=f"{found.sentence}{sentence_of_motion(motion)}",
-        assumptions=(*found.assumptions, *_passed_over(found.axis)),
+        assumptions=(*found.assumptions, *_declared(comparison)),
     )
 
 
-def _passed_over(axis: Axis) -> tuple[str, ...]:
+def _declared(comparison: Comparison) -> tuple[str, ...]:
     """What a diagnosis makes of declared imperfections."""
-    names = ", ".join(type(element).__name__ for element in axis.imperfections)
-    return (
-        (f"Imperfections declared ({names}) are passed over: what they do is among what is found.",)
-        if names
-        else ()
-    )
+    axis, state = comparison.record.dynamics.axis, comparison.states[1]
+    assert state is not None
+    known = declared_effects(state.prediction)
+    passed_over = len(axis.imperfections) - len(known)
+    said = []
+    if known:
+        names = ", ".join(f"{item.effect.name} at {item.at}" for item in known)
+        said.append(f"Declared, and identified with the parameters: {names}.")
+    if passed_over:
+        said.append(f"{passed_over} declared imperfections are passed over, as the log cannot show them.")
+    return tuple(said)
 
 
 def motion_of(

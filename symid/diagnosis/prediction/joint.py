@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray, IntArray
 from symid.diagnosis.prediction.record import Record
 from symid.simulation.forward_dynamics import LawTerm
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +43,11 @@ class Joint:
     record: Record
     memory: dict[Hashable, Any] = field(default_factory=dict, repr=False)
 
-    def remembered(self, key: Hashable, given: Hashable, compute: Callable[[], ComplexArray]) -> ComplexArray:
+    def remembered(self, key: Hashable, given: Hashable, compute: Callable[[], Found]) -> Found:
         """What follows from this motion and the last `given`, computed once."""
         if self.memory.get(key, (None, None))[0] != (given,):
             self.memory[key] = (given,), compute()
-        known: ComplexArray = self.memory[key][1]
+        known: Found = self.memory[key][1]
         return known
 
     @cached_property

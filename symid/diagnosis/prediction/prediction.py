@@ -124,8 +124,12 @@ class Prediction:
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
         """Outputs for forces on what moves without the driven position, of shape (n_outputs, n_bins) each."""
-        free = np.linalg.svd(self.driven_row[None])[2][1:]
-        return tuple(self.response.of_force(direction) for direction in free)
+        return tuple(self.response.of_force(direction) for direction in self.free_directions)
+
+    @property
+    def free_directions(self) -> FloatArray:
+        """Directions over the bodies in which they move without the driven position, of shape (n, n_bodies)."""
+        return np.asarray(np.linalg.svd(self.driven_row[None])[2][1:])
 
     @cached_property
     def joints(self) -> Mapping[str, Joint]:

@@ -21,7 +21,7 @@ from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.priors import prior
 from symid.diagnosis.selection.screening import screened
-from symid.diagnosis.selection.step import LATE_FORCES, LATE_READING, Confirmed, SelectionStep, takes
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, takes
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _ITERATIONS = 3
@@ -154,10 +154,8 @@ def _chosen(
     """The step of an effect beside all others; None if nothing is worth its place."""
     starts = [Start.of(before, own)]
     if library:
-        late = any(item.effect.name in LATE_FORCES for item in before.state.placed)
-        wanted = [effect for effect in library if not (late and effect.name in LATE_FORCES)]
         rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS]}
-        rivals |= {c.placed.key: c.placed for c in screened(before, wanted)[:_RIVALS]}
+        rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
         starts += [Start.of(before, item) for item in rivals.values()]
     found: dict[Key, Confirmed] = {}
     for start in starts:

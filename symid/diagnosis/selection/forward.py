@@ -9,11 +9,12 @@ from itertools import islice
 
 from symid.diagnosis.effects import Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit, refitted, settled
-from symid.diagnosis.fitting.hidden_starts import Start, can_integrate, from_other_places, of_grid
+from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
+from symid.diagnosis.fitting.state import can_integrate
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import Candidate, screened
-from symid.diagnosis.selection.step import LATE_FORCES, LATE_READING, Confirmed, SelectionStep
+from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
@@ -52,8 +53,6 @@ def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tup
             < THRESHOLDS.noise
         ):
             break
-        if current.state.placed[-1].effect.name in LATE_FORCES:
-            library = [effect for effect in library if effect.name not in LATE_FORCES]
         last = _selection_step(current, library, None)
         if not last.justifies_another(fit):
             break

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from symid.diagnosis.effects import ACTUATOR, Delay, Placed
+from symid.diagnosis.effects import ACTUATOR, LATE_FORCES, Delay, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.selection.confirmation import confirmed_from
-from symid.diagnosis.selection.step import LATE_FORCES
 from symid.diagnosis.thresholds import THRESHOLDS
 
 HELD = (
@@ -15,7 +14,9 @@ HELD = (
 
 
 def shows_hold(fit: Fit) -> bool:
-    """Whether a delay of the force by half a sample explains a part of what a model leaves."""
+    """Whether a delay of the force by half a sample explains a part of what a model leaves that has none declared."""
+    if any(item.effect.name in LATE_FORCES for item in fit.state.placed):
+        return False
     period = fit.state.prediction.record.log.sampling_period
     found = confirmed_from(fit, Start.of(fit, Placed(Delay(), ACTUATOR, (period / 2,), (1.0,))))
     if (

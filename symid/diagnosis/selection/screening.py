@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects import Effect, Key, Placed, Shape
+from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, Shape
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import passed_on
@@ -62,7 +62,10 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
 
     best: dict[Key, Candidate] = {}
     present = {item.key for item in fit.state.placed}
+    late = any(name in LATE_FORCES for name, _ in present)
     for effect in library:
+        if late and effect.name in LATE_FORCES:
+            continue
         for place in effect.places(prediction):
             if (effect.name, place) in present:
                 continue

@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.effects import Effect, Key, Placed
+from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
 
-LATE_FORCES = ("delay", "actuator_lag")
-"""Nearly the same: beside each other they tell nothing."""
 LATE_READING = "sensor_delay"
 
 

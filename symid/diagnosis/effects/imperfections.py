@@ -1,0 +1,127 @@
+"""Imperfections that an axis declares, and the effects that they are: either follows from the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from symid.axis import (
+    ActuatorDelay,
+    ActuatorLag,
+    Axis,
+    EncoderRipple,
+    ForceLimit,
+    FrictionDrift,
+    FrictionTrend,
+    GainAsymmetry,
+    GainNonlinearity,
+    Imperfection,
+    LoadDependentFriction,
+    PayloadChange,
+    PeriodicForce,
+    PreslidingFriction,
+    Spring,
+)
+from symid.axis.elements import Joint as Place
+from symid.axis.imperfections import JointImperfection
+from symid.diagnosis.effects import forces, friction, signals
+from symid.diagnosis.effects.base import ACTUATOR, Effect, Placed, Shape
+from symid.diagnosis.prediction.prediction import Prediction, place_of
+
+
+def place_named(axis: Axis, name: str) -> Place:
+    """Body or spring of an axis that an effect sits at."""
+    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
+    found = next((body for body in axis.free_bodies if body.name == name), None)
+    return found if found is not None else next(s.at for s in springs if place_of(s) == name)
+
+
+def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
+    """An effect in the drive, in a reading or in time as an element; None if it is none, or acts before its cause."""
+    effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
+    match effect:
+        case signals.Delay():
+            return ActuatorDelay(shape[0]) if shape[0] > 0 else None
+        case signals.ActuatorLag():
+            return ActuatorLag(amplitudes[0])
+        case signals.Saturation():
+            return ForceLimit(shape[0])
+        case signals.GainNonlinearity():
+            return GainNonlinearity(amplitudes[0], power=effect.power)
+        case signals.GainAsymmetry():
+            return GainAsymmetry(amplitudes[0])
+        case signals.EncoderRipple():
+            return EncoderRipple(item.at, *amplitudes, *shape)
+        case forces.PeriodicDisturbance():
+            return PeriodicForce(place_named(axis, item.at), *amplitudes, *shape)
+        case forces.PayloadChange():
+            change, moment = shape
+            body = next(b for b in axis.free_bodies if b.name == item.at)
+            return PayloadChange(body, amplitudes[0] * change, time=moment)
+        case friction.FrictionDrift():
+            coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
+            place = place_named(axis, item.at)
+            if not shape:
+                return FrictionTrend(place, coulomb, viscous)
+            return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
+        case friction.LoadDependentFriction():
+            return LoadDependentFriction(place_named(axis, item.at), amplitudes[0])
+    return None
+
+
+def declared_effects(prediction: Prediction) -> tuple[Placed, ...]:
+    """Imperfections of the axis with their numbers, those that the log can show."""
+    found = (_placed(prediction, element) for element in prediction.axis.imperfections)
+    return tuple(item for item in found if item.at in item.effect.places(prediction))
+
+
+def _placed(prediction: Prediction, element: Imperfection) -> Placed:
+    effect, shape, amplitudes = _as_effect(element)
+    match element:
+        case EncoderRipple():
+            at = element.signal
+        case PayloadChange():
+            at = element.body.name
+        case JointImperfection():
+            at = _name_of(prediction, element.at)
+        case _:
+            at = ACTUATOR
+    return Placed(effect, at, shape, amplitudes)
+
+
+def _name_of(prediction: Prediction, place: Place) -> str:
+    names = (*(body.name for body in prediction.axis.free_bodies), *prediction.joints)
+    return next((name for name in names if place_named(prediction.axis, name) == place), "")
+
+
+def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]:
+    """Effect, shape and amplitudes; an amplitude that is fixed is 1."""
+    match element:
+        case ActuatorDelay():
+            return signals.Delay(), (element.seconds,), (1.0,)
+        case ActuatorLag():
+            return signals.ActuatorLag(), (), (element.seconds,)
+        case ForceLimit():
+            return signals.Saturation(), (element.force,), (1.0,)
+        case GainNonlinearity():
+            return signals.GainNonlinearity(element.power), (), (element.bend,)
+        case GainAsymmetry():
+            return signals.GainAsymmetry(), (), (element.difference,)
+        case EncoderRipple():
+            return signals.EncoderRipple(), (element.pitch,), (element.sine, element.cosine)
+        case PeriodicForce():
+            return forces.PeriodicDisturbance(), (element.frequency,), (element.sine, element.cosine)
+        case PayloadChange():
+            return forces.PayloadChange(), (element.change, element.time), (1.0,)
+        case PreslidingFriction():
+            return friction.PreslidingFriction(), (element.reach,), (element.level,)
+        case LoadDependentFriction():
+            return friction.LoadDependentFriction(), (), (element.coefficient,)
+        case FrictionDrift() | FrictionTrend():
+            levels = element.coulomb, element.viscous
+            drifts = (
+                friction.FrictionDrift if isinstance(element, FrictionDrift) else friction.SteadyFrictionDrift
+            )
+            effect = drifts(coulomb=levels[0] != 0, viscous=levels[1] != 0)
+            shape = (element.time_constant,) if isinstance(element, FrictionDrift) else ()
+            return effect, shape, tuple(level for level in levels if level)
+    raise NotImplementedError(f"no effect stands for {type(element).__name__}")
