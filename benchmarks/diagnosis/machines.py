@@ -28,7 +28,7 @@ from symid import Axis, Body, CoulombFriction, Drive, Log, Position, Spring, Sym
 from symid.axis import Between, Geared, PendulumWeight
 from symid.axis.axis import Element
 from symid.axis.imperfections import Imperfection
-from symid.diagnosis import Diagnosis, diagnose
+from symid.diagnosis import Diagnosis, FoundEffect, diagnose
 from symid.simulation import Trajectory, plant_of, simulate, trapezoids, tuned_cascade
 from symid.simulation.excitation import chirp
 
@@ -248,13 +248,16 @@ def sought(case: Case, least: float, alone: Sequence[float]) -> tuple[str, ...]:
     return tuple(e for e, size in zip(case.effects, alone, strict=True) if size > largest / CLEAR)
 
 
+def names(effect: FoundEffect) -> set[str]:
+    """An effect that was found, and its stated ties."""
+    return {effect.effect, *(name for name, _ in effect.indistinguishable_from)}
+
+
 def is_right(wanted: Sequence[str], found: Diagnosis) -> bool:
     """Whether one of the effects wanted is named first, or is a stated tie; if none is, whether nothing is named."""
     if not wanted:
         return found.verdict in ("no_gap", "parameters")
-    first = found.effects[:1]
-    named = {name for one in first for name in (one.effect, *(k for k, _ in one.indistinguishable_from))}
-    return bool(named.intersection(wanted))
+    return any(names(first).intersection(wanted) for first in found.effects[:1])
 
 
 def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[str, bool, int, str]]:
@@ -268,7 +271,9 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[str, bool,
         named = ", ".join(f"{one.effect} ({one.probability:.2f})" for one in found.effects)
         right = is_right(wanted, found) or (group == "below the floor" and is_right(case.effects, found))
         right = right or (not wanted and least > CLEAR and found.verdict == "unexplained")
-        false = sum(one.effect not in case.effects and one.probability >= 0.5 for one in found.effects)
+        false = sum(
+            one.probability >= 0.5 and not names(one).intersection(case.effects) for one in found.effects
+        )
         there = ", ".join(f"{e} {size:.1f}" for e, size in zip(case.effects, alone, strict=True))
         line = f"{seed:6} {case.machine.kind:12} {least:.1f} floors, {there} -> {found.verdict:11} {named}"
         yield group, right, false, f"{line} {'' if right else 'WRONG'} {'FALSE' if false else ''}"

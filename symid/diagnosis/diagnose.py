@@ -62,9 +62,10 @@ class Recorded:
     controller: Cascade | None = None
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
-        """Time by which signals of a log were recorded late, s, a hold of the force included."""
+        """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the force included."""
         held = axis.only_drive.held if self.held is None else self.held
-        return with_hold(self.late, axis.only_drive.signal, held=held, sampling_period=sampling_period)
+        late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
+        return with_hold(late, axis.only_drive.signal, held=held, sampling_period=sampling_period)
 
     def may_be_held(self, axis: Axis) -> bool:
         """Whether a hold of the force is neither known nor excluded."""

@@ -60,7 +60,7 @@ def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyP
     assert found.mean_square < THRESHOLDS.fit_of_noise
     for name, value in TRUE.items():
         assert found.parameters[name] == pytest.approx(value, rel=0.01)
-    monkeypatch.setattr(start, "_STIFFNESSES", ())
+    monkeypatch.setattr(start, "_OTHER", ())
     alone = start.fitted_axis(*begin)
     assert alone.mean_square > 2 * THRESHOLDS.fit_of_noise
     assert alone.parameters["Ms"] <= THRESHOLDS.ran_away * FAR["Ms"]  # unbounded it grows out of sight

@@ -1,6 +1,6 @@
 """Every effect: a machine that has it is diagnosed, the axis written, read again and simulated under the controller."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from symid import (
     FrictionTrend,
     GainAsymmetry,
     GainNonlinearity,
+    Imperfection,
     LoadDependentFriction,
     Log,
     OffsetForce,
@@ -167,17 +168,61 @@ def test_a_flexible_mode_too(tmp_path: Path) -> None:
     assert after < 0.5 * before
 
 
-def test_a_declared_imperfection_is_found_once(tmp_path: Path) -> None:
-    has = RIGID.with_effect(ActuatorLag(0.004))
-    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
-    library = [effect for effect in LIBRARY if effect.name == "actuator_lag"]
+@pytest.mark.parametrize(
+    "element",
+    [
+        ActuatorDelay(8e-4),
+        ActuatorLag(0.004),
+        GainNonlinearity(4e-4, power=2),
+        GainAsymmetry(0.05),
+        EncoderRipple("q", 2e-6, 1e-6, 0.02),
+        PeriodicForce(MOTOR, 4.0, 3.0, frequency=17.0),
+        PayloadChange(MOTOR, 5.0, time=1.5),
+        FrictionDrift(MOTOR, 5.0, 30.0, time_constant=2.0),
+        FrictionTrend(MOTOR, 2.0, 0.0),
+        PreslidingFriction(MOTOR, 12.0, reach=3e-4),
+        LoadDependentFriction(MOTOR, 0.05),
+    ],
+    ids=lambda element: type(element).__name__,
+)
+def test_what_is_declared_is_identified_and_not_found(element: Imperfection) -> None:
+    places = {"at", "body", "signal", "power", "frequency", "pitch"}
+    own = {field.name: getattr(element, field.name) for field in fields(element) if field.name not in places}
+    declared = replace(element, **{name: 1.1 * value for name, value in own.items()})
+    nominal = {name: 1.05 * VALUES[name] for name in RIGID.physical_parameters}
+    logs = [machine(RIGID.with_effect(element), VALUES, seed) for seed in (1, 2)]
     found = diagnose(
-        has, machine(has, VALUES, 1), nominal=nominal, held=True, library=library, controller=LOOP
+        RIGID.with_effect(declared), logs[0], validation=logs[1], nominal=nominal, held=True, controller=LOOP
     )
-    explained = explained_axis(found).axis
-    assert [element.seconds for element in explained.imperfections] == pytest.approx([0.004], rel=0.05)
-    assert found.gap.motion.explained.position_rms < 0.2 * found.gap.motion.reidentified.position_rms
-    assert "ActuatorLag" in found.assumptions[-1]
+    assert found.verdict in ("no_gap", "parameters")
+    assert not found.effects
+    assert "Declared, and identified with the parameters" in found.assumptions[-1]
+    changes = [change for change in found.parameters if "." in change.name]
+    assert changes
+    for change in changes:
+        if not change.name.endswith("t0"):  # a moment lies anywhere between two accelerations
+            scaled = not change.name.endswith((".pitch", ".f"))
+            off = abs(change.reidentified - change.nominal / (1.1 if scaled else 1.0))
+            assert off < 4 * change.reidentified_std + 0.02 * abs(change.nominal)
+
+
+def test_a_declared_limit_is_identified() -> None:
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    log = machine(RIGID.with_effect(ForceLimit(110.0)), VALUES, 1)
+    found = diagnose(RIGID.with_effect(ForceLimit(118.0)), log, nominal=nominal, held=True, controller=LOOP)
+    limit = next(change for change in found.parameters if change.name == "saturation.limit")
+    assert limit.reidentified == pytest.approx(110.0, rel=0.01)
+    assert all(one.effect != "saturation" for one in found.effects)
+
+
+def test_a_written_axis_leaves_no_gap_on_another_log(tmp_path: Path) -> None:
+    has = RIGID.with_effect(ActuatorDelay(8e-4))
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    explained = explained_axis(diagnose(RIGID, machine(has, VALUES, 1), nominal=nominal, held=True))
+    write_axis(explained.axis, tmp_path / "written.py")
+    written = load_axis(str(tmp_path / "written.py"))
+    again = diagnose(written, machine(has, VALUES, 2), nominal=explained.values, held=True)
+    assert again.verdict in ("no_gap", "parameters")
 
 
 def test_a_late_reading_is_written_with_its_sensor(tmp_path: Path) -> None:
@@ -191,6 +236,8 @@ def test_a_late_reading_is_written_with_its_sensor(tmp_path: Path) -> None:
     written = load_axis(str(tmp_path / "written.py"))
     assert written.sensors[1].delay == pytest.approx(0.0025, abs=5e-5)
     log = machine(late, VALUES, 2)
+    again = diagnose(written, log, nominal=explained.values, held=True, library=library, controller=LOOP)
+    assert not again.effects
     before, after = (
         np.std(log["ql"] - simulate(without_noise(model), explained.values, path(2), LOOP).log["ql"])
         for model in (ELASTIC, written)
