@@ -119,7 +119,11 @@ def _stages(
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
-    if nominal is None or _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
+    if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
+        return
+    if nominal is None:
+        hidden = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
+        yield [Start.of(fit, item) for item in hidden if can_integrate(fit.state.prediction, item)][:_INTEGRATED]
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
