@@ -23,10 +23,10 @@ from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.dead_channels import require_live_channels
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of, signals_of
-from symid.diagnosis.selection.backward import backward_elimination, without
+from symid.diagnosis.selection.backward import backward_elimination, brought_first, without
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
-from symid.diagnosis.selection.step import SelectionStep
+from symid.diagnosis.selection.step import LATE_READING, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.identification.settings import with_hold
 from symid.simulation import Cascade
@@ -191,6 +191,7 @@ def _diagnosed(
     if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
     steps, comparison = _on_held_out(base, steps, state if nominal else None, data)
+    steps, comparison = _largest_first(base, steps, state if nominal else None, data, comparison)
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
@@ -208,6 +209,28 @@ def _on_held_out(
     accepted = [step for step in steps if step.accepts]
     rest = without(accepted, comparison.worsened)
     return (steps, comparison) if len(rest) == len(accepted) else _on_held_out(base, rest, nominal, data)
+
+
+def _largest_first(
+    base: Fit,
+    steps: Sequence[SelectionStep],
+    nominal: State | None,
+    data: Data,
+    comparison: Comparison,
+) -> tuple[Sequence[SelectionStep], Comparison]:
+    """The effect that removes most of the gap measured as the first, where it then removes more than the one before.
+
+    Logs excite effects differently: what errs most in the logs for identification may be small in the validation data.
+    """
+    accepted = [step for step in steps if step.accepts][: comparison.upheld]
+    shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
+    at = int(np.argmax(shares)) if shares else 0
+    if at == 0 or accepted[0].confirmed[0].effect.name == LATE_READING:
+        return steps, comparison
+    ordered = brought_first(accepted, at)
+    other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
+    holds = other.upheld == len(ordered) and other.removed(1, 2).share > shares[0]
+    return (ordered, other) if holds else (steps, comparison)
 
 
 def _with_hold(

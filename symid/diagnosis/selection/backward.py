@@ -105,12 +105,29 @@ def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...
     at : int
         Of the effect that goes.
     """
-    rest = [step for i, step in enumerate(steps) if i != at]
-    whole = steps[-1].confirmed[0].fit
-    known = len(whole.state.placed) - len(steps)
-    placed = [item for i, item in enumerate(whole.state.placed[known:]) if i != at]
-    members = [Member(item, step, 0.0) for item, step in zip(placed, rest, strict=True)]
-    return _chain(members, steps[0].before, math.inf) or tuple(steps)
+    members = _members(steps)
+    return _chain([*members[:at], *members[at + 1 :]], steps[0].before, math.inf) or tuple(steps)
+
+
+def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
+    """Steps with the effect of one of them as the first, fitted again; the same if one then explains nothing.
+
+    Parameters
+    ----------
+    steps : sequence of SelectionStep
+        That accept their effects, at least two.
+    at : int
+        Of the effect that is to be the first.
+    """
+    members, whole = _members(steps), steps[-1].confirmed[0].fit
+    order = [members[at], *members[:at], *members[at + 1 :]]
+    return _chain(order, steps[0].before, THRESHOLDS.as_good * whole.mean_square) or tuple(steps)
+
+
+def _members(steps: Sequence[SelectionStep]) -> list[Member]:
+    """Effects of steps that accept them, with their values beside all others."""
+    placed = steps[-1].confirmed[0].fit.state.placed[-len(steps) :]
+    return [Member(item, step, 0.0) for item, step in zip(placed, steps, strict=True)]
 
 
 def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> list[Member]:

@@ -122,8 +122,9 @@ def _stages(
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         return
     if nominal is None:
-        hidden = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
-        yield [Start.of(fit, item) for item in hidden if can_integrate(fit.state.prediction, item)][:_INTEGRATED]
+        joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
+        possible = (item for item in joints if can_integrate(fit.state.prediction, item))
+        yield [Start.of(fit, item) for item in islice(possible, _INTEGRATED)]
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]

@@ -1,0 +1,57 @@
+"""What closes most of the gap that is measured is named first, and a change of mass lets hidden bodies go on."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
+from symid.data import Log
+from symid.diagnosis import diagnose
+from symid.diagnosis.diagnose import Recorded, data_of
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.prediction.joined import joined
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+diagnose_module = sys.modules[data_of.__module__]
+RIGID = load_axis("rigid_1m")
+VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+ELASTIC = load_axis("direct_2m1s")
+FLEXIBLE = {"Mm": 90.0, "Ms": 60.0, "Ks": 60 * (2 * np.pi * 25) ** 2, "Fvs": 200.0, "Fvm": 150.0, "Fsm": 30.0}
+
+
+def slide(speeds: list[float], seed: int) -> Log:
+    """A log of a slide with cogging and drag at given speeds."""
+    body = RIGID.bodies[0]
+    axis = RIGID.with_signal("q", noise=1e-7).with_signal("F", noise=0.3)
+    axis = axis.with_effect(Cogging(body, "As", "Ac", pitch=0.02), QuadraticDrag(body, "D"))
+    values = VALUES | {"As": 3.0, "Ac": 0.0, "D": 60.0}
+    reference = trapezoids([0.3, 0.1], speeds, acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    return simulate(axis, values, reference, tuned_cascade(plant_of(RIGID, VALUES), "q"), seed=seed).log
+
+
+def test_what_removes_most_of_the_gap_measured_is_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow, fast = slide([0.05, 0.1, 0.3], 1), slide([0.5, 0.8, 1.0], 2)
+
+    def found() -> list[str]:
+        effects = diagnose(RIGID, slow, validation=fast, nominal=VALUES, held=True).effects
+        return [effect.effect for effect in effects]
+
+    assert found() == ["quadratic_drag", "cogging"]
+    monkeypatch.setattr(diagnose_module, "brought_first", lambda steps, at: steps)
+    assert found() == ["cogging", "quadratic_drag"]  # by what errs in the log for identification
+
+
+@pytest.mark.parametrize("moment", [1.5, 3.4])
+def test_hidden_bodies_go_on_when_a_mass_changes(moment: float) -> None:
+    change = PayloadChange(ELASTIC.only_drive.at, 8.0, time=moment)
+    axis = ELASTIC.with_effect(change).with_signal("q2", noise=1e-7).with_signal("Fm", noise=1.0)
+    reference = trapezoids(0.1, [0.1, 0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    run = simulate(axis, FLEXIBLE, reference, tuned_cascade(plant_of(ELASTIC, FLEXIBLE), "q2"), seed=1).log
+    log = Log.from_arrays({"q2": run["q2"], "Fm": run["Fm"]}, sampling_period=run.sampling_period)
+    left = []
+    for declared in (ELASTIC, ELASTIC.with_effect(change)):
+        data = data_of(declared, (joined([log]), None), Recorded({}, True))
+        left.append(Fit(*first_state(data.record, FLEXIBLE)).mean_square)
+    assert left[1] < 0.02 * left[0]
