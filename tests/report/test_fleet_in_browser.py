@@ -127,3 +127,25 @@ def test_hostile_names_run_nothing(page, tmp_path) -> None:
     opened(page, table, tmp_path)
     assert page.evaluate("typeof window.hostile") == "undefined"
     assert column(page, "log")[0].startswith(HOSTILE)
+
+
+LABELS = """
+[...document.querySelectorAll('svg.chart')].map(chart => [...chart.querySelectorAll('text')]
+  .filter(text => getComputedStyle(text).display !== 'none')
+  .map(text => text.getBoundingClientRect()).map(r => [r.left, r.right, r.top, r.bottom]))
+"""
+
+
+@pytest.mark.parametrize("width", [400, 1200])
+def test_labels_of_charts_are_readable_and_apart(width, page, tmp_path) -> None:
+    page.renew(width, 900)
+    opened(page, fleet_example(), tmp_path)
+    charts = [labels for labels in page.evaluate(LABELS) if labels and labels[0][1]]
+    assert charts
+    for labels in charts:
+        assert min(bottom - top for _, _, top, bottom in labels) > 11
+        assert min(left for left, *_ in labels) > 0
+        assert max(right for _, right, *_ in labels) < width
+        for i, (left, right, top, bottom) in enumerate(labels):
+            for other in labels[:i]:
+                assert right < other[0] or left > other[1] or bottom < other[2] or top > other[3]
