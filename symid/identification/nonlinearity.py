@@ -83,7 +83,7 @@ def drift_of_gain(
         Z, rest, y = (
             np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
         )
-        drift = _Column.of(Z, rest, y * np.concatenate([_course(parts, r) for r in rows]), y)
+        drift = _Column.of(Z, rest, np.concatenate([_growing(parts, fit, r, force) for r in rows]), y)
         if drift.share > _certain(rest, inflation, criteria) and abs(drift.factor) > criteria.gain_drift:
             return (
                 f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the same "
@@ -107,12 +107,14 @@ def _bent(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
     return np.asarray(bent[seen.valid[equation]])
 
 
-def _course(parts: Sequence[Excerpt], rows: WhitenedRows) -> FloatArray:
-    """Time of the used rows of a part within its log, from -0.5 to 0.5."""
-    own = parts[rows.part]
-    times = np.concatenate([part.observation.time for part in parts if part.of == own.of])
-    used = own.observation.time[own.observation.valid[rows.equation]]
-    return np.asarray((used - times.min()) / np.ptp(times) - 0.5)
+def _growing(parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, force: str) -> FloatArray:
+    """What the force makes of the residual, times the time within its log from -0.5 to 0.5."""
+    part, j = parts[rows.part], rows.equation
+    used, (W, y) = part.observation.valid[j], part.moved(force).own
+    times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
+    course = (part.observation.time - times.min()) / np.ptp(times) - 0.5
+    weight = fit.weights[part.of * len(part.observation.valid) + j]
+    return np.asarray(weight * ((y[j] - W[j] @ fit.solution) * course)[used])
 
 
 @dataclass(frozen=True)

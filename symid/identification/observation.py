@@ -223,6 +223,11 @@ class SignalRows:
         """Of W and y, by a signal that is moved `late` seconds to an earlier time."""
         return self._rows(self._earlier(late) - self._recorded)
 
+    @cached_property
+    def own(self) -> tuple[FloatArray, FloatArray]:
+        """What the signal makes of W and y as it was recorded."""
+        return self._rows(self._recorded)
+
     def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
         """Of W and y by second, from signals that are moved `step` seconds to either side."""
         return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))

@@ -21,14 +21,15 @@ _STRAIGHT = 0.01
 """Of the median second difference at the samples between which a signal is interpolated, that others may have."""
 _LEAST_STRAIGHT = 0.4
 """Of all second differences, that are at least as small beside the largest: 0.9 of every second sample are 0.45."""
-_DIFFERENCES = 4
+_DIFFERENCES = 6
+"""Of an averaged force with little noise, fewer leave the motion above it."""
 _USUAL = 3.0
 """Times the median difference beyond which a larger one counts as no larger."""
-_NEAREST, _FARTHEST = 4, 600
-"""Samples of means that are looked for."""
+_NEAREST, _FARTHEST = 8, 600
+"""Samples of means that are looked for: noise near Nyquist alternates, and looks like a mean over fewer."""
 _ECHO = -0.3
 """Autocorrelation of the differences beyond which they come again with the other sign; -0.5 without any motion."""
-_ALONE = 0.6
+_ALONE = 0.25
 """Of the echo, that no other lag may have: a disturbance with a period has many."""
 
 
@@ -99,6 +100,6 @@ def averaged_over(x: FloatArray) -> int:
     lags /= lags[0]
     n = _NEAREST + int(np.argmin(lags[_NEAREST:-_NEAREST]))
     others = np.abs(lags[_DIFFERENCES + 1 :])
-    others[max(n - 2 * _DIFFERENCES - 1, 0) : n] = 0.0
+    others[max(n - 2 * _DIFFERENCES - 1, 0) : n] = 0.0  # the echo and its neighbours
     is_echo = lags[n] < _ECHO and min(lags[n - 1], lags[n + 1]) > 0.5 * abs(lags[n])
     return n if is_echo and lags[1] < 0.0 and np.max(others) < _ALONE * abs(lags[n]) else 0

@@ -127,9 +127,9 @@ def test_a_lag_that_imitates_a_damped_mode_is_named() -> None:
 
 
 def test_signals_that_are_averaged_alike_are_no_fault() -> None:
-    same = {name: np.convolve(x, np.full(5, 0.2), mode="same") for name, x in rigid().items()}
+    same = {name: np.convolve(x, np.full(9, 1 / 9), mode="same") for name, x in rigid().items()}
     assert "a mean" not in identified(**same).message
-    assert "F is a mean over 5" in identified(F=same["F"]).message
+    assert "F is a mean over 9" in identified(F=same["F"]).message
 
 
 def test_a_drifting_clock_is_named() -> None:
