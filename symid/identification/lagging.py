@@ -18,8 +18,6 @@ from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import shiftable
 from symid.identification.timing import Timing
 
-_STEP = 0.25
-"""Half the shift between the rows whose difference is the derivative, in samples."""
 _MOST_ROUNDS = 6
 _SETTLED = 0.01
 """Relative change of the time constant that ends the rounds."""
@@ -47,7 +45,7 @@ def lag_of(
 
 def _remaining(parts: Sequence[Excerpt], fit: LeastSquares, name: str) -> tuple[float, float]:
     """Residual without the lag of a signal as part of that with it, and the time constant; 1 where none is found."""
-    slopes = [part.moved(name).slope(_STEP * part.log.sampling_period) for part in parts]
+    slopes = [part.moved(name).slope for part in parts]
     seen = [part.observation for part in parts]
     before = estimate([f for o in seen for f in triangular_factors(o.W, o.y, o.valid)])
     lag, X, found = 0.0, fit.solution, before

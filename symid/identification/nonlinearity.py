@@ -110,7 +110,7 @@ def _bent(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
 def _growing(parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, force: str) -> FloatArray:
     """What the force makes of the residual, times the time within its log from -0.5 to 0.5."""
     part, j = parts[rows.part], rows.equation
-    used, (W, y) = part.observation.valid[j], part.moved(force).own
+    used, (W, y) = part.observation.valid[j], part.moved(force).rows
     times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
     course = (part.observation.time - times.min()) / np.ptp(times) - 0.5
     weight = fit.weights[part.of * len(part.observation.valid) + j]

@@ -34,6 +34,9 @@ from symid.identification.sampling import (
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
 
+_STEP = 0.25
+"""Half the shift between the signals whose difference is the derivative by their time, in samples."""
+
 
 @dataclass(frozen=True, eq=False)
 class Observation:
@@ -224,12 +227,9 @@ class SignalRows:
         return self._rows(self._earlier(late) - self._recorded)
 
     @cached_property
-    def own(self) -> tuple[FloatArray, FloatArray]:
-        """What the signal makes of W and y as it was recorded."""
-        return self._rows(self._recorded)
-
-    def slope(self, step: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y by second, from signals that are moved `step` seconds to either side."""
+    def slope(self) -> tuple[FloatArray, FloatArray]:
+        """Of W and y by second, from signals that are moved a part of a sample to either side."""
+        step = _STEP * self.sampling.period
         return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
 
     @property

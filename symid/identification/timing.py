@@ -22,8 +22,6 @@ from symid.identification.excerpts import Excerpt, blocks_of
 from symid.identification.lag_scan import LagScan, scan, shiftable
 from symid.identification.observation import Observation
 
-_STEP = 0.25
-"""Half the shift between the rows whose difference is the derivative, in samples."""
 _SETTLED = 0.01
 """Samples by which the delay still moves when it is found."""
 _MOST_ROUNDS = 8
@@ -258,7 +256,7 @@ class _Shifting:
     def __init__(self, part: Excerpt, name: str) -> None:
         self.name, self.observation = name, part.observation
         self._rows = part.moved(name)
-        self._slope = self._rows.slope(_STEP * part.log.sampling_period)
+        self._slope = self._rows.slope
 
     def with_tangent(self, late: float, X: FloatArray) -> Observation:
         """Rows of a delay, with the derivative of W X - y by the delay as one more column."""
