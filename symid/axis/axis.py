@@ -109,18 +109,8 @@ class Axis(Shown):
         if isinstance(self.drive, tuple):
             signals = ", ".join(drive.signal for drive in self.drive)
             raise SettingError(
-                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): diagnosis and feed-forward take "
-                "an axis with one; identify it (methods wls, ols, iv and oe)"
-            )
-
-    def require_diagnosable(self) -> None:
-        """Raise SettingError if a diagnosis cannot take the axis: several drives, or bodies without mass."""
-        self.require_one_drive()
-        nodes = [body.name for body in self.free_bodies if self.known_parameters.get(body.inertial) == 0]
-        if nodes:
-            raise SettingError(
-                f"axis {self.name!r} has massless bodies ({', '.join(nodes)}), which a diagnosis cannot take: join the "
-                "springs at each into one of the stiffness K1 K2/(K1 + K2)"
+                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): feed-forward and the next experiment "
+                "take an axis with one; identify it (methods wls, ols, iv and oe), tune or diagnose it"
             )
 
     @cached_property

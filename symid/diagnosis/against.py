@@ -146,8 +146,8 @@ def as_noisy(log: Log, like: Record) -> Log:
 
 
 def _signals(record: Record) -> tuple[str, ...]:
-    """Signals in the order of the noise: driven position, force, other sensors."""
-    return record.signals[0], record.dynamics.axis.only_drive.signal, *record.signals[1:]
+    """Signals in the order of the noise: driven positions, forces, other sensors."""
+    return *record.driven, *record.outputs
 
 
 def _simulator(record: Record, library: Sequence[Effect]) -> Fit:

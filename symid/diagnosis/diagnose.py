@@ -62,14 +62,16 @@ class Recorded:
     controller: Cascade | None = None
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
-        """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the force included."""
-        held = axis.only_drive.held if self.held is None else self.held
+        """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
         late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
-        return with_hold(late, axis.only_drive.signal, held=held, sampling_period=sampling_period)
+        for drive in axis.drives:
+            held = drive.held if self.held is None else self.held
+            late = with_hold(late, drive.signal, held=held, sampling_period=sampling_period)
+        return late
 
     def may_be_held(self, axis: Axis) -> bool:
-        """Whether a hold of the force is neither known nor excluded."""
-        return self.held is None and not axis.only_drive.held and axis.only_drive.signal not in self.late
+        """Whether a hold of the forces is neither known nor excluded."""
+        return self.held is None and not any(d.held or d.signal in self.late for d in axis.drives)
 
 
 def diagnose(
@@ -140,9 +142,10 @@ def diagnose(
 def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:
     """Logs one after the other; where the axis leaves zeros of encoders open, they are made the same."""
     if axis.log_parameters and len(logs) > 1:
-        driven, *others = signals_of(forward_dynamics(axis), logs[0])
+        signals, n_drives = signals_of(forward_dynamics(axis), logs[0]), len(axis.drives)
         orders = {sensor.signal: sensor.derivative for sensor in axis.sensors}
-        logs = with_common_zeros(logs, driven, [name for name in others if orders[name] == 0])
+        others = [name for name in signals[n_drives:] if orders[name] == 0]
+        logs = with_common_zeros(logs, signals[:n_drives], others)
     return joined(logs)
 
 
@@ -180,7 +183,10 @@ def _diagnosed(
     axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
 ) -> Diagnosis:
     data = data_of(axis, runs, recorded)
-    start = dict(nominal) if nominal else starting_parameters(axis, data.record)
+    if nominal:  # values in the order of the declaration, as their deviations are
+        start = {name: nominal[name] for name in axis.physical_parameters if name in nominal}
+    else:
+        start = starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
     base = replace(fitted_axis(state, weighting), nominal=dict(nominal or {}))
     unknown = recorded.may_be_held(axis)
@@ -238,7 +244,8 @@ def _with_hold(
 ) -> Diagnosis:
     """The same where the force is held from sample to sample: that is no effect of the machine."""
     found = _diagnosed(axis, runs, nominal, replace(recorded, held=True), library)
-    return replace(found, faults=(HELD.format(axis.only_drive.signal), *found.faults))
+    held = tuple(HELD.format(drive.signal) for drive in axis.drives)
+    return replace(found, faults=(*held, *found.faults))
 
 
 def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:

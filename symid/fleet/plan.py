@@ -86,8 +86,7 @@ def fleet_axes(
     Raises
     ------
     SettingError
-        If there is no axis, a name occurs twice, a setting names a signal that no axis has, or one is to be diagnosed
-        that cannot be.
+        If there is no axis, a name occurs twice, or a setting names a signal that no axis has.
     GeneratedModuleError
         If an axis has no generated module, or an old one.
     """
@@ -103,8 +102,6 @@ def fleet_axes(
     found = []
     for source, axis in zip(given, declared, strict=True):
         own = settings.of_axis(axis)
-        if own.diagnose:
-            axis.require_diagnosable()
         sets = (own.measured,) if own.measured else axis.sensor_sets
         found.append(FleetAxis(axis, tuple(_modules(source, axis, sets, folder)), own))
     return tuple(found)

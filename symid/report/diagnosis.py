@@ -40,6 +40,7 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "sentence": found.sentence,
         "gap": asdict(found.gap),
+        **({"drives": [asdict(own.gap) for own in found.drives]} if found.drives else {}),
         "waterfall": [
             {
                 "model": stage.model,

@@ -28,7 +28,7 @@ def error_maps(found: Diagnosis) -> tuple[GridPlot, GridPlot]:
     Dots are samples of the gap; means in bins carry twice their deviation, forward and backward motion each its own:
     friction opposes both, a force of the position does not.
     """
-    signals, unit = found.signals, length_unit(found.axis.only_drive.at)
+    signals, unit = found.signals, length_unit(found.drive.at)
     used = signals.compared & np.isfinite(signals.reidentified)
     speed, place = signals.velocity[used], signals.position[used]
     errors = {"re-identified": (MODEL, (signals.measured - signals.reidentified)[used])}

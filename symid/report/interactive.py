@@ -69,7 +69,7 @@ def plots_of(found: Diagnosis) -> Plots:
 
 def _over_time(found: Diagnosis) -> GridPlot:
     """Force, error, position and velocity below each other with one time."""
-    source, gap, length = _thinned(found), found.gap, length_unit(found.axis.only_drive.at)
+    source, gap, length = _thinned(found), found.gap, length_unit(found.drive.at)
     curves = _curves(found)
     force = _timed("force", f"{gap.signal} [{gap.unit}]", 320)
     draw_curves(force, source, curves)

@@ -40,7 +40,9 @@ class _Beside:
 
 
 def bode_plots(found: Diagnosis) -> dict[str, GridPlot]:
-    """Bode diagrams by the first sensors' names; none if the search was not kept or the axis is hardly excited."""
+    """Bode diagrams by the first sensors' names; none with several drives, no search, or an axis hardly excited."""
+    if found.drives:
+        return {}
     beside = (_beside(found, signal) for signal in found.measured[:_MOST_SENSORS])
     return {f"response of {one.of.signal}": _bode(one) for one in beside if one is not None}
 

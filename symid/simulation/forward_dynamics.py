@@ -129,6 +129,12 @@ class ForwardDynamics:
 
     def at(self, parameters: Mapping[str, float]) -> Plant:
         """The plant at parameter values, as `plant_of`."""
+        plant = self.with_nodes(parameters)
+        heavy = np.array([name in self.bodies for name in plant.bodies])
+        return plant if heavy.all() else _without_nodes(plant, heavy)
+
+    def with_nodes(self, parameters: Mapping[str, float]) -> Plant:
+        """The same with bodies that have no mass as bodies."""
         missing = [name for name in self.parameters if name not in parameters]
         if missing:
             raise SettingError(
@@ -143,7 +149,7 @@ class ForwardDynamics:
             raise SettingError(
                 f"the masses of axis {self.axis.name!r} are {np.diag(mass).tolist()}: they must be positive"
             )
-        plant = Plant(
+        return Plant(
             bodies=names,
             mass=mass,
             damping=damping,
@@ -156,7 +162,6 @@ class ForwardDynamics:
             ),
             sensors=self.sensors,
         )
-        return plant if all(heavy) else _without_nodes(plant, np.array(heavy))
 
 
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:

@@ -75,11 +75,7 @@ def diagnose(
 
 
 def require_model(axis: Axis, log: Log) -> None:
-    """Derive the model from which a diagnosis gets the values it begins with, where it was not generated.
-
-    SettingError if the axis has several drives, or a body without mass.
-    """
-    axis.require_diagnosable()
+    """Derive the model from which a diagnosis gets the values it begins with, where it was not generated."""
     signals = [sensor.signal for sensor in axis.sensors if sensor.signal in log.signals]
     with contextlib.suppress(SymidError):  # reported by the diagnosis, which may be given nominal values
         model_of(axis, signals)

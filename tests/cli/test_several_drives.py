@@ -63,19 +63,12 @@ def test_two_drives_from_simulation_to_a_page_and_a_batch(
     capsys.readouterr()
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        "diagnose gantry run.csv",
-        "batch gantry run.csv -o rows.parquet --diagnose",
-    ],
-)
-def test_what_takes_one_drive_says_so_in_one_line(
-    folder: Path, arguments: str, capsys: pytest.CaptureFixture[str]
+def test_the_next_experiment_takes_one_drive_and_says_so_in_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert simulated("--seconds", "1", "--trajectory", "chirp") == 0
+    assert simulated("--seconds", "4", "--trajectory", "chirp") == 0
     capsys.readouterr()
-    assert run(*arguments.split()) == 2
+    assert run("diagnose", "gantry", "run.csv", "--nominal", "P.json", "--next-experiment", "next.csv") == 2
     said = capsys.readouterr().err
     assert "axis 'gantry' has 2 drives (F1, F2)" in said
     assert said.count("\n") == 1

@@ -119,7 +119,7 @@ def test_response_is_the_rational_function_of_the_paper() -> None:
     s = 1j * one.omega
     found = response_of(one, PAPER)
     expected = (X3 * s + X5 * s**2 + X6 * s**3 + X7 * s**4) / (1 + X2 * s + X1 * s**2)
-    assert np.allclose(found.of_position[0], expected, rtol=1e-9)
+    assert np.allclose(found.of_positions[0, 0], expected, rtol=1e-9)
     on_structure = Mm * s**2 / ((Ms + Mm) * s**2 + Fvs * s + Ks)
     structure = np.eye(2)[found.plant.bodies.index("structure")]
     assert np.allclose(found.of_force(structure)[0], on_structure, rtol=1e-9)
@@ -131,7 +131,7 @@ def test_response_of_a_ball_screw_with_both_encoders() -> None:
     Mm, Fvm, _, Kt, Ft, Ml, Fvl = SCREW.values()
     s, joint = 1j * one.omega, Ft * 1j * one.omega + Kt
     load = joint / (Ml * s**2 + Fvl * s + joint)
-    found = response_of(one, SCREW).of_position
+    found = response_of(one, SCREW).of_positions[0]
     assert np.allclose(found[1], load, rtol=1e-9)
     assert np.allclose(found[0], Mm * s**2 + Fvm * s + joint * (1 - load), rtol=1e-7)
 

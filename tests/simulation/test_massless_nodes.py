@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy
@@ -10,6 +12,7 @@ from symid import (
     Axis,
     Between,
     Body,
+    CoulombFriction,
     Damper,
     Drive,
     Position,
@@ -94,12 +97,25 @@ def test_a_sensor_at_the_node_tells_the_springs_apart() -> None:
     ] == pytest.approx(1e5, rel=0.02)
 
 
-def test_a_diagnosis_refuses_a_node() -> None:
-    log = simulate(axis_with(), TRUE, PATH, LOOP).log
-    with pytest.raises(
-        SettingError, match=r"massless bodies \(node\), which a diagnosis cannot take: join the"
-    ):
-        diagnose(axis_with(), log, nominal=TRUE)
+def test_a_diagnosis_sees_springs_in_series_as_one() -> None:
+    path = trapezoids([0.2, 0.1, 0.3], 0.4, acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3)
+    noisy = axis_with().with_signal("F", noise=0.3).with_signal("qm", noise=1e-7)
+    grown = noisy.with_effect(CoulombFriction(MOTOR, "Fs"))
+    log = simulate(grown, TRUE | {"Fs": 12.0}, path, LOOP).log
+    log = replace(log, signals={name: log[name] for name in ("F", "qm")})
+    screw = Spring("screw", Between(first=MOTOR, second=LOAD), stiffness="K")
+    elements = MOTOR, LOAD, ViscousFriction(MOTOR, "Fv"), screw
+    one = replace(axis_with(), elements=elements, sensors=(Position("qm", MOTOR),))
+    off = {name: 1.1 * value for name, value in TRUE.items()}
+    rigid = {"Mm": off["Mm"], "Ml": off["Ml"], "Fv": off["Fv"], "K": 1.1 * SERIES}
+    two, single = diagnose(axis_with(), log, nominal=off), diagnose(one, log, nominal=rigid)
+    for found in (two, single):
+        assert [(e.effect, e.at) for e in found.effects] == [("coulomb_friction", "motor")]
+        assert found.effects[0].parameters["Fs"].value == pytest.approx(12.0, rel=0.02)
+        assert found.gap.explained.rms < 0.1 * found.gap.reidentified.rms
+    k = {change.name: change.explained for change in two.parameters}
+    (stiffness,) = (change.explained for change in single.parameters if change.name == "K")
+    assert k["K1"] * k["K2"] / (k["K1"] + k["K2"]) == pytest.approx(stiffness, rel=0.03)
 
 
 def test_what_a_node_cannot_carry_is_refused() -> None:

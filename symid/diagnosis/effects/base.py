@@ -52,9 +52,9 @@ class Effect(ABC):
     imitates: tuple[str, ...] = ()
     """Names of simpler effects whose lack it may explain as well."""
 
-    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         """Whether a machine can have these amplitudes."""
-        return not (self.positive and amplitudes[0] < 0)
+        return not (self.positive and placed.amplitudes[0] < 0)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Whether values are of a size that machines have; what lies at a bound of the search has none."""
@@ -90,7 +90,7 @@ class Effect(ABC):
         return None
 
     def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
-        """Error of the reading from which all is predicted, of shape (n_bins,); None if it makes none."""
+        """Error of the driven positions, of shape (n_drives, n_bins); None if it makes none."""
         return None
 
     @abstractmethod

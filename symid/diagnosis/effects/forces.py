@@ -110,7 +110,7 @@ def _felt(prediction: Prediction, joint: Joint, waves: FloatArray, response: Com
 
 def turns(prediction: Prediction) -> bool:
     """Whether the driven joint turns instead of sliding."""
-    return str(length_unit(prediction.axis.only_drive.at)) == "rad"
+    return str(length_unit(prediction.axis.drives[0].at)) == "rad"
 
 
 class PeriodicDisturbance(JointEffect):
@@ -165,11 +165,18 @@ def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float
     What lies within one bin of a log of that length is held against the median of its neighbours. A controller
     answers a slow disturbance by a force, so that the motion shows less of it; a fast one is no harmonic of the motion.
     """
+    return any(
+        _has_line(prediction, drive, frequency, amplitude) for drive in range(prediction.record.n_drives)
+    )
+
+
+def _has_line(prediction: Prediction, drive: int, frequency: float, amplitude: float) -> bool:
+    """The same of one drive."""
     record = prediction.record
     inside = record.row_time < record.duration
-    force = record.rows(prediction.outputs[0] * record.taper)[inside]
+    force = record.rows(prediction.outputs[drive] * record.taper)[inside]
     lines = np.abs(np.fft.rfft((force - force.mean()) * np.hanning(force.size))) / (force.size / 4)
-    velocity = record.rows(1j * record.omega * record.motion)[inside]
+    velocity = record.rows(1j * record.omega * record.motions[drive])[inside]
     fast = velocity[np.abs(velocity) > _FAST * np.abs(velocity).max()]
     cycles = np.count_nonzero(np.diff(np.signbit(fast))) / 2
     at = round(frequency * record.duration)

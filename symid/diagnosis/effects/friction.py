@@ -128,11 +128,11 @@ class LoadDependentFriction(JointEffect):
     positive = True
     implicit = True
 
-    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
-        return 0 <= amplitudes[0] < _LARGEST_COEFFICIENT
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        return 0 <= placed.amplitudes[0] < _LARGEST_COEFFICIENT
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
-        drive = prediction.record.fine(prediction.outputs[0])
+        drive = prediction.record.fine(prediction.outputs[prediction.drive_of(joint)])
         return sampled(prediction, np.abs(drive) * np.sign(joint.v), joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:

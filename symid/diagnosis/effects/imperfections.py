@@ -38,6 +38,8 @@ def place_named(axis: Axis, name: str) -> Place:
 def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
     """An effect in the drive, in a reading or in time as an element; None if it is none, or acts before its cause."""
     effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
+    if isinstance(effect, signals.DriveEffect) and item.at != ACTUATOR:
+        return None  # an element acts in all drives alike
     match effect:
         case signals.Delay():
             return ActuatorDelay(shape[0]) if shape[0] > 0 else None
@@ -70,22 +72,23 @@ def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
 
 def declared_effects(prediction: Prediction) -> tuple[Placed, ...]:
     """Imperfections of the axis with their numbers, those that the log can show."""
-    found = (_placed(prediction, element) for element in prediction.axis.imperfections)
+    found = (item for element in prediction.axis.imperfections for item in _placed(prediction, element))
     return tuple(item for item in found if item.at in item.effect.places(prediction))
 
 
-def _placed(prediction: Prediction, element: Imperfection) -> Placed:
+def _placed(prediction: Prediction, element: Imperfection) -> list[Placed]:
+    """An element at its place; one of the drive at each of several."""
     effect, shape, amplitudes = _as_effect(element)
     match element:
         case EncoderRipple():
-            at = element.signal
+            places: Iterable[str] = (element.signal,)
         case PayloadChange():
-            at = element.body.name
+            places = (element.body.name,)
         case JointImperfection():
-            at = _name_of(prediction, element.at)
+            places = (_name_of(prediction, element.at),)
         case _:
-            at = ACTUATOR
-    return Placed(effect, at, shape, amplitudes)
+            places = effect.places(prediction)
+    return [Placed(effect, at, shape, amplitudes) for at in places]
 
 
 def _name_of(prediction: Prediction, place: Place) -> str:

@@ -13,6 +13,7 @@ from symid.diagnosis.effects.base import ACTUATOR, Effect, MatchedFilter, Placed
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
+from symid.units import Unit
 
 LATE_FORCES = ("delay", "actuator_lag")
 """Effects that are nearly the same: beside each other they tell nothing."""
@@ -28,20 +29,31 @@ _MOSTLY_BELOW = 0.9
 
 
 class DriveEffect(Effect):
-    """An effect between the force that is logged and the one that acts."""
+    """An effect between the force that is logged and the one that acts; of several drives, at the signal of one."""
 
     def places(self, prediction: Prediction) -> Iterable[str]:
-        return (ACTUATOR,)
+        forces = prediction.record.forces
+        return forces if len(forces) > 1 else (ACTUATOR,)
 
     @property
     def is_of_command(self) -> bool:
         return True
 
-    def _force(self, prediction: Prediction, *changes: ComplexArray) -> ComplexArray:
-        """Changes of the predicted force, none of the further readings."""
+    def _force(self, prediction: Prediction, place: str, *changes: ComplexArray) -> ComplexArray:
+        """Changes of the predicted force of a drive, none of the other outputs."""
         columns = np.zeros((len(changes), *prediction.record.measured.shape), dtype=complex)
-        columns[:, 0] = changes
+        columns[:, drive_at(prediction, place)] = changes
         return columns
+
+
+def drive_at(prediction: Prediction, place: str) -> int:
+    """The drive that a place of effects stands for."""
+    return 0 if place == ACTUATOR else prediction.record.forces.index(place)
+
+
+def _whole_force(prediction: Prediction, place: str) -> FloatArray:
+    """Logged force of a drive at all samples of a period."""
+    return np.asarray(prediction.record.whole_forces[drive_at(prediction, place)])
 
 
 class TransferEffect(Effect):
@@ -56,8 +68,8 @@ class TransferEffect(Effect):
         """The transfer function for unit amplitude, of shape (n_bins,)."""
 
     def output(self, prediction: Prediction, place: str) -> int:
-        """Which output; the drive force unless said otherwise."""
-        return 0
+        """Which output; the force of the drive unless said otherwise."""
+        return drive_at(prediction, place)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         return self._under(prediction, place, shape, prediction.outputs)[None]
@@ -115,23 +127,22 @@ class Saturation(DriveEffect):
     fixed = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        return placed.shape[0] > 1.01 * _least_limit(prediction)
+        return placed.shape[0] > 1.01 * _least_limit(prediction, placed.at)
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        top, least = _top_force(prediction), _least_limit(prediction)
+        top, least = _top_force(prediction, place), _least_limit(prediction, place)
         return [(share * top,) for share in _LIMITS if share * top > least]
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
-        return (float(np.clip(shape[0], _least_limit(prediction), _top_force(prediction))),)
+        return (float(np.clip(shape[0], _least_limit(prediction, place), _top_force(prediction, place))),)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        force = prediction.record.whole_force
-        return self._force(
-            prediction, prediction.record.from_samples(force - np.clip(force, -shape[0], shape[0]))
-        )
+        force = _whole_force(prediction, place)
+        clipped = np.clip(force, -shape[0], shape[0])
+        return self._force(prediction, place, prediction.record.from_samples(force - clipped))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
-        return "1", _drive_unit(prediction)
+        return "1", str(_drive_unit(prediction, place))
 
 
 _MOST_BEND, _USUAL_BEND = 0.9, 0.6
@@ -149,28 +160,26 @@ class GainNonlinearity(DriveEffect):
     def __init__(self, power: int) -> None:
         self.power = power
 
-    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         """More command gives more force, but for short peaks."""
-        return self._change(prediction, amplitudes[0], _BUT_FOR_PEAKS) < _MOST_BEND
+        return self._change(prediction, placed, _BUT_FOR_PEAKS) < _MOST_BEND
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The gain does not fall or rise by most of it."""
-        return self._change(prediction, placed.amplitudes[0]) < _USUAL_BEND
+        return self._change(prediction, placed) < _USUAL_BEND
 
-    def _change(self, prediction: Prediction, bend: float, share: float = 1.0) -> float:
+    def _change(self, prediction: Prediction, placed: Placed, share: float = 1.0) -> float:
         """Of the gain, relative to it, at the force that a share of the samples does not exceed."""
-        largest = float(np.quantile(np.abs(prediction.record.whole_force), share))
-        return abs(bend) * self.power * largest ** (self.power - 1)
+        largest = float(np.quantile(np.abs(_whole_force(prediction, placed.at)), share))
+        return abs(placed.amplitudes[0]) * self.power * largest ** (self.power - 1)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        force = prediction.record.whole_force
-        return self._force(
-            prediction, prediction.record.from_samples(force * np.abs(force) ** (self.power - 1))
-        )
+        force = _whole_force(prediction, place)
+        bent = prediction.record.from_samples(force * np.abs(force) ** (self.power - 1))
+        return self._force(prediction, place, bent)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
-        unit = prediction.axis.signal_units[prediction.axis.only_drive.signal]
-        return (str(unit ** (1 - self.power)),)
+        return (str(_drive_unit(prediction, place) ** (1 - self.power)),)
 
 
 class GainAsymmetry(DriveEffect):
@@ -179,11 +188,12 @@ class GainAsymmetry(DriveEffect):
     name = "gain_nonlinearity"
     amplitudes = ("difference",)
 
-    def is_possible(self, prediction: Prediction, amplitudes: tuple[float, ...]) -> bool:
-        return abs(amplitudes[0]) < _USUAL_BEND
+    def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
+        return abs(placed.amplitudes[0]) < _USUAL_BEND
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        return self._force(prediction, prediction.record.from_samples(np.abs(prediction.record.whole_force)))
+        size = prediction.record.from_samples(np.abs(_whole_force(prediction, place)))
+        return self._force(prediction, place, size)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return ("1",)
@@ -213,11 +223,13 @@ class EncoderRipple(Effect):
         return self._response(prediction, place) * self._waves(prediction, place, shape)[:, None, :]
 
     def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
-        if placed.at != prediction.record.signals[0]:
+        driven = prediction.record.driven
+        if placed.at not in driven:
             return None
-        return np.asarray(
-            np.tensordot(placed.amplitudes, self._waves(prediction, placed.at, placed.shape), 1)
-        )
+        found = np.zeros_like(prediction.record.motions)
+        waves = self._waves(prediction, placed.at, placed.shape)
+        found[driven.index(placed.at)] = np.tensordot(placed.amplitudes, waves, 1)
+        return found
 
     def _waves(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
@@ -227,10 +239,11 @@ class EncoderRipple(Effect):
 
     def _response(self, prediction: Prediction, place: str) -> ComplexArray:
         """Outputs as predicted, for an error of the reading."""
-        if place == prediction.record.signals[0]:
-            return -prediction.response.of_position
-        response = np.zeros_like(prediction.response.of_position)
-        response[prediction.record.signals.index(place)] = 1.0
+        record = prediction.record
+        if place in record.driven:
+            return np.asarray(-prediction.response.of_positions[record.driven.index(place)])
+        response = np.zeros_like(record.measured)
+        response[record.signals.index(place)] = 1.0
         return response
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
@@ -238,7 +251,7 @@ class EncoderRipple(Effect):
 
 
 class SensorDelay(TransferEffect):
-    """A reading is late against the position from which all is predicted: y(t - T); early where T is negative."""
+    """A reading is late against the positions from which all is predicted: y(t - T); early where T is negative."""
 
     name = "sensor_delay"
     amplitudes = ("share",)
@@ -249,7 +262,7 @@ class SensorDelay(TransferEffect):
         return abs(placed.shape[0]) < _LONGEST_DELAY
 
     def places(self, prediction: Prediction) -> Iterable[str]:
-        return prediction.record.signals[1:]
+        return prediction.record.readings
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         period = prediction.record.log.sampling_period
@@ -271,7 +284,7 @@ class SensorDelay(TransferEffect):
 def _apparent_delay(prediction: Prediction, place: str) -> list[float]:
     """Delay of a position against the driven one if nothing else came between them: y = r q + z - T r dq/dt."""
     record = prediction.record
-    if record.dynamics.sensors[place][1]:
+    if record.dynamics.sensors[place][1] or record.n_drives > 1:
         return []
     q, y = (record.log[name] for name in (record.signals[0], place))
     speed = np.gradient(q, record.log.sampling_period)
@@ -282,26 +295,26 @@ def _apparent_delay(prediction: Prediction, place: str) -> list[float]:
 def _reading(prediction: Prediction, signal: str) -> Joint:
     record = prediction.record
     place = record.signals.index(signal)
-    spectrum = record.measured[place] if place else record.motion
+    spectrum = record.motions[place] if place < record.n_drives else record.measured[place]
     return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
 
 
-def _drive_unit(prediction: Prediction) -> str:
-    return str(prediction.axis.signal_units[prediction.axis.only_drive.signal])
+def _drive_unit(prediction: Prediction, place: str) -> Unit:
+    record = prediction.record
+    return prediction.axis.signal_units[record.forces[drive_at(prediction, place)]]
 
 
-def _least_limit(prediction: Prediction) -> float:
+def _least_limit(prediction: Prediction, place: str) -> float:
     """Lowest limit of the force that is worth a trial."""
-    return min(
-        _USUAL_LIMIT * _top_force(prediction), float(np.quantile(_force_size(prediction), _MOSTLY_BELOW))
-    )
+    usual = float(np.quantile(_force_size(prediction, place), _MOSTLY_BELOW))
+    return min(_USUAL_LIMIT * _top_force(prediction, place), usual)
 
 
-def _top_force(prediction: Prediction) -> float:
+def _top_force(prediction: Prediction, place: str) -> float:
     """Largest force of the log; its last samples, where a log may end in the middle of a blow, do not count."""
-    force = _force_size(prediction)
+    force = _force_size(prediction, place)
     return float(force[: -max(1, force.size // 100)].max())
 
 
-def _force_size(prediction: Prediction) -> FloatArray:
-    return np.asarray(np.abs(prediction.record.whole_force[: prediction.record.log.n_samples]))
+def _force_size(prediction: Prediction, place: str) -> FloatArray:
+    return np.asarray(np.abs(_whole_force(prediction, place)[: prediction.record.log.n_samples]))

@@ -12,7 +12,6 @@ from symid.diagnosis.effects import Key
 from symid.diagnosis.experiment.candidates import Envelope
 from symid.diagnosis.experiment.discrimination import LEAST_LOG_ODDS, Rivals, Trial, simulated_trials, trials
 from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
-from symid.diagnosis.findings.conclusion import driven
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.findings.wording import spoken
 from symid.diagnosis.prediction.record import Record
@@ -156,7 +155,7 @@ def _further(rivals: Rivals) -> list[Rivals]:
     """The first cause beside each further one of the same step that remains, the most probable first."""
     first, step = rivals.pair[0], rivals.step
     confirmed = {c.key: c for c in step.confirmed}
-    chances = probabilities(step, driven(rivals.record))
+    chances = probabilities(step)
     keys = [k for k in chances if k in confirmed and k not in rivals.keys and chances[k] >= _LEAST_CHANCE]
     return [Rivals(step, (first, confirmed[key]), chances[key]) for key in keys[:_MOST_FURTHER]]
 
@@ -217,7 +216,7 @@ def rivals_of(found: Diagnosis) -> Rivals | None:
     ranked = []
     for step in found.search:
         confirmed = {c.key: c for c in step.confirmed}
-        chance = probabilities(step, driven(step.before.state.prediction.record)) if confirmed else {}
+        chance = probabilities(step) if confirmed else {}
         keys = [key for key in chance if key in confirmed][:2]
         if len(keys) == 2:
             ranked.append(Rivals(step, (confirmed[keys[0]], confirmed[keys[1]]), chance[keys[1]]))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import BoolArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data.density import power_density
 from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
 from symid.diagnosis.findings.repetition import repetition
@@ -32,6 +32,8 @@ _FEW = 8
 class Comparison:
     """Errors of several models on one record, with the same weights.
 
+    Of an axis with several drives, levels, shares, signals and spectrum are those of one of them.
+
     Parameters
     ----------
     weighting : Weighting
@@ -40,11 +42,14 @@ class Comparison:
         Models, simplest first: nominal, re-identified, with the first effect, the first two, ...
     errors : tuple of array of shape (n_outputs, n_rows) or None
         Their weighted errors, in multiples of the noise; nan where no row is kept.
+    drive : int
+        Whose force is looked at.
     """
 
     weighting: Weighting
     states: tuple[State | None, ...]
     errors: tuple[FloatArray | None, ...]
+    drive: int = 0
 
     @property
     def record(self) -> Record:
@@ -53,7 +58,27 @@ class Comparison:
 
     def with_effects(self, n: int) -> Comparison:
         """The nominal and the re-identified model, and those with one to `n` effects."""
-        return Comparison(self.weighting, self.states[: 2 + n], self.errors[: 2 + n])
+        return replace(self, states=self.states[: 2 + n], errors=self.errors[: 2 + n])
+
+    @property
+    def of_drives(self) -> tuple[Comparison, ...]:
+        """The same for the force of each drive."""
+        return tuple(replace(self, drive=drive) for drive in range(self.record.n_drives))
+
+    @property
+    def of_largest(self) -> Comparison:
+        """The same for the force in which the re-identified model errs most, in multiples of the floor."""
+        return max(self.of_drives, key=lambda own: own.excess(1, own.drive) / own.floor**2)
+
+    @property
+    def motion(self) -> ComplexArray:
+        """Spectrum of the position next to the drive."""
+        return np.asarray(self.record.motions[self.drive])
+
+    @property
+    def measured(self) -> ComplexArray:
+        """Spectrum of its force."""
+        return np.asarray(self.record.measured[self.drive])
 
     @property
     def upheld(self) -> int:
@@ -89,11 +114,15 @@ class Comparison:
     @property
     def floor(self) -> float:
         """That of the force."""
-        return float(self.floors[0])
+        return float(self.floors[self.drive])
 
-    def excess(self, model: int, output: int = 0) -> float:
+    def excess(self, model: int, output: int) -> float:
         """Mean square of an error of a model above the floor, in the unit of the weights."""
         return max(float(np.mean(self.squares(model, output))) - float(self.floors[output]) ** 2, 0.0)
+
+    def whole_excess(self, model: int) -> float:
+        """Sum of the excess of all forces, in multiples of their floors."""
+        return sum(self.excess(model, d) / float(self.floors[d]) ** 2 for d in range(self.record.n_drives))
 
     def removed(self, before: int, after: int) -> Removed:
         """Share of the re-identified model's excess that goes from one model to another, with a 95 % interval.
@@ -105,29 +134,50 @@ class Comparison:
         return removed_share(rows, float(self.floors[output]) ** 2)
 
     def _output_of(self, model: int) -> int:
-        """Output in which the last effect of a model is felt: the force, but for errors of further readings."""
-        state = self.states[model]
-        place = state.placed[-1].at if state is not None and state.placed else ""
-        return self.record.signals.index(place) if place in self.record.signals else 0
+        """Output in which the last effect of a model is felt: the force, but for errors of further readings.
 
-    def squares(self, model: int, output: int = 0) -> FloatArray:
-        """Squares of a weighted error in the kept rows: that of the force, or of a further reading."""
+        Of several forces, the one whose excess it lowers most.
+        """
+        state, outputs = self.states[model], self.record.outputs
+        place = state.placed[-1].at if state is not None and state.placed else ""
+        if place in outputs:
+            return outputs.index(place)
+        if len(self.record.forces) == 1:
+            return 0
+        return max(
+            range(self.record.n_drives),
+            key=lambda d: (self.excess(model - 1, d) - self.excess(model, d)) / self.floors[d] ** 2,
+        )
+
+    def felt_by(self, model: int) -> Comparison:
+        """The same for the force in which the last effect of a model is felt."""
+        output = self._output_of(model)
+        return replace(self, drive=output) if output < self.record.n_drives else self
+
+    def squares(self, model: int, output: int | None = None) -> FloatArray:
+        """Squares of a weighted error in the kept rows: that of the force, or of any output."""
         errors = self.errors[model]
         return (
             np.full(int(self.weighting.kept.sum()), np.nan)
             if errors is None
-            else errors[output, self.weighting.kept] ** 2
+            else errors[self.drive if output is None else output, self.weighting.kept] ** 2
         )
 
     @cached_property
     def unit(self) -> float:
         """Force that a weighted error of 1 stands for: the force noise in the band."""
-        return float(1 / self.weighting.density[0].max())
+        return float(1 / self.weighting.density[self.drive].max())
+
+    @property
+    def _relative_density(self) -> FloatArray:
+        """Weight of the force error relative to that of force noise alone, of shape (n_bins,)."""
+        density = self.weighting.density[self.drive]
+        return np.asarray(density / density.max())
 
     @cached_property
     def size(self) -> float:
         """Root mean square of the measured force over the kept rows, with the same weights."""
-        force = self.record.rows(self.record.measured[0] * self.weighting.force_density * self.record.taper)
+        force = self.record.rows(self.measured * self._relative_density * self.record.taper)
         return float(np.sqrt(np.mean(force[self.weighting.kept] ** 2)))
 
     def level(self, model: int) -> Level:
@@ -139,11 +189,11 @@ class Comparison:
 
     def gap(self) -> Gap:
         """The gap before and after."""
-        axis = self.record.dynamics.axis
+        axis, signal = self.record.dynamics.axis, self.record.forces[self.drive]
         re, explained = self.squares(1), self.squares(len(self.errors) - 1)
         return Gap(
-            signal=axis.only_drive.signal,
-            unit=str(axis.signal_units[axis.only_drive.signal]),
+            signal=signal,
+            unit=str(axis.signal_units[signal]),
             band_hz=self.half_power_hz,
             nominal=None if self.errors[0] is None else self.level(0),
             reidentified=self.level(1),
@@ -160,16 +210,27 @@ class Comparison:
     @property
     def unexplained_share(self) -> float:
         """Share of the re-identified model's excess that stays, see `removed`; nan if it has none."""
-        output = self._output_of(2) if len(self.states) > 2 else 0
+        felt = self._output_of(2) if len(self.states) > 2 else 0
+        output = felt if felt >= self.record.n_drives else self.drive
         before, left = (self.excess(i, output) for i in (1, len(self.errors) - 1))
         least = THRESHOLDS.no_excess * float(self.floors[output]) ** 2
         return min(left / before, 1.0) if before > least else float("nan")
+
+    @property
+    def unexplained_of_all(self) -> float:
+        """The same of all forces together, in multiples of their floors."""
+        n_drives = self.record.n_drives
+        felt = self._output_of(2) if len(self.states) > 2 else 0
+        if n_drives == 1 or felt >= n_drives:
+            return self.unexplained_share
+        before, left = (self.whole_excess(i) for i in (1, len(self.errors) - 1))
+        return min(left / before, 1.0) if before > n_drives * THRESHOLDS.no_excess else float("nan")
 
     @cached_property
     def near_reversal(self) -> BoolArray:
         """Kept rows within some time of a reversal or of a standstill of the driven joint."""
         record = self.record
-        velocity = record.rows(1j * record.omega * record.motion)
+        velocity = record.rows(1j * record.omega * self.motion)
         inside = record.row_time < record.duration
         slow = np.abs(velocity) < SLOW * np.abs(velocity[inside]).max(initial=0.0)
         turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
@@ -184,7 +245,7 @@ class Comparison:
         """
         record, kept = self.record, self.weighting.kept
         s, squares = 1j * record.omega, self.squares(1)
-        for motion in (s * record.motion, s**2 * record.motion * record.taper):
+        for motion in (s * self.motion, s**2 * self.motion * record.taper):
             course = np.abs(record.rows(motion)[kept])
             lively = course > np.median(course)
             halves = np.mean(squares[lively]), np.mean(squares[~lively])
@@ -208,32 +269,32 @@ class Comparison:
         errors = self.errors[-1]
         if errors is None:
             return None
-        motion, error = record.rows(record.motion)[inside], np.nan_to_num(errors[0])[inside]
+        motion, error = record.rows(self.motion)[inside], np.nan_to_num(errors[self.drive])[inside]
         found = repetition(motion, error, self.weighting.kept[inside])
         return None if found is None else NotRepeated(found.rows / self.row_rate, self._level(found.rms))
 
     @cached_property
     def half_power_hz(self) -> float:
         """Frequency at which the weight of the force error has fallen to 0.7."""
-        fallen = np.flatnonzero(self.weighting.force_density < np.sqrt(0.5))
+        fallen = np.flatnonzero(self._relative_density < np.sqrt(0.5))
         bins = fallen[fallen > 8]
         return float(self.record.omega[bins[0]] / (2 * np.pi)) if bins.size else self.record.band_hz
 
     def signals(self) -> Signals:
         """Forces in the band of the gap."""
         record, inside = self.record, self.record.row_time < self.record.duration
-        measured = record.rows(record.measured[0] * record.taper)[inside]
+        measured = record.rows(self.measured * record.taper)[inside]
 
         def predicted(model: int) -> FloatArray:
             state = self.states[model]
             if state is None:
                 return np.full(measured.size, np.nan)
-            return measured - record.rows(state.errors[0] * record.taper)[inside]
+            return measured - record.rows(state.errors[self.drive] * record.taper)[inside]
 
         return Signals(
             time=record.row_time[inside] + record.log.time[0],
-            position=record.rows(record.motion)[inside],
-            velocity=record.rows(1j * record.omega * record.motion)[inside],
+            position=record.rows(self.motion)[inside],
+            velocity=record.rows(1j * record.omega * self.motion)[inside],
             measured=measured,
             nominal=predicted(0),
             reidentified=predicted(1),
@@ -247,7 +308,7 @@ class Comparison:
         grid, before = self.power(1, _SEGMENT)
         after = self.power(len(self.errors) - 1, _SEGMENT)[1]
         used = (grid > 0) & (grid < _USED * record.band_hz)
-        weight = np.interp(grid, record.omega / (2 * np.pi), self.weighting.density[0])
+        weight = np.interp(grid, record.omega / (2 * np.pi), self.weighting.density[self.drive])
         noise = np.sqrt(2 / self.row_rate) / weight
         reidentified, explained = (np.sqrt(power / self.kept_share) / weight for power in (before, after))
         return Spectrum(grid[used], reidentified[used], explained[used], noise[used])
@@ -265,7 +326,7 @@ class Comparison:
     def power(self, model: int, segment: int) -> tuple[FloatArray, FloatArray]:
         """Frequencies, Hz, and power density of the weighted force error of a model, 0 where no row is kept."""
         errors = self.errors[model]
-        rows = np.zeros(self.record.n_rows) if errors is None else np.nan_to_num(errors[0])
+        rows = np.zeros(self.record.n_rows) if errors is None else np.nan_to_num(errors[self.drive])
         return power_density(rows, self.row_rate, min(segment, rows.size // 4))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from symid.diagnosis.findings.location import located, maps
 from symid.diagnosis.findings.result import (
     Alternative,
     Diagnosis,
+    DriveError,
     EffectParameter,
     FoundEffect,
     ParameterChange,
@@ -23,7 +24,6 @@ from symid.diagnosis.findings.result import (
 from symid.diagnosis.findings.wording import next_experiment, sentence
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
 from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -57,25 +57,26 @@ def concluded(
         Faults of the recording.
     """
     upheld = comparison.upheld
-    comparison, fits = comparison.with_effects(upheld), fits[: 1 + upheld]
-    gap, found = comparison.gap(), maps(comparison)
-    chances = outcome(steps, upheld, _errors(gap, comparison.is_stationary, fits[0]))
-    verdict = _verdict(chances, gap, damaged.fatal)
+    comparison, fits = comparison.with_effects(upheld).of_largest, fits[: 1 + upheld]
+    gaps, found = _gaps(comparison), maps(comparison)
+    share = comparison.unexplained_of_all
+    chances = outcome(steps, upheld, _errors(gaps, share, comparison.is_stationary, fits[0]))
+    verdict = _verdict(chances, gaps, share, damaged.fatal)
     accepted = [step for step in steps if step.accepts][:upheld] if verdict in ("effect", "partly") else []
     if not accepted:
         comparison, fits = comparison.with_effects(0), fits[:1]
-        gap, found = comparison.gap(), maps(comparison)
+        gaps, found = _gaps(comparison), maps(comparison)
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, steps[0], chances)
     axis = comparison.record.dynamics.axis
-    faults = (*damaged.texts, *shifted_channels(logs[0], axis.only_drive.signal, accepted))
+    faults = (*damaged.texts, *shifted_channels(logs[0], comparison.record.forces, accepted))
     return Diagnosis(
         axis=axis,
         measured=comparison.record.signals,
         logs=tuple(log.source for log in logs if log is not None),
         verdict=verdict,
-        sentence=sentence(verdict, gap, effects, alternatives, damaged.fatal),
-        gap=gap,
+        sentence=sentence(verdict, gaps, effects, alternatives, damaged.fatal),
+        gap=gaps[0],
         location=located(found, _shares(comparison, accepted, steps)),
         maps=found,
         effects=effects,
@@ -83,30 +84,45 @@ def concluded(
         probabilities={k: v for k, v in chances.as_mapping.items() if k != "effect"},
         parameters=_parameters(fits, nominal),
         faults=faults,
-        assumptions=_assumptions(comparison, gap, logs[1]),
+        assumptions=_assumptions(comparison, gaps[0], logs[1]),
         next_experiment=next_experiment(verdict, effects, alternatives),
         signals=comparison.signals(),
         spectrum=comparison.spectrum(),
+        drives=_drives(comparison) if comparison.record.n_drives > 1 else (),
         search=tuple(steps),
     )
 
 
-def _errors(gap: Gap, stationary: bool, plain: Fit) -> Errors:
-    floor = gap.noise_floor.rms
-    nominal = gap.nominal.rms / floor if gap.nominal else None
-    reidentified, explained = gap.reidentified.rms / floor, gap.explained.rms / floor
+def _gaps(comparison: Comparison) -> tuple[Gap, ...]:
+    """Gap of the force that is looked at, and of the other ones."""
+    others = (own for own in comparison.of_drives if own.drive != comparison.drive)
+    return tuple(own.gap() for own in (comparison, *others))
+
+
+def _drives(comparison: Comparison) -> tuple[DriveError, ...]:
+    """The force error of each drive."""
+    return tuple(DriveError(own.gap(), own.signals(), own.spectrum()) for own in comparison.of_drives)
+
+
+def _errors(gaps: Sequence[Gap], share: float, stationary: bool, plain: Fit) -> Errors:
+    """Errors of the first of several forces, or the largest of all."""
+
+    def largest(levels: Iterable[Level]) -> float:
+        return max(level.rms / gap.noise_floor.rms for level, gap in zip(levels, gaps, strict=True))
+
+    nominal = [gap.nominal for gap in gaps if gap.nominal is not None]
     return Errors(
-        nominal,
-        reidentified,
-        explained,
-        gap.unexplained_share,
+        largest(nominal) if nominal else None,
+        largest(gap.reidentified for gap in gaps),
+        largest(gap.explained for gap in gaps),
+        share,
         stationary,
-        gap.reidentified.relative,
-        others=float(np.sqrt(plain.squares[1:].max(initial=0.0))),
+        gaps[0].reidentified.relative,
+        others=float(np.sqrt(plain.squares[len(gaps) :].max(initial=0.0))),
     )
 
 
-def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
+def _verdict(chances: Outcome, gaps: Sequence[Gap], share: float, damaged: Sequence[str]) -> Verdict:
     """The most probable; effects that leave more than noise and a stated share of the gap explain it partly.
 
     Of a damaged recording no physics is read: what looks like an effect is what the damage looks like.
@@ -116,18 +132,11 @@ def _verdict(chances: Outcome, gap: Gap, damaged: Sequence[str]) -> Verdict:
         return "recording"
     if (
         verdict == "effect"
-        and gap.explained.rms > THRESHOLDS.noise_alone * gap.least
-        and gap.unexplained_share > THRESHOLDS.all_of_it
+        and any(gap.explained.rms > THRESHOLDS.noise_alone * gap.least for gap in gaps)
+        and share > THRESHOLDS.all_of_it
     ):
         return "partly"
     return verdict
-
-
-def driven(record: Record) -> str:
-    """Body that the drive moves."""
-    return next(
-        body.name for body in record.dynamics.axis.free_bodies if body == record.dynamics.axis.only_drive.at
-    )
 
 
 def _effects(
@@ -140,18 +149,20 @@ def _effects(
     for i, step in enumerate(accepted):
         item = last.state.placed[known + i]
         best = item.key
-        chance = _beside(named - {best}, best, probabilities(step, driven(comparison.record)))
+        chance = _beside(named - {best}, best, probabilities(step))
         rivals = [k for k, p in chance.items() if p >= THRESHOLDS.indistinguishable and k != best]
         there = chances.effect if i == 0 else is_there(step)
+        felt = comparison.felt_by(i + 2)
         found.append(
             FoundEffect(
                 effect=best[0],
                 at=best[1],
                 probability=there * chance[best],
                 parameters=values[i],
-                gap_after=comparison.level(i + 2),
+                gap_after=felt.level(i + 2),
                 removes=comparison.removed(i + 1, i + 2),
                 indistinguishable_from=tuple(rivals),
+                signal=comparison.record.forces[felt.drive],
             )
         )
     return tuple(found)
@@ -159,8 +170,8 @@ def _effects(
 
 def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> dict[Key, float]:
     """Probabilities beside other effects: what is there anyway, or is nearly that, stands in for nothing."""
-    late = LATE_FORCES if any(name in LATE_FORCES for name, _ in others) else ()
-    left = {k: p for k, p in chance.items() if k == best or (k not in others and k[0] not in late)}
+    late = {(name, at) for other, at in others if other in LATE_FORCES for name in LATE_FORCES}
+    left = {k: p for k, p in chance.items() if k == best or (k not in others and k not in late)}
     total = math.fsum(left.values())
     return {key: p / total for key, p in left.items()}
 
@@ -191,7 +202,7 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
 
 
 def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome) -> tuple[Alternative, ...]:
-    chance = probabilities(step, driven(comparison.record))
+    chance = probabilities(step)
     confirmed = {c.key: c for c in step.confirmed}
     gains = {c.placed.key: c.gain for c in step.screened}
     found = []
@@ -200,7 +211,7 @@ def _alternatives(comparison: Comparison, step: SelectionStep, chances: Outcome)
         level: Level | None = None
         if own is not None:
             fit = own.fit
-            level = Comparison(fit.weighting, (fit.state,), (fit.left,)).level(0)
+            level = Comparison(fit.weighting, (fit.state,), (fit.left,), comparison.drive).level(0)
         gain = gains[key] if own is None else own.gain
         found.append(Alternative(key[0], key[1], chances.effect * probability, gain, level))
     return tuple(found)
@@ -212,11 +223,11 @@ def _shares(
     """Share of the excess error by place: what its effects take away; without effects, what they could."""
     shares: dict[str, float] = {}
     if not accepted:
-        chance = probabilities(steps[0], driven(comparison.record)) if steps else {}
+        chance = probabilities(steps[0]) if steps else {}
         for (_, place), probability in chance.items():
             shares[place] = shares.get(place, 0.0) + probability
         return shares
-    powers = [comparison.excess(i) for i in range(1, len(comparison.errors))]
+    powers = [comparison.whole_excess(i) for i in range(1, len(comparison.errors))]
     for step, before, after in zip(accepted, powers[:-1], powers[1:], strict=True):
         place = step.confirmed[0].key[1]
         shares[place] = shares.get(place, 0.0) + max(before - after, 0.0) / max(powers[0], 1e-12)

@@ -64,12 +64,12 @@ def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
         Of its errors.
     """
     record = state.prediction.record
-    force = record.dynamics.axis.only_drive.signal
-    names = (force, *record.signals)
+    names = (*record.forces, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
-    faults = [_destroyed(log[name], name, is_force=name == force) for log in logs for name in names]
+    faults = [_destroyed(log[name], name, is_force=name in record.forces) for log in logs for name in names]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
-    fatal = tuple(dict.fromkeys(text for text in (_wrong_sign(state, weighting), *faults) if text))
+    signs = [_wrong_sign(state, weighting, drive) for drive in range(record.n_drives)]
+    fatal = tuple(dict.fromkeys(text for text in (*signs, *faults) if text))
     return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
 
 
@@ -79,18 +79,18 @@ def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
     return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found
 
 
-def _wrong_sign(state: State, weighting: Weighting) -> str:
-    """Whether the measured force is opposite to what the motion asks for, or never changes its sign."""
+def _wrong_sign(state: State, weighting: Weighting, drive: int) -> str:
+    """Whether the measured force of a drive is opposite to what the motion asks for, or never changes its sign."""
     record = state.prediction.record
-    force = record.dynamics.axis.only_drive.signal
-    both = weighting.rows(np.stack([record.measured[0], state.prediction.outputs[0]])[:, None])
-    measured, predicted = both[:, 0, weighting.kept]
+    force = record.forces[drive]
+    both = weighting.rows(np.stack([record.measured, state.prediction.outputs]))
+    measured, predicted = both[:, drive, weighting.kept]
     if float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE:
         return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
     logged = record.log[force]
     seen, asked = (
         record.rows(spectrum * record.taper)[weighting.kept]
-        for spectrum in (record.measured[0], state.prediction.outputs[0])
+        for spectrum in (record.measured[drive], state.prediction.outputs[drive])
     )
     sides = min(float(np.mean(asked > 0)), float(np.mean(asked < 0)))
     one_sided = logged.min() >= 0 or logged.max() <= 0
@@ -114,15 +114,15 @@ def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
     return left(np.abs(asked)) < left(asked)
 
 
-def shifted_channels(log: Log, force: str, accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
+def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
     """Delays found that may be shifts of channels.
 
     Parameters
     ----------
     log : Log
         What was identified from.
-    force : str
-        Signal of the drive.
+    forces : sequence of str
+        Signals of the drives.
     accepted : sequence of SelectionStep
         Effects that were accepted.
     """
@@ -132,6 +132,7 @@ def shifted_channels(log: Log, force: str, accepted: Sequence[SelectionStep]) ->
         if item.effect.name == "delay":
             samples = item.shape[0] / log.sampling_period
             whole = abs(samples - round(samples)) < _WHOLE_SAMPLE and round(samples) != 0
+            force = item.at if item.at in forces else forces[0]
             side = "after" if samples > 0 else "before"
             text = f"{force} acts {abs(samples):.2f} samples {side} its record"
             found.append(text + (": a whole number, so channels may be shifted." if whole else "."))

@@ -25,7 +25,7 @@ _MOST_OF_IT = 0.8
 def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
     """The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``."""
     axis, motion = comparison.record.dynamics.axis, _Motion(comparison)
-    drive = axis.only_drive
+    drive = axis.drives[comparison.drive]
     before, after = comparison.squares(1), comparison.squares(len(comparison.errors) - 1)
     return {
         "band": _by_band(comparison),
@@ -42,14 +42,14 @@ class _Motion:
 
     def __init__(self, comparison: Comparison) -> None:
         record, kept = comparison.record, comparison.weighting.kept
-        s = 1j * record.omega
-        self.position = record.rows(record.motion)[kept]
-        self.velocity = record.rows(s * record.motion)[kept]
-        self.acceleration = record.rows(s**2 * record.motion * record.taper)[kept]
-        self.force = np.abs(record.rows(record.measured[0] * record.taper)[kept])
+        s, driven = 1j * record.omega, comparison.motion
+        self.position = record.rows(driven)[kept]
+        self.velocity = record.rows(s * driven)[kept]
+        self.acceleration = record.rows(s**2 * driven * record.taper)[kept]
+        self.force = np.abs(record.rows(comparison.measured * record.taper)[kept])
         self.time = record.row_time[kept]
         self.speed = np.abs(self.velocity)
-        whole = record.rows(s * record.motion)
+        whole = record.rows(s * driven)
         turns = record.row_time[1:][
             np.diff(np.signbit(whole)) & (np.abs(whole[1:]) < 0.2 * self.speed.max(initial=0))
         ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from symid.arrays import BoolArray, FloatArray
-from symid.axis import Axis
+from symid.axis import Axis, Drive
 from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Removed
 from symid.diagnosis.selection.evidence import Verdict
 from symid.shown import Shown
@@ -45,6 +45,8 @@ class FoundEffect:
         Share of the excess error that it takes away on the validation data, after those before it.
     indistinguishable_from : tuple of (str, str)
         Effects and places that this log does not tell from it.
+    signal : str
+        The drive of whose force `gap_after` is the error: of several, the one in which the effect is felt most.
     """
 
     effect: str
@@ -54,6 +56,7 @@ class FoundEffect:
     gap_after: Level
     removes: Removed
     indistinguishable_from: tuple[tuple[str, str], ...]
+    signal: str = ""
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,25 @@ class Spectrum:
     noise: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class DriveError:
+    """The force error of one of several drives.
+
+    Parameters
+    ----------
+    gap : Gap
+        Its size before and after.
+    signals : Signals
+        For plots.
+    spectrum : Spectrum
+        For plots.
+    """
+
+    gap: Gap
+    signals: Signals
+    spectrum: Spectrum
+
+
 @dataclass(frozen=True)
 class SimulatedParameter:
     """A physical parameter that the simulator's log implies, beside that of the machine's.
@@ -238,7 +260,8 @@ class Diagnosis(Shown):
     sentence : str
         The verdict in one sentence.
     gap : Gap
-        Its size before and after.
+        Its size before and after; of several drives, of the one whose force the re-identified model misses by most
+        multiples of the noise, as are `location`, `maps`, `signals` and `spectrum`.
     location : tuple of Location
         Where it lies, largest share first.
     maps : mapping of str to tuple of MapCell
@@ -261,6 +284,8 @@ class Diagnosis(Shown):
         For plots.
     spectrum : Spectrum
         For plots.
+    drives : tuple of DriveError
+        Of an axis with several drives, the force error of each.
     simulated : Simulator or None
         What the log of a simulator says, if one was given: then it is the nominal model.
     planned : Experiment or None
@@ -286,6 +311,7 @@ class Diagnosis(Shown):
     next_experiment: str
     signals: Signals
     spectrum: Spectrum
+    drives: tuple[DriveError, ...] = ()
     simulated: Simulator | None = None
     planned: Experiment | None = None
     search: tuple[SelectionStep, ...] = field(default=(), repr=False)
@@ -294,6 +320,11 @@ class Diagnosis(Shown):
     def headline(self) -> str:
         """The verdict, and the sentence that says it."""
         return f"{self.axis.name} from {', '.join(self.measured)}, {self.verdict}: {self.sentence}"
+
+    @property
+    def drive(self) -> Drive:
+        """The drive whose force error the gap is."""
+        return next(drive for drive in self.axis.drives if drive.signal == self.gap.signal)
 
     @property
     def record(self) -> Record | None:

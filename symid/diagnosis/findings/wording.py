@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
-from symid.diagnosis.findings.gap import Gap, Motion
+from symid.diagnosis.findings.gap import Gap, Level, Motion
 from symid.diagnosis.findings.result import Alternative, Diagnosis, FoundEffect, Simulator
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -41,17 +41,19 @@ def spoken(effect: str, at: str = "") -> str:
 
 def sentence(
     verdict: Verdict,
-    gap: Gap,
+    gaps: Sequence[Gap],
     effects: Sequence[FoundEffect],
     rivals: Sequence[Alternative],
     damaged: Sequence[str] = (),
 ) -> str:
-    """The verdict in one sentence."""
-    left, before = (_size(gap, level.rms) for level in (gap.explained, gap.reidentified))
+    """The verdict in one sentence, with the gaps of all drives, that which counts most first."""
+    gap, *others = gaps
+    left, before = _sizes(gaps, [g.explained for g in gaps]), _sizes(gaps, [g.reidentified for g in gaps])
     if verdict == "no_gap":
         return f"There is no gap: the model leaves {before}."
     if verdict == "parameters":
-        nominal = "" if gap.nominal is None else f" instead of {gap.nominal.rms:.3g} {gap.unit}"
+        of_nominal = [f"{g.nominal.rms:.3g} {g.unit}" for g in gaps if g.nominal is not None]
+        nominal = f" instead of {' and '.join(of_nominal)}" if of_nominal else ""
         if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
             rest = "nothing in the library explains the rest, which wanders alike however the axis moves"
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
@@ -62,13 +64,14 @@ def sentence(
     if verdict == "unexplained":
         nearest = f"; the nearest is {spoken(rivals[0].effect, rivals[0].at)}" if rivals else ""
         return f"There is a gap of {before} that nothing in the library explains{nearest}."
-    first, *others = (spoken(effect.effect, effect.at) for effect in effects)
+    first, *further = (spoken(effect.effect, effect.at) for effect in effects)
     doubt = effects[0].indistinguishable_from
     if doubt:
         first += f" (or {spoken(*doubt[0])}: this log does not tell them apart)"
-    with_them = "with them" if others else "with it"
-    named = " and ".join([first, *others])
-    found = f"The model lacks {named}: {with_them}, the force error falls from {before} to {left}"
+    with_them = "with them" if further else "with it"
+    falls = "force errors fall" if others else "force error falls"
+    named = " and ".join([first, *further])
+    found = f"The model lacks {named}: {with_them}, the {falls} from {before} to {left}"
     if verdict == "partly":
         return f"{found}; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained."
     return f"{found}."
@@ -118,6 +121,14 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
             f"There is no gap: the simulator leaves {_size(gap, gap.explained.rms)} of the machine's force."
         )
     return f"The simulator has the machine's structure and slightly other values{shrinks}"
+
+
+def _sizes(gaps: Sequence[Gap], levels: Sequence[Level]) -> str:
+    """Sizes of the errors of all drives, with their signals if there are several."""
+    if len(gaps) == 1:
+        return _size(gaps[0], levels[0].rms)
+    sizes = (f"{_size(gap, level.rms)} in {gap.signal}" for gap, level in zip(gaps, levels, strict=True))
+    return " and ".join(sizes)
 
 
 def _size(gap: Gap, rms: float) -> str:

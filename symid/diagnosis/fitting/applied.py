@@ -48,8 +48,9 @@ def applied(
 
 def _levels_on(record: Record, model: State) -> list[float]:
     """Errors of a model that weights allow for, in multiples of the noise of another record."""
-    noise = model.prediction.record.noise[1:]
-    return [float(x) for x in np.maximum(np.array(model.prediction.levels) * noise / record.noise[1:], 1.0)]
+    noise = model.prediction.record.noise_of_outputs
+    levels = np.array(model.prediction.levels) * noise / record.noise_of_outputs
+    return [float(x) for x in np.maximum(levels, 1.0)]
 
 
 def _timed(state: State, weighting: Weighting) -> State:

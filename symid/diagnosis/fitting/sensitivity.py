@@ -56,7 +56,7 @@ def _by_differences(state: State) -> ComplexArray:
         value = abs(parameters[name]) or 1.0
         moved = dict(parameters) | {name: parameters[name] + _INTEGRATED_STEP * value}
         if acts_on_hidden(
-            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_row
+            prediction.response.plant, prediction.record.dynamics.at(moved), prediction.driven_rows[0]
         ):
             columns[k] = column(value, moved, placed)
     for at, item in enumerate(placed):
@@ -103,19 +103,20 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
     ----------
     prediction : Prediction
         The axis at its parameters.
-    misread : array of shape (n_bins,), optional
-        What the driven position is read wrong by: its motion is no motion of the bodies.
+    misread : array of shape (n_drives, n_bins), optional
+        What the driven positions are read wrong by: its motion is no motion of the bodies.
     """
-    displacements, driven = prediction.displacements, prediction.outputs[0]
+    n_drives = prediction.record.n_drives
+    displacements, driven = prediction.displacements, prediction.outputs[:n_drives]
     if misread is not None:
-        no_forces = np.zeros((misread.size, 0), dtype=complex)
+        no_forces = np.zeros((prediction.record.n_bins, 0), dtype=complex)
         displacements = np.asarray(displacements - prediction.response.displacements(misread, no_forces))
-        driven = driven - prediction.response.of_position[0] * misread
+        driven = driven - prediction.response.of_motions(misread)[:n_drives]
     dynamics, plant, s = prediction.record.dynamics, prediction.response.plant, 1j * prediction.record.omega
     columns = np.zeros((len(dynamics.parameters), *prediction.record.measured.shape), dtype=complex)
     for k, name in enumerate(dynamics.parameters):
         step = _RELATIVE_STEP * (abs(prediction.parameters[name]) or 1.0)
-        other = dynamics.at(dict(prediction.parameters) | {name: prediction.parameters[name] + step})
+        other = dynamics.with_nodes(dict(prediction.parameters) | {name: prediction.parameters[name] + step})
         matrix = [
             (getattr(other, kind) - getattr(plant, kind)) / step for kind in ("mass", "damping", "stiffness")
         ]
@@ -128,7 +129,7 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
             for spectrum, (weight, _), (after, _) in zip(spectra, law.terms, moved.terms, strict=True):
                 if after != weight:
                     forces -= np.multiply.outer((after - weight) / step * spectrum, direction)
-        forces += np.multiply.outer(driven, (other.drive - plant.drive) / step)
+        forces += driven.T @ ((other.drives - plant.drives) / step).T
         forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)
     return columns

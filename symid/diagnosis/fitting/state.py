@@ -70,10 +70,13 @@ class State:
 
     @property
     def inertia(self) -> float:
-        """Mass or inertia that the drive moves at low frequencies: that of all bodies that follow its position."""
+        """Mass or inertia that the drive moves at low frequencies: that of all bodies that follow its position.
+
+        Of several drives, the geometric mean of those along the principal ways in which they move the axis.
+        """
         plant = self.prediction.response.plant
-        follows = self.prediction.response.motion[0, :, -1].real
-        return float(follows @ plant.mass @ follows)
+        follows = self.prediction.response.motion[0, :, len(plant.bodies) :].real
+        return float(np.linalg.det(follows.T @ plant.mass @ follows) ** (1 / follows.shape[1]))
 
     def weighted(self, weighting: Weighting) -> State:
         """The same with other weights."""
@@ -135,9 +138,9 @@ def _state(
 
 
 def weighting_in(prediction: Prediction, allowed: BoolArray | None) -> Weighting:
-    """Weights of a prediction: all joints that take part in the drive's motion must move."""
-    driven = prediction.record.fine(prediction.record.motion)[prediction.record.in_log]
-    least = _TAKES_PART * np.ptp(driven)
+    """Weights of a prediction: all joints that take part in the drives' motion must move."""
+    driven = prediction.record.fine(prediction.record.motions)[:, prediction.record.in_log]
+    least = _TAKES_PART * np.ptp(driven, axis=1).max()
     speeds = [joint.v for joint in prediction.joints.values() if joint.stroke > least]
     return weighting_of(prediction.record, prediction.density, speeds, allowed)
 
@@ -232,10 +235,10 @@ def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
 
 def is_hidden(prediction: Prediction, joint: Joint) -> bool:
     """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
-    if len(prediction.response.plant.bodies) != 2:
+    dynamics = prediction.record.dynamics
+    if not len(dynamics.bodies) == len(dynamics.motion[0]) == 2:
         return False
-    row = prediction.driven_row
-    driven = abs(row @ joint.direction) > (1 - 1e-9) * np.linalg.norm(row) * np.linalg.norm(joint.direction)
+    driven = prediction.driven_shares(joint.direction) is not None
     return not driven and np.array_equal(joint.spectrum, joint.modelled)
 
 

@@ -150,7 +150,9 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
     found = {name: (value, unit) for name, value, unit in item.values(prediction)}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
-        late = f"{prediction.axis.only_drive.signal}={-1e6 * found['T'][0]:.4g}us"
+        forces = prediction.record.forces
+        force = item.at if item.at in forces else forces[0]
+        late = f"{force}={-1e6 * found['T'][0]:.4g}us"
         return (
             f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
         )

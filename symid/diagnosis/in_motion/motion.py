@@ -31,6 +31,7 @@ from symid.simulation import Cascade
 
 _SAME = 0.01
 """Difference of two references relative to the stroke, and of two durations, up to which both are the same."""
+_NOT_SIMULATED = "The gap is that of the forces: the motion of an axis with several drives is not simulated."
 _AWAY = 10.0
 """Distance from the measured position, in its ranges, from which on a simulated axis runs away."""
 
@@ -44,7 +45,12 @@ def with_motion(
     controller: Cascade | None = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
-    """A diagnosis with its gap in the motion, which its sentence tells too; see `motion_of`."""
+    """A diagnosis with its gap in the motion, which its sentence tells too; see `motion_of`.
+
+    An axis with several drives is not simulated.
+    """
+    if comparison.record.n_drives > 1:
+        return replace(found, assumptions=(*found.assumptions, _NOT_SIMULATED))
     models = comparison.with_effects(len(found.effects))
     motion = motion_of(models, runs, allowed, controller=controller, simulated=simulated)
     return replace(

@@ -25,7 +25,7 @@ def require_live_channels(axis: Axis, logs: Sequence[Log]) -> None:
     log 'arrays': 'q' is constant (0) over the whole log: c
     """
     for log in logs:
-        for name in (axis.only_drive.signal, *(sensor.signal for sensor in axis.sensors)):
+        for name in (*(drive.signal for drive in axis.drives), *(sensor.signal for sensor in axis.sensors)):
             x = log.signals.get(name)
             if x is not None and x.size and (fault := said_range(name, float(x.min()), float(x.max()))):
                 raise LogError(f"log {log.source!r}: {fault}")

@@ -80,18 +80,18 @@ def joined(logs: Sequence[Log]) -> Joined:
     return Joined(Log(source, first.start, first.sampling_period, signals), recorded, tuple(logs))
 
 
-def with_common_zeros(logs: Sequence[Log], driven: str, others: Sequence[str]) -> list[Log]:
+def with_common_zeros(logs: Sequence[Log], driven: Sequence[str], others: Sequence[str]) -> list[Log]:
     """Logs whose further position readings begin to count where those of the first log do.
 
-    Two incremental encoders have zeros of their own in each log. A reading y follows that of the driven position q as
+    Two incremental encoders have zeros of their own in each log. A reading y follows those of the driven positions q as
     y = r q + z + deflection: z is made that of the first log, with r and z by least squares.
 
     Parameters
     ----------
     logs : sequence of Log
         With all these signals.
-    driven : str
-        Position next to the drive.
+    driven : sequence of str
+        Positions next to the drives.
     others : sequence of str
         Further positions.
     """
@@ -99,10 +99,16 @@ def with_common_zeros(logs: Sequence[Log], driven: str, others: Sequence[str]) -
     for log in logs[1:]:
         signals = dict(log.signals)
         for name in others:
-            zeros = [float(np.polyfit(each[driven], each[name], 1)[1]) for each in (logs[0], log)]
+            zeros = [_zero(each, driven, name) for each in (logs[0], log)]
             signals[name] = log[name] + zeros[0] - zeros[1]
         found.append(replace(log, signals=signals))
     return found
+
+
+def _zero(log: Log, driven: Sequence[str], name: str) -> float:
+    """Reading of a further position where the driven ones read zero."""
+    columns = np.stack([*(log[each] for each in driven), np.ones(log.n_samples)], axis=1)
+    return float(np.linalg.lstsq(columns, log[name], rcond=None)[0][-1])
 
 
 def _with_ways(parts: Sequence[FloatArray], n: int) -> FloatArray:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Axis, Between, Body, Spring
+from symid.axis import Axis, Between, Body, Ground, Spring
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.record import Record
@@ -35,7 +35,7 @@ class Prediction:
     response : Response
         The axis at them.
     displacements : array of shape (n_bodies, n_bins)
-        Motion of the bodies as it follows from the driven position.
+        Motion of the bodies as it follows from the driven positions.
     observed : array of shape (n_bodies, n_bins)
         The same, corrected to what further position sensors read; laws are evaluated at it.
     forces : array of shape (n_bins, n_bodies)
@@ -98,10 +98,10 @@ class Prediction:
 
     @cached_property
     def outputs(self) -> ComplexArray:
-        """Drive force and further readings without effects of the drive and of sensors, shape (n_outputs, n_bins)."""
+        """Drive forces and further readings without effects of drives and of sensors, shape (n_outputs, n_bins)."""
         if self.of_integrated is not None:
             return self._from_motion(self.law_forces + self.forces + self.of_integrated)
-        of_motion = self.response.of_position * self.record.motion
+        of_motion = self.response.of_motions(self.record.motions)
         return of_motion + self.response.of_forces(self.law_forces + self.forces)
 
     def _from_motion(self, forces: ComplexArray) -> ComplexArray:
@@ -111,34 +111,38 @@ class Prediction:
         rows = zip((plant.mass[body], plant.damping[body], plant.stiffness[body]), (2, 1, 0), strict=True)
         balance = sum(s**k * (row @ self.displacements) for row, k in rows) - forces[:, body]
         outputs = [balance / plant.drive[body]]
-        for name in self.record.signals[1:]:
+        for name in self.record.readings:
             row, order = plant.sensors[name]
             outputs.append(s**order * (row @ self.displacements))
         return np.stack(outputs)
 
-    @property
-    def driven_row(self) -> FloatArray:
-        """The driven position is the product of this with the displacements of the bodies."""
-        return self.response.plant.sensors[self.record.signals[0]][0]
+    @cached_property
+    def driven_rows(self) -> FloatArray:
+        """Driven positions as products with the displacements of the bodies, of shape (n_drives, n_bodies)."""
+        return np.stack([self.response.plant.sensors[name][0] for name in self.record.driven])
 
     @cached_property
     def hidden(self) -> tuple[ComplexArray, ...]:
-        """Outputs for forces on what moves without the driven position, of shape (n_outputs, n_bins) each."""
+        """Outputs for forces on what moves without the driven positions, of shape (n_outputs, n_bins) each."""
         return tuple(self.response.of_force(direction) for direction in self.free_directions)
 
     @property
     def free_directions(self) -> FloatArray:
-        """Directions over the bodies in which they move without the driven position, of shape (n, n_bodies)."""
-        return np.asarray(np.linalg.svd(self.driven_row[None])[2][1:])
+        """Directions over the bodies in which they move without the driven positions, of shape (n, n_bodies)."""
+        return np.asarray(np.linalg.svd(self.driven_rows)[2][self.record.n_drives :])
 
     @cached_property
     def joints(self) -> Mapping[str, Joint]:
-        """Joints of the bodies."""
-        bodies = self.response.plant.bodies
-        found = {}
-        for body in self.record.dynamics.axis.free_bodies:
-            found[body.name] = self._joint(body.name, _direction(body, bodies))
-        return found
+        """Joints of the bodies that have a mass."""
+        return {
+            body.name: self._joint(body.name, _direction(body, self.response.plant.bodies))
+            for body in self.axis.free_bodies
+            if body.name in self.record.dynamics.bodies
+        }
+
+    def drive_of(self, joint: Joint) -> int:
+        """The drive that pushes most along a joint."""
+        return int(np.argmax(np.abs(joint.direction @ self.response.plant.drives)))
 
     @cached_property
     def springs(self) -> Mapping[str, Joint]:
@@ -152,9 +156,10 @@ class Prediction:
 
     @cached_property
     def bodies(self) -> Mapping[str, Joint]:
-        """Absolute motion of the bodies, along which inertia acts."""
-        names = self.response.plant.bodies
-        return {name: self._joint(name, row) for name, row in zip(names, np.eye(len(names)), strict=True)}
+        """Absolute motion of the bodies that have a mass, along which inertia acts."""
+        names, heavy = self.response.plant.bodies, self.record.dynamics.bodies
+        rows = zip(names, np.eye(len(names)), strict=True)
+        return {name: self._joint(name, row) for name, row in rows if name in heavy}
 
     @property
     def axis(self) -> Axis:
@@ -165,20 +170,19 @@ class Prediction:
         """What a force that opposes the motion of a joint does to the predicted outputs; spectra of any number."""
         return -self.response.of_force(joint.direction) * force[..., None, :]
 
-    def _driven_share(self, direction: FloatArray) -> float | None:
-        """Displacement along a direction for a unit of the driven position; None if other motion takes part in it."""
-        sensors, row = self.response.plant.sensors, self.driven_row
-        if sum(sensors[name][1] == 0 for name in self.record.signals) > row.size:
-            return None  # positions that contradict each other share their error out
-        share = float(row @ direction / (row @ row))
-        return share if np.allclose(direction, share * row, rtol=0, atol=1e-12) else None
+    def driven_shares(self, direction: FloatArray) -> FloatArray | None:
+        """Displacement along a direction for a unit of each driven position; None if other motion takes part in it."""
+        rows = self.driven_rows
+        shares = np.asarray(np.linalg.solve(rows @ rows.T, rows @ direction))
+        return shares if np.allclose(direction, shares @ rows, rtol=0, atol=1e-12) else None
 
     def _joint(self, name: str, direction: FloatArray) -> Joint:
-        share = self._driven_share(direction)
-        if (
-            share is not None
-        ):  # moves as measured, whatever the model: one joint for all predictions of the record
-            spectrum = share * self.record.motion
+        sensors = self.response.plant.sensors
+        n_positions = sum(sensors[name][1] == 0 for name in self.record.signals)
+        # positions that contradict each other share their error out
+        shares = None if n_positions > direction.size else self.driven_shares(direction)
+        if shares is not None:  # moves as measured, whatever the model: one joint for all predictions
+            spectrum = np.asarray(shares @ self.record.motions)
             made = Joint(name, direction, spectrum, spectrum, self.record)
             known: Joint = self.record.driven_joints.setdefault((name, direction.tobytes()), made)
             return known
@@ -200,14 +204,26 @@ def place_of(spring: Spring) -> str:
 
 
 def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:
-    direction = np.zeros(len(bodies))
-    ends = (
-        ((at.second, 1.0), (at.first, -at.ratio)) if isinstance(at, Between) else ((at, 1.0), (at.on, -1.0))
-    )
-    for body, share in ends:
-        if getattr(body, "name", None) in bodies:
-            direction[bodies.index(body.name)] += share
-    return direction
+    """Displacement in a joint as a product with those of the free bodies."""
+    if isinstance(at, Between):
+        return np.asarray(_absolute(at.second, bodies) - at.ratio * _absolute(at.first, bodies))
+    if at.gears:
+        return np.asarray(sum(gear.ratio * _direction(gear.to, bodies) for gear in at.gears))
+    own = np.eye(len(bodies))[bodies.index(at.name)]
+    return np.asarray(own - _absolute(at.on, bodies)) if _is_carried(at) else own
+
+
+def _absolute(body: Body | Ground, bodies: tuple[str, ...]) -> FloatArray:
+    """Displacement of a body against the ground as such a product."""
+    if isinstance(body, Ground):
+        return np.zeros(len(bodies))
+    relative = _direction(body, bodies)
+    return np.asarray(relative + _absolute(body.on, bodies)) if _is_carried(body) else relative
+
+
+def _is_carried(body: Body) -> bool:
+    """Whether the motion of what a body is on adds to its own: a turning body on a sliding one turns by its own."""
+    return isinstance(body.on, Body) and body.on.turns == body.turns
 
 
 def prediction_of(
@@ -266,7 +282,7 @@ def prediction_of(
             tuple(impedances),
             levels,
         )
-    moved = response.displacements(record.motion, acting)
+    moved = response.displacements(record.motions, acting)
     observed = _as_measured(record, response, moved)
     return Prediction(
         record, parameters, response, moved, observed, of_effects, weights, None, tuple(impedances), levels
@@ -276,9 +292,10 @@ def prediction_of(
 def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
     """Displacements of the bodies, corrected to those that position sensors tell."""
     sensors = response.plant.sensors
-    positions = [i for i, name in enumerate(record.signals) if i and sensors[name][1] == 0]
-    if not positions:
+    positions = [i for i, name in enumerate(record.signals) if sensors[name][1] == 0]
+    further = [i for i in positions if i >= record.n_drives]
+    if not further:
         return displacements
-    rows = np.stack([sensors[record.signals[i]][0] for i in (0, *positions)])
-    read = np.concatenate([record.motion[None], record.measured[positions]])
+    rows = np.stack([sensors[record.signals[i]][0] for i in positions])
+    read = np.concatenate([record.motions, record.measured[further]])
     return np.asarray(displacements + np.linalg.pinv(rows) @ (read - rows @ displacements))

@@ -1,4 +1,7 @@
-"""A log in the frequency domain: what the sensors and the drive say, up to the frequency at which motion ends.
+"""A log in the frequency domain: what the sensors and the drives say, up to the frequency at which motion ends.
+
+Each drive has a position next to it, its *driven position*: from these motions all else is predicted. The outputs are
+what is predicted: the force of each drive, which its balance gives, and the readings of all further sensors.
 
 The log is continued smoothly from its end to its beginning, so that it is periodic; differentiation, hidden motion and
 missing forces are then products with frequency responses, and every comparison is made on a coarser grid of *rows*
@@ -8,7 +11,7 @@ that holds the band and nothing else. Laws, which are not linear, are evaluated 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -17,10 +20,11 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.axis import Body
 from symid.data import Log
 from symid.data.density import incoherent_density, power_density
 from symid.diagnosis.prediction.joined import bridge
-from symid.errors import LogError
+from symid.errors import LogError, SettingError
 from symid.simulation import ForwardDynamics
 
 _CONTINUATION = 0.5
@@ -61,9 +65,9 @@ class Record:
     log : Log
         The run.
     signals : tuple of str
-        Position sensor from whose motion everything is predicted, then the other sensors.
+        Position sensors from whose motion everything is predicted, one for each drive, then the other sensors.
     motion_hz : float
-        Highest frequency at which the position moves by more than its noise.
+        Highest frequency at which a driven position moves by more than its noise.
     late : mapping of str to float
         Time by which signals were recorded late, s; negative for a force that acts later than recorded.
     driven_joints : dict
@@ -76,6 +80,37 @@ class Record:
     motion_hz: float
     late: Mapping[str, float] = field(default_factory=dict)
     driven_joints: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def forces(self) -> tuple[str, ...]:
+        """Signals of the drives."""
+        return tuple(drive.signal for drive in self.dynamics.axis.drives)
+
+    @cached_property
+    def outputs(self) -> tuple[str, ...]:
+        """Signals that are predicted: forces, and readings of further sensors."""
+        return (*self.forces, *self.readings)
+
+    @cached_property
+    def driven_bodies(self) -> frozenset[str]:
+        """Bodies in whose joint a drive acts."""
+        drives = self.dynamics.axis.drives
+        return frozenset(drive.at.name for drive in drives if isinstance(drive.at, Body))
+
+    @property
+    def n_drives(self) -> int:
+        """Drives, and balances: as many outputs are forces, and as many signals driven positions."""
+        return len(self.forces)
+
+    @property
+    def driven(self) -> tuple[str, ...]:
+        """Driven positions."""
+        return self.signals[: self.n_drives]
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """Sensors that are predicted."""
+        return self.signals[self.n_drives :]
 
     @cached_property
     def n_extended(self) -> int:
@@ -153,32 +188,39 @@ class Record:
         return np.asarray(self.fine_time < self.duration)
 
     @cached_property
+    def motions(self) -> ComplexArray:
+        """Spectra of the driven positions, of shape (n_drives, n_bins)."""
+        return np.stack([self._read(name) for name in self.driven])
+
+    @cached_property
     def motion(self) -> ComplexArray:
-        """Spectrum of the driven position, of shape (n_bins,)."""
-        return self._in_time(self.signals[0], self._continued(self.log[self.signals[0]], smoothly=True))
+        """Spectrum of the first of them, of shape (n_bins,)."""
+        return np.asarray(self.motions[0])
 
     @cached_property
     def measured(self) -> ComplexArray:
-        """Spectra of the drive force and of the other sensors, of shape (n_outputs, n_bins)."""
-        others = [
-            self._in_time(name, self._continued(self.log[name], smoothly=True)) for name in self.signals[1:]
-        ]
-        return np.stack([self._in_time(self.dynamics.axis.only_drive.signal, self.whole_force), *others])
+        """Spectra of the drive forces and of the other sensors, of shape (n_outputs, n_bins)."""
+        forces = map(self._in_time, self.forces, self.whole_forces)
+        return np.stack([*forces, *map(self._read, self.readings)])
+
+    def _read(self, name: str) -> ComplexArray:
+        """Spectrum of a reading."""
+        return self._in_time(name, self._continued(self.log[name], smoothly=True))
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal as if it had not been recorded late."""
         return np.asarray(self._spectrum(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
 
     @cached_property
-    def whole_force(self) -> FloatArray:
-        """Drive force at all samples of a period."""
-        return self._continued(self.log[self.dynamics.axis.only_drive.signal], smoothly=False)
+    def whole_forces(self) -> FloatArray:
+        """Drive forces at all samples of a period, of shape (n_drives, n_extended)."""
+        return np.stack([self._continued(self.log[name], smoothly=False) for name in self.forces])
 
     @cached_property
     def noise(self) -> FloatArray:
-        """Standard deviations of the noise of position, force and other sensors, from the band above the dynamics.
+        """Standard deviations of the noise of driven positions, forces and other sensors, from above the motion.
 
-        Of the force, what is coherent with the reading of the position is no noise: a controller makes forces out of
+        Of a force, what is coherent with the readings of the positions is no noise: a controller makes forces out of
         the noise of the encoder, and these act on the axis.
         """
         frequency = self.log.sampling_frequency
@@ -189,10 +231,25 @@ class Record:
             )
             for name in self.signals
         ]
-        force = self.log[self.dynamics.axis.only_drive.signal]
-        least = _FINEST_FORCE * float(np.abs(force).max())
-        of_force = _force_noise(force, self.log[self.signals[0]], frequency, self.band_hz)
-        return np.array([found[0], max(of_force, least), *found[1:]])
+        positions = np.stack([self.log[name] for name in self.driven])
+        of_forces = [
+            max(
+                _force_noise(self.log[name], positions, frequency, self.band_hz),
+                _FINEST_FORCE * float(np.abs(self.log[name]).max()),
+            )
+            for name in self.forces
+        ]
+        return np.array([*found[: self.n_drives], *of_forces, *found[self.n_drives :]])
+
+    @property
+    def noise_of_motions(self) -> FloatArray:
+        """Those of the driven positions, of shape (n_drives,)."""
+        return self.noise[: self.n_drives]
+
+    @property
+    def noise_of_outputs(self) -> FloatArray:
+        """Those of the forces and of the other sensors, of shape (n_outputs,)."""
+        return self.noise[self.n_drives :]
 
     def from_samples(self, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal given at all samples of a period."""
@@ -244,7 +301,7 @@ def record_of(
     dynamics : ForwardDynamics
         The axis.
     log : Log
-        A run of it, with its force and at least one position.
+        A run of it, with its forces and at least one position for each.
     motion_hz : float, optional
         Highest frequency of its motion; by default where the spectrum of the position sinks into its noise.
     late : mapping of str to float, optional
@@ -253,24 +310,29 @@ def record_of(
     Raises
     ------
     LogError
-        If the log is too short or holds no position.
+        If the log is too short or lacks a position.
+    SettingError
+        If drives share one balance.
     """
     signals = signals_of(dynamics, log)
     if log.n_samples < _LEAST_SAMPLES:
         raise LogError(
             f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
         )
-    band = motion_hz or _motion_band(log[signals[0]], log.sampling_frequency)
+    driven = signals[: len(dynamics.axis.drives)]
+    band = motion_hz or max(_motion_band(log[name], log.sampling_frequency) for name in driven)
     return Record(dynamics, log, signals, band, dict(late or {}))
 
 
 def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
-    """Sensors that a log holds, first the position that moves most with the drive.
+    """Sensors that a log holds, first the position that moves most with each drive.
 
     Raises
     ------
     LogError
-        If there is no position.
+        If there is no position, or not one for each drive.
+    SettingError
+        If drives share one balance.
     """
     present = [name for name in dynamics.sensors if name in log.signals]
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
@@ -278,18 +340,41 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
         raise LogError(
             f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
         )
-    driven = max(positions, key=lambda name: _collocation(dynamics, name))
-    return driven, *(name for name in present if name != driven)
+    drives, driven = _drive_directions(dynamics), list[str]()
+    if np.linalg.matrix_rank(drives) < len(drives):
+        names = [drive.signal for drive in dynamics.axis.drives]
+        raise SettingError(
+            f"drives {', '.join(names)} of axis {dynamics.axis.name!r} push the same way, so that the motion tells "
+            "their sum alone: log the sum, and declare one drive, or an elastic part between them"
+        )
+    for drive in drives:
+        left = [name for name in positions if _independent(dynamics, (*driven, name))]
+        if not left:
+            raise LogError(
+                f"log {log.source!r} has independent positions {', '.join(driven)}: a diagnosis of {len(drives)} "
+                "drives needs one for each"
+            )
+        driven.append(max(left, key=lambda name: _collocation(drive, dynamics.sensors[name][0])))
+    return *driven, *(name for name in present if name not in driven)
 
 
 def _first_position(dynamics: ForwardDynamics) -> str:
     return next((name for name, (_, order) in dynamics.sensors.items() if order == 0), "one")
 
 
-def _collocation(dynamics: ForwardDynamics, signal: str) -> float:
-    """How well a sensor moves with the drive: the cosine of both directions."""
-    drive = np.array([p.at(np.ones(len(dynamics.generators))) for p in dynamics.drive])
-    row = dynamics.sensors[signal][0]
+def _drive_directions(dynamics: ForwardDynamics) -> FloatArray:
+    """Effect of each drive on the bodies, with gains of 1, of shape (n_drives, n_bodies)."""
+    ones = np.ones(len(dynamics.generators))
+    return np.array([[effect.at(ones) for effect in row] for row in dynamics.drives]).T
+
+
+def _independent(dynamics: ForwardDynamics, names: Sequence[str]) -> bool:
+    """Whether no sensor reads what the others do."""
+    return bool(np.linalg.matrix_rank(np.stack([dynamics.sensors[name][0] for name in names])) == len(names))
+
+
+def _collocation(drive: FloatArray, row: FloatArray) -> float:
+    """How well a sensor moves with a drive: the cosine of both directions."""
     return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))
 
 
@@ -346,17 +431,17 @@ def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> fl
 
 
 def _force_noise(
-    force: FloatArray, position: FloatArray, sampling_frequency: float, above_hz: float
+    force: FloatArray, positions: FloatArray, sampling_frequency: float, above_hz: float
 ) -> float:
     """Standard deviation of white noise with the least density of a force within the octave beyond a frequency.
 
-    The lower of two densities counts: the whole, and what is incoherent with the acceleration, which is as flat as the
-    force, from shorter segments.
+    The lower of two densities counts: the whole, and what is incoherent with the accelerations, which are as flat as
+    the force, from shorter segments.
     """
     segment = min(_SEGMENT, force.size // _SEGMENTS)
     densities = (
         _density(force, sampling_frequency),
-        incoherent_density(force[1:-1], np.diff(position, 2)[None], sampling_frequency, segment),
+        incoherent_density(force[1:-1], np.diff(positions, 2), sampling_frequency, segment),
     )
     least = min(_least_beyond(above_hz, *density) for density in densities)
     return float(np.sqrt(max(least * sampling_frequency / 2, np.finfo(float).tiny)))

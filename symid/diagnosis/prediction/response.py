@@ -1,12 +1,13 @@
-"""The axis driven by its measured motion: hidden motion, drive force and further readings as frequency responses.
+"""The axis driven by its measured motion: hidden motion, drive forces and further readings as frequency responses.
 
-With Z = -w^2 M + j w C + K, the drive's effect B and the row r of the driven position q,
+With Z = -w^2 M + j w C + K, the drives' effects B and the rows R of the driven positions q, one for each drive,
 
     [ Z  -B ] [ x ]   [ f ]
-    [ r   0 ] [ u ] = [ q ]
+    [ R   0 ] [ u ] = [ q ]
 
-gives at each frequency the displacements x and the drive force u that belong to a motion q and to forces f on the
-bodies. Eliminating x by hand leads to the rational functions of the paper: [14] for direct_2m1s.
+gives at each frequency the displacements x and the drive forces u that belong to motions q and to forces f on the
+bodies: a balance for each drive. Eliminating x by hand leads to the rational functions of the paper: [14] for
+direct_2m1s. Bodies without mass stay in x, as Z has their springs.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ class Response:
     ----------
     plant : Plant
         The axis.
-    motion : array of shape (n_bins, n_bodies, n_bodies + 1)
-        Displacements for forces on the bodies and for the driven position.
-    outputs : array of shape (n_outputs, n_bins, n_bodies + 1)
-        Drive force and further readings for the same.
+    motion : array of shape (n_bins, n_bodies, n_bodies + n_drives)
+        Displacements for forces on the bodies and for the driven positions.
+    outputs : array of shape (n_outputs, n_bins, n_bodies + n_drives)
+        Drive forces and further readings for the same.
     """
 
     plant: Plant
@@ -40,9 +41,16 @@ class Response:
     outputs: ComplexArray
 
     @property
-    def of_position(self) -> ComplexArray:
-        """Outputs for the driven position, of shape (n_outputs, n_bins)."""
-        return self.outputs[:, :, -1]
+    def of_positions(self) -> ComplexArray:
+        """Outputs for each driven position, of shape (n_drives, n_outputs, n_bins)."""
+        return np.moveaxis(self.outputs[:, :, len(self.plant.bodies) :], -1, 0)
+
+    def of_motions(self, positions: ComplexArray) -> ComplexArray:
+        """Outputs for driven positions of shape (n_drives, n_bins), of shape (n_outputs, n_bins)."""
+        found = self.of_positions[0] * positions[0]
+        for gain, position in zip(self.of_positions[1:], positions[1:], strict=True):
+            found += gain * position
+        return np.asarray(found)
 
     def of_force(self, direction: FloatArray) -> ComplexArray:
         """Outputs for a force along a direction over the bodies, of shape (n_outputs, n_bins)."""
@@ -58,9 +66,12 @@ class Response:
             found += self.outputs[:, :, j] * forces[:, j]
         return found
 
-    def displacements(self, position: ComplexArray, forces: ComplexArray) -> ComplexArray:
-        """Displacements of shape (n_bodies, n_bins) for the driven position and forces on the bodies."""
-        moved = self.motion[:, :, -1] * position[:, None]
+    def displacements(self, positions: ComplexArray, forces: ComplexArray) -> ComplexArray:
+        """Displacements of shape (n_bodies, n_bins) for driven positions and forces on the bodies."""
+        n = len(self.plant.bodies)
+        moved = self.motion[:, :, n] * positions[0][:, None]
+        for d, position in enumerate(positions[1:], 1):
+            moved += self.motion[:, :, n + d] * position[:, None]
         for j in range(forces.shape[1]):
             moved += self.motion[:, :, j] * forces[:, j, None]
         return np.asarray(moved.T)
@@ -76,32 +87,32 @@ def response_of(
     Parameters
     ----------
     record : Record
-        Says the frequencies, the driven position and the other sensors.
+        Says the frequencies, the driven positions and the other sensors.
     parameters : mapping of str to float
         Physical parameters, SI.
     impedances : sequence of (array, array)
         Direction over the bodies and dynamic stiffness, of shape (n_bins,), of what hangs on the axis besides.
     """
-    plant = record.dynamics.at(parameters)
+    plant = record.dynamics.with_nodes(parameters)
     n, s = len(plant.bodies), 1j * record.omega
-    matrix = np.zeros((record.n_bins, n + 1, n + 1), dtype=complex)
+    matrix = np.zeros((record.n_bins, n + record.n_drives, n + record.n_drives), dtype=complex)
     matrix[:, :n, :n] = (
         s[:, None, None] ** 2 * plant.mass + s[:, None, None] * plant.damping + plant.stiffness
     )
     for direction, stiffness in impedances:
         matrix[:, :n, :n] += stiffness[:, None, None] * np.outer(direction, direction)
-    matrix[:, :n, n] = -plant.drive
-    matrix[:, n, :n] = plant.sensors[record.signals[0]][0]
+    matrix[:, :n, n:] = -plant.drives
+    matrix[:, n:, :n] = np.stack([plant.sensors[name][0] for name in record.driven])
     inverse = _inverse(matrix)
-    outputs = [inverse[:, n, :]]
-    for name in record.signals[1:]:
+    outputs = [inverse[:, n + d, :] for d in range(record.n_drives)]
+    for name in record.readings:
         row, order = plant.sensors[name]
         outputs.append((s**order)[:, None] * np.einsum("i,kij->kj", row, inverse[:, :n, :]))
     return Response(plant, inverse[:, :n, :], np.stack(outputs))
 
 
 def _inverse(matrix: ComplexArray) -> ComplexArray:
-    """Inverse of each matrix of shape (n_bins, n, n); by cofactors for two bodies, ten times faster than LAPACK."""
+    """Inverse of each matrix of shape (n_bins, n, n); of three rows by cofactors, ten times faster than LAPACK."""
     if matrix.shape[1] != 3:
         return np.asarray(np.linalg.inv(matrix), dtype=np.complex128)
     rows = [[np.ascontiguousarray(matrix[:, i, j]) for j in range(3)] for i in range(3)]
@@ -117,9 +128,11 @@ def _inverse(matrix: ComplexArray) -> ComplexArray:
 def noise_weights(record: Record, response: Response, levels: Sequence[float] = ()) -> FloatArray:
     """What makes noise alone white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
 
-    S = level^2 sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of the driven position comes through
-    G. A level above 1 allows for errors of the model besides the noise.
+    S = level^2 sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of each driven position comes through
+    its G. A level above 1 allows for errors of the model besides the noise.
     """
-    own = record.noise[1:] * (np.array(levels) if len(levels) else 1.0)
-    spread = own[:, None] ** 2 + np.abs(response.of_position) ** 2 * record.noise[0] ** 2
+    own = record.noise_of_outputs * (np.array(levels) if len(levels) else 1.0)
+    spread = own[:, None] ** 2
+    for gain, sigma in zip(response.of_positions, record.noise_of_motions, strict=True):
+        spread = spread + np.abs(gain) ** 2 * sigma**2
     return np.asarray(1 / np.sqrt(spread * 2 * record.n_bins / record.n_extended * record.freedom))

@@ -90,11 +90,6 @@ class Weighting:
         """Orthonormal basis of the restarts in the kept rows."""
         return _orthonormal(self.flat(self.restarts))
 
-    @property
-    def force_density(self) -> FloatArray:
-        """Weight of the force error relative to that of force noise alone, of shape (n_bins,)."""
-        return np.asarray(self.density[0] / self.density[0].max())
-
 
 def weighting_of(
     record: Record, density: FloatArray, speeds: Iterable[FloatArray], allowed: BoolArray | None = None
@@ -114,7 +109,7 @@ def weighting_of(
     """
     share = np.sqrt(2 * record.n_bins / record.n_extended)
     moving = record.in_log & (True if allowed is None else allowed)
-    velocity_noise = record.noise[0] * record.omega[-1] * share / np.sqrt(3)
+    velocity_noise = record.noise_of_motions.max() * record.omega[-1] * share / np.sqrt(3)
     step = record.fine_time[1]
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:

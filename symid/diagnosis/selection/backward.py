@@ -40,7 +40,7 @@ class Member:
     step : SelectionStep
         In which it was chosen, with its rivals.
     lost : float
-        Sum of squares of the force error on blocks left out, of the model without it.
+        Sum of squares of the force errors on blocks left out, of the model without it.
     """
 
     placed: Placed
@@ -155,7 +155,9 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
             whole, n = before, n - 1
             continue
         whole = found.confirmed[0].fit.after(first)
-        members.append(Member(whole.state.placed[-1], found, float(before.blocks.squares[0].sum())))
+        n_drives = first.state.prediction.record.n_drives
+        lost = float(before.blocks.squares[:n_drives].sum())
+        members.append(Member(whole.state.placed[-1], found, lost))
     return members
 
 

@@ -73,15 +73,15 @@ def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
     """Candidates, the best first: one whose values the log does not determine is none.
 
     What spoils another output goes last. Timing goes before what it looks like, and where places cannot be told apart,
-    the driven body goes first.
+    a driven body goes first.
     """
     candidates = list(confirmed)
-    driven = getattr(before.state.prediction.axis.only_drive.at, "name", None)
+    driven = before.state.prediction.record.driven_bodies
     most = max((c.penalised_gain for c in candidates), default=0.0)
 
     def order(own: Confirmed) -> tuple[bool, bool, float]:
         timing = own.key[0] == LATE_READING and own.penalised_gain > THRESHOLDS.timing_first * most
-        return own.spoils, not timing, -own.penalised_gain - THRESHOLDS.tie * (own.key[1] == driven)
+        return own.spoils, not timing, -own.penalised_gain - THRESHOLDS.tie * (own.key[1] in driven)
 
     found = sorted(candidates, key=order)
     while found and not _is_certain(found[0].fit):

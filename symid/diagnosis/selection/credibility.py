@@ -36,7 +36,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
     """
     item, prediction = found.state.placed[-1], found.state.prediction
     explains = found.mean_square < THRESHOLDS.explains_all * fit.mean_square
-    if not item.effect.is_possible(prediction, item.amplitudes):
+    if not item.effect.is_possible(prediction, item):
         return False
     if not (explains or item.effect.is_plausible(prediction, item)):
         return False
@@ -66,7 +66,7 @@ def force_share(fit: Fit) -> float:
     force = np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
     inside = prediction.record.in_log
     rms = float(np.sqrt(np.mean(prediction.record.fine(force)[inside] ** 2)))
-    return rms / float(np.abs(prediction.record.whole_force).max())
+    return rms / float(np.abs(prediction.record.whole_forces[prediction.drive_of(joint)]).max())
 
 
 def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
@@ -123,16 +123,15 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
 
 
 def acting_share(fit: Fit) -> float:
-    """Share of the logged force that acts on the axis if an effect of the drive keeps some of it back, in rms."""
+    """Share of the logged force that acts on the axis if effects of the drive keep some of it back, in rms.
+
+    Of several drives, of the one of which most is kept back.
+    """
     prediction = fit.state.prediction
-    changes = [
-        item.change(prediction)[0] for item in fit.state.placed if isinstance(item.effect, DriveEffect)
-    ]
+    changes = [item.change(prediction) for item in fit.state.placed if isinstance(item.effect, DriveEffect)]
     if not changes:
         return 1.0
-    logged = np.stack(
-        [prediction.record.measured[0], prediction.record.measured[0] - np.sum(changes, axis=0)]
-    )
-    rows = fit.weighting.rows(logged[:, None])[:, 0, fit.weighting.kept]
-    whole, acting = np.linalg.norm(rows, axis=1)
-    return float(acting / whole)
+    logged = np.stack([prediction.record.measured, prediction.record.measured - np.sum(changes, axis=0)])
+    rows = fit.weighting.rows(logged)[:, : prediction.record.n_drives, fit.weighting.kept]
+    whole, acting = np.linalg.norm(rows, axis=2)
+    return float((acting / whole).min())

@@ -25,16 +25,12 @@ _HALF = 0.5
 Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "recording"]
 
 
-def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
+def probabilities(step: SelectionStep) -> dict[Key, float]:
     """Probability of each candidate of a step, if one of them is right.
 
-    Parameters
-    ----------
-    step : SelectionStep
-        Of the search.
-    driven : str
-        Body that the drive moves: where places cannot be told apart, it is a little more likely.
+    Where places cannot be told apart, a driven body is a little more likely.
     """
+    driven = step.before.state.prediction.record.driven_bodies
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
     for candidate in step.screened:
@@ -48,7 +44,7 @@ def probabilities(step: SelectionStep, driven: str) -> dict[Key, float]:
     likelier = {c.key: prior(c.fit.state, step.before.nominal) for c in step.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
-        + THRESHOLDS.driven_bonus * (key[1] == driven)
+        + THRESHOLDS.driven_bonus * (key[1] in driven)
         + likelier.get(key, 0.0)
         + THRESHOLDS.refused * (key in step.refused)
         for key, value in gains.items()

@@ -62,10 +62,8 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
 
     best: dict[Key, Candidate] = {}
     present = {item.key for item in fit.state.placed}
-    late = any(name in LATE_FORCES for name, _ in present)
+    present |= {(name, at) for other, at in present if other in LATE_FORCES for name in LATE_FORCES}
     for effect in library:
-        if late and effect.name in LATE_FORCES:
-            continue
         for place in effect.places(prediction):
             if (effect.name, place) in present:
                 continue

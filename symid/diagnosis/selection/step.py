@@ -114,7 +114,8 @@ class SelectionStep:
         if not self.accepts or self.confirmed[0].effect.name not in LATE_FORCES:
             return ()
         least = THRESHOLDS.other_timing * self.confirmed[0].penalised_gain
-        others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES]
+        at = self.confirmed[0].placed.at
+        others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES and own.placed.at == at]
         return tuple(
             replace(self, confirmed=(own, *(c for c in self.confirmed if c is not own)))
             for own in others

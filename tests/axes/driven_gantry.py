@@ -1,0 +1,114 @@
+"""A gantry whose beam turns against its guides, written by hand in coordinates of the carriages, and what it hides."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from symid import Axis, Body, CoulombFriction, Drive, Geared, Log, Position, Spring, ViscousFriction
+
+SPAN = 1.25
+LEFT, RIGHT = Body("left", mass=31.5), Body("right", mass=31.5)
+BEAM = Body("beam", mass="Mb", geared=(Geared(to=LEFT, ratio=0.5), Geared(to=RIGHT, ratio=0.5)))
+YAW = Body("yaw", inertia="J", geared=(Geared(to=LEFT, ratio=-1 / SPAN), Geared(to=RIGHT, ratio=1 / SPAN)))
+TRUE = {"Fv1": 90.0, "Fs1": 22.0, "Fv2": 130.0, "Fs2": 35.0, "Mb": 84.0, "J": 11.0, "Ky": 6e5, "Cy": 350.0}
+RATE = 1000.0
+STRIBECK, SLOW = 18.0, 0.03
+"""Further friction of the right carriage at rest, N, and the speed at which it has mostly gone, m/s."""
+COGGING, PITCH = 6.0, 0.024
+"""Force ripple of the left motor, N and m."""
+DELAY = 1.7e-3
+"""Of the left drive, s."""
+_SOFT = 2e-4
+"""Speed below which friction is less than full, m/s."""
+_NOISE = {"F1": 1.0, "F2": 1.0, "q1": 2e-8, "q2": 2e-8}
+_APART = np.array([-1.0, 1.0]) / SPAN
+_MASS = np.diag([31.5, 31.5]) + TRUE["Mb"] / 4 + TRUE["J"] * np.outer(_APART, _APART)
+_DAMPING = np.diag([TRUE["Fv1"], TRUE["Fv2"]]) + TRUE["Cy"] * np.outer(_APART, _APART)
+_STIFFNESS = TRUE["Ky"] * np.outer(_APART, _APART)
+_LEVELS = np.array([[TRUE["Fs1"]], [TRUE["Fs2"]]])
+
+
+def axis(*, friction_on_the_right: bool = True) -> Axis:
+    """The declared gantry."""
+    right = (CoulombFriction(RIGHT, "Fs2"),) if friction_on_the_right else ()
+    return Axis(
+        "gantry",
+        (
+            *(LEFT, ViscousFriction(LEFT, "Fv1"), CoulombFriction(LEFT, "Fs1")),
+            *(RIGHT, ViscousFriction(RIGHT, "Fv2"), *right),
+            *(BEAM, YAW, Spring("guides", YAW, stiffness="Ky", damping="Cy")),
+        ),
+        (Drive("F1", LEFT), Drive("F2", RIGHT)),
+        (Position("q1", LEFT), Position("q2", RIGHT)),
+    )
+
+
+class _Commanded:
+    """Common moves of both carriages, small turns, and lines up to 90 Hz that differ for both drives."""
+
+    def __init__(self, seed: int) -> None:
+        draw = np.random.default_rng(seed)
+        self.moves = (
+            2 * np.pi * draw.uniform(0.3, 1.3, 4),
+            draw.uniform(0, 6.3, 4),
+            draw.uniform(0.02, 0.08, 4),
+        )
+        self.turns = 2 * np.pi * draw.uniform(3.0, 30.0, 5), draw.uniform(0, 6.3, 5), np.full(5, 1e-4)
+        self.lines = (
+            2 * np.pi * (np.arange(5, 90, 5) + draw.uniform(-1, 1, 17)),
+            draw.uniform(0, 6.3, (2, 17)),
+        )
+
+    def force(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Of a spring and a damper to the reference, and the lines; all of shape (2, n)."""
+        (move, moving), (turn, turning) = (_waves(t, *each) for each in (self.moves, self.turns))
+        wanted, speed = np.stack([move - turn, move + turn]), np.stack([moving - turning, moving + turning])
+        w, phases = self.lines
+        shaken = 8.0 * np.sin(w * t[None, :, None] + phases[:, None]).sum(axis=2)
+        return np.asarray(4e5 * (wanted - x) + 8e3 * (speed - v) + shaken)
+
+
+def _waves(
+    t: np.ndarray, w: np.ndarray, phase: np.ndarray, size: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    angle = np.multiply.outer(t, w) + phase
+    return np.sin(angle) @ size, np.cos(angle) @ (size * w)
+
+
+def _resisting(hidden: str, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    side = np.tanh(v / _SOFT)
+    force = _LEVELS * side
+    if hidden == "stribeck":
+        force[1] += STRIBECK * side[1] * np.exp(-((v[1] / SLOW) ** 2))
+    if hidden == "cogging":
+        force[0] += COGGING * np.sin(2 * np.pi * x[0] / PITCH + 0.7)
+    return np.asarray(force)
+
+
+@cache
+def log(hidden: str = "", seconds: float = 5.0, seed: int = 1) -> Log:
+    """A recorded run; a force that acts late is recorded ahead of its time."""
+    command = _Commanded(seed)
+
+    def slope(t: float, state: np.ndarray) -> np.ndarray:
+        x, v = state[:2, None], state[2:, None]
+        force = command.force(np.array([t]), x, v) - _DAMPING @ v - _STIFFNESS @ x - _resisting(hidden, x, v)
+        return np.concatenate([v, np.linalg.solve(_MASS, force)])[:, 0]
+
+    t = np.arange(round(seconds * RATE)) / RATE
+    run = solve_ivp(
+        slope, (0.0, seconds + 0.01), np.zeros(4), "LSODA", dense_output=True, rtol=1e-8, atol=1e-11
+    )
+    late = np.array([DELAY if hidden == "delay" else 0.0, 0.0])
+    states = [run.sol(t + own) for own in late]
+    forces = [
+        command.force(t + own, state[:2], state[2:])[i]
+        for i, (own, state) in enumerate(zip(late, states, strict=True))
+    ]
+    exact = dict(zip(_NOISE, (*forces, *run.sol(t)[:2]), strict=True))
+    draw = np.random.default_rng(100 + seed)
+    noisy = {name: x + _NOISE[name] * draw.standard_normal(t.size) for name, x in exact.items()}
+    return Log(f"by hand, {seed}", 0.0, 1 / RATE, noisy)

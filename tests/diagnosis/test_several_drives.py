@@ -1,0 +1,111 @@
+"""A diagnosis of two drives: a balance each, on logs of a gantry written by hand (tests/axes/driven_gantry.py)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from axes.driven_gantry import COGGING, DELAY, PITCH, SLOW, STRIBECK, TRUE, axis, log
+
+from symid import Axis, Body, Diagnosis, Drive, Log, Position, ViscousFriction, diagnose
+from symid.diagnosis import next_experiment_of
+from symid.errors import LogError, SettingError
+from symid.report.diagnosis import diagnosis_record
+
+
+@cache
+def found(hidden: str = "", *, friction_on_the_right: bool = True) -> Diagnosis:
+    """The diagnosis of a hidden effect by values that are 15 % off, with a held-out log."""
+    declared = axis(friction_on_the_right=friction_on_the_right)
+    off = {name: value * (1.15 if i % 2 else 0.85) for i, (name, value) in enumerate(TRUE.items())}
+    nominal = {name: value for name, value in off.items() if name in declared.physical_parameters}
+    return diagnose(declared, log(hidden), validation=log(hidden, 4.0, 2), nominal=nominal, held=False)
+
+
+def test_without_an_effect_values_were_off_and_each_force_is_at_its_noise() -> None:
+    plain = found()
+    assert plain.verdict == "parameters"
+    assert [own.gap.signal for own in plain.drives] == ["F1", "F2"]
+    for own in plain.drives:
+        assert own.gap.reidentified.rms == pytest.approx(own.gap.noise_floor.rms, rel=0.1)
+        assert own.gap.nominal is not None
+        assert own.gap.nominal.rms > 20 * own.gap.noise_floor.rms
+    for change in plain.parameters:
+        assert change.reidentified == pytest.approx(TRUE[change.name], rel=0.02), change.name
+
+
+@pytest.mark.parametrize(
+    ("hidden", "effect", "at", "drive", "values"),
+    [
+        ("stribeck", "stribeck_friction", "right", "F2", {"dF": STRIBECK, "vs": SLOW}),
+        ("delay", "delay", "F1", "F1", {"T": DELAY}),
+        ("cogging", "cogging", "left", "F1", {"pitch": PITCH}),
+    ],
+)
+def test_an_effect_is_named_with_its_drive(
+    hidden: str, effect: str, at: str, drive: str, values: dict[str, float]
+) -> None:
+    named = found(hidden)
+    assert named.verdict == "effect"
+    assert [(e.effect, e.at, e.signal) for e in named.effects] == [(effect, at, drive)]
+    assert named.gap.signal == drive
+    for name, value in values.items():
+        assert named.effects[0].parameters[name].value == pytest.approx(value, rel=0.05)
+    assert named.effects[0].removes.low > 0.9
+    for own in named.drives:
+        assert own.gap.explained.rms < 1.15 * own.gap.noise_floor.rms
+
+
+def test_the_amplitude_of_a_ripple() -> None:
+    ripple = found("cogging").effects[0].parameters
+    assert np.hypot(ripple["As"].value, ripple["Ac"].value) == pytest.approx(COGGING, rel=0.03)
+
+
+def test_friction_that_the_axis_lacks_at_one_drive() -> None:
+    lacking = found(friction_on_the_right=False)
+    assert [(e.effect, e.at, e.signal) for e in lacking.effects] == [("coulomb_friction", "right", "F2")]
+    assert lacking.effects[0].parameters["Fs"].value == pytest.approx(TRUE["Fs2"], rel=0.01)
+    left, right = (own.gap for own in lacking.drives)
+    assert right.reidentified.rms > 20 * right.noise_floor.rms
+    assert left.reidentified.rms < 1.3 * left.noise_floor.rms
+    assert lacking.sentence.startswith(
+        "The model lacks coulomb friction at right: with it, the force errors fall from"
+    )
+
+
+def test_the_record_has_a_gap_for_each_drive_in_its_unit() -> None:
+    record = diagnosis_record(found("delay"))
+    assert [(gap["signal"], gap["unit"]) for gap in record["drives"]] == [("F1", "N"), ("F2", "N")]
+    assert record["gap"] == record["drives"][0]
+    assert record["gap"]["motion"] is None
+
+
+def test_what_is_not_done_for_several_drives_is_said() -> None:
+    assert any("is not simulated" in text for text in found("delay").assumptions)
+    with pytest.raises(SettingError, match="take an axis with one"):
+        next_experiment_of(found("delay"))
+
+
+def test_each_drive_needs_a_position() -> None:
+    run = log()
+    lacking = replace(run, signals={name: x for name, x in run.signals.items() if name != "q2"})
+    with pytest.raises(
+        LogError, match="has independent positions q1: a diagnosis of 2 drives needs one for each"
+    ):
+        diagnose(axis(), lacking, nominal=TRUE)
+
+
+def test_drives_that_push_the_same_body_are_refused() -> None:
+    table = Body("table", mass="M")
+    tandem = Axis(
+        "tandem",
+        (table, ViscousFriction(table, "Fv")),
+        (Drive("F1", table), Drive("F2", table)),
+        (Position("q", table),),
+    )
+    t = np.arange(2000) / 1000
+    run = Log("by hand", 0.0, 1e-3, {"F1": np.sin(t), "F2": np.cos(t), "q": 0.1 * np.sin(t)})
+    with pytest.raises(SettingError, match="drives F1, F2 of axis 'tandem' push the same way"):
+        diagnose(tandem, run, nominal={"M": 1.0, "Fv": 1.0})
