@@ -9,6 +9,7 @@ computed by several threads at a time.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -63,9 +64,18 @@ def in_pieces(work: Callable[[Piece], None], n_samples: int, reach: int, workers
         for piece in pieces(n_samples, reach):
             work(piece)
     else:
-        with ThreadPoolExecutor(workers) as pool:
-            for _ in pool.map(work, pieces(n_samples, reach)):
-                pass
+        for _ in _threads(workers).map(work, pieces(n_samples, reach)):
+            pass
+
+
+@lru_cache(maxsize=4)
+def _threads(workers: int) -> ThreadPoolExecutor:
+    """Threads that stay: glibc gives new ones memory of their own, which it keeps after them."""
+    return ThreadPoolExecutor(workers)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_threads.cache_clear)  # the threads are not in the child
 
 
 @dataclass(frozen=True, eq=False)

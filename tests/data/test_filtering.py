@@ -1,5 +1,6 @@
 """Filters against exact frequency responses, hand-made index lists and the published EMPS results."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -223,3 +224,15 @@ def test_decimation_lowers_slow_signals_by_the_ripple_of_both_passes():
         np.full(50, 2.0 * 10.0 ** (-0.1 / 20.0)), rel=1e-6
     )
     assert decimate([1.0, 2.0], 1).tolist() == [1.0, 2.0]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_child_process_filters_with_threads_of_its_own() -> None:
+    x = np.random.default_rng(0).standard_normal(400_000)
+    expected = LowPass(30.0).apply(x, 1000.0, workers=2)
+    child = os.fork()
+    if not child:
+        same = np.array_equal(LowPass(30.0).apply(x, 1000.0, workers=2), expected)
+        os._exit(0 if same else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
