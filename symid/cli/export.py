@@ -42,7 +42,14 @@ FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
     "--to",
     type=click.Choice(FORMATS),
     required=True,
-    help="C99, MuJoCo, URDF, unit for co-simulation (FMI 2.0), feed-forward in Structured Text, or JSON.",
+    help="C99, MuJoCo, URDF, unit for co-simulation (FMI), feed-forward in Structured Text, or JSON.",
+)
+@click.option(
+    "--fmi",
+    type=click.Choice(["2", "3"]),
+    default="2",
+    show_default=True,
+    help="With --to fmu: FMI 2.0 or 3.0.",
 )
 @measured_option
 @click.option(
@@ -85,7 +92,9 @@ def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any])
     if options["to"] == "fmu":
         if not options["output"]:
             raise SettingError("a unit is a file: give its name with -o FILE.fmu")
-        return Exported({}, write_fmu(derive(declared), values, options["output"]))
+        return Exported(
+            {}, write_fmu(derive(declared), values, options["output"], 3 if options["fmi"] == "3" else 2)
+        )
     identified = _identified(options["parameters"])
     model = derive(declared, signal_list(options["measured"]) or identified["measured"])
     if options["to"] == "c":

@@ -1,15 +1,4 @@
-/* FMI 2.0 for co-simulation around an axis exported by symid. AXIS_... are defined above by the export. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include AXIS_SOURCE
-
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
-
+/* FMI 2.0 for co-simulation. */
 typedef double fmi2Real;
 typedef int fmi2Integer;
 typedef int fmi2Boolean;
@@ -20,33 +9,6 @@ typedef unsigned int fmi2ValueReference;
 typedef void *fmi2Component;
 typedef void *fmi2FMUstate;
 typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
-
-/* Numbers of the variables: the inputs, the readings, the parameters, the internal step. */
-enum {
-    FIRST_READING = AXIS_INPUTS,
-    FIRST_PARAMETER = FIRST_READING + AXIS_READINGS,
-    INTERNAL_STEP = FIRST_PARAMETER + AXIS_PARAMETERS
-};
-
-typedef struct {
-    double p[AXIS_PARAMETERS]; /* laid out as AXIS_parameters: doubles only */
-    double x[AXIS_STATES], y[AXIS_READINGS];
-    double input[AXIS_INPUTS], internal_step;
-#ifdef AXIS_way
-    AXIS_way way; /* what delays hold back */
-#endif
-} Instance;
-
-static const AXIS_parameters *parameters(const Instance *c) { return (const AXIS_parameters *)(const void *)c->p; }
-
-static void reset(Instance *c)
-{
-    memset(c, 0, sizeof *c);
-    memcpy(c->p, &AXIS_values, sizeof c->p);
-    c->internal_step = 2e-5;
-    const double still[AXIS_STATES] = {0.0};
-    AXIS_sensors(c->x, still, c->y);
-}
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
@@ -87,50 +49,20 @@ EXPORT fmi2Status fmi2Reset(fmi2Component component)
     return fmi2OK;
 }
 
-EXPORT fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], size_t n, fmi2Real value[])
+EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[])
 {
-    const Instance *c = component;
-    for (size_t i = 0; i < n; i++) {
-        if (vr[i] > INTERNAL_STEP) return fmi2Error;
-        value[i] = vr[i] < FIRST_READING ? c->input[vr[i]]
-                 : vr[i] < FIRST_PARAMETER ? c->y[vr[i] - FIRST_READING]
-                 : vr[i] < INTERNAL_STEP ? c->p[vr[i] - FIRST_PARAMETER]
-                 : c->internal_step;
-    }
-    return fmi2OK;
+    return get(c, vr, n, value) ? fmi2OK : fmi2Error;
 }
 
-EXPORT fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], size_t n, const fmi2Real value[])
+EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[])
 {
-    Instance *c = component;
-    for (size_t i = 0; i < n; i++) {
-        if (vr[i] < FIRST_READING) c->input[vr[i]] = value[i];
-        else if (vr[i] >= FIRST_PARAMETER && vr[i] < INTERNAL_STEP) c->p[vr[i] - FIRST_PARAMETER] = value[i];
-        else if (vr[i] == INTERNAL_STEP && value[i] > 0.0) c->internal_step = value[i];
-        else return fmi2Error;
-    }
-    return fmi2OK;
+    return set(c, vr, n, value) ? fmi2OK : fmi2Error;
 }
 
-EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi2Boolean keep)
+EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean keep)
 {
-    Instance *c = component;
-    (void)time, (void)keep;
-    if (!(step > 0.0)) return fmi2Error;
-    const int count = (int)ceil(step/c->internal_step*(1.0 - 1e-12));
-    const double h = step/count;
-    for (int k = 0; k < count; k++) {
-#ifdef AXIS_way
-        AXIS_advance(parameters(c), &c->way, c->x, AXIS_FORCES(c->input), h, c->y);
-#else
-        double change[AXIS_STATES];
-        memcpy(change, c->x, sizeof change);
-        AXIS_step(parameters(c), c->x, AXIS_FORCES(c->input), h);
-        for (int i = 0; i < AXIS_STATES; i++) change[i] = (c->x[i] - change[i])/h;
-        AXIS_sensors(c->x, change, c->y);
-#endif
-    }
-    return fmi2OK;
+    (void)keep;
+    return advance(c, time, step) ? fmi2OK : fmi2Error;
 }
 
 EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c, (void)state; return fmi2Error; }

@@ -1,7 +1,8 @@
-"""An axis as a functional mock-up unit: FMI 2.0 for co-simulation, made of the exported C and a compiler."""
+"""An axis as a functional mock-up unit: FMI 2.0 or 3.0 for co-simulation, made of the exported C and a compiler."""
 
 from __future__ import annotations
 
+import platform
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Literal
 from xml.sax.saxutils import quoteattr
 
 from symid.axis import Axis
@@ -47,10 +49,41 @@ _DESCRIPTION = """\
 </fmiModelDescription>
 """
 
+_DESCRIPTION_3 = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="{name}" instantiationToken="{guid}" generationTool="symid"
+    variableNamingConvention="flat">
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true"/>
+  <UnitDefinitions>
+{units}
+  </UnitDefinitions>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.001"/>
+  <ModelVariables>
+{variables}
+  </ModelVariables>
+  <ModelStructure>
+{outputs}
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+_BUILD_3 = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiBuildDescription fmiVersion="3.0">
+  <BuildConfiguration modelIdentifier="{name}">
+    <SourceFileSet language="C99"><SourceFile name="{name}_fmu.c"/></SourceFileSet>
+  </BuildConfiguration>
+</fmiBuildDescription>
+"""
+
 _LIBRARIES = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib")}
+_FOLDERS_3 = {"linux64": "linux", "darwin64": "darwin", "win64": "windows"}
+FmiVersion = Literal[2, 3]
 
 
-def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path) -> tuple[str, ...]:
+def write_fmu(
+    model: DerivedModel, values: Mapping[str, float], file: str | Path, fmi: FmiVersion = 2
+) -> tuple[str, ...]:
     """Write an axis as a unit for co-simulation, and return what it loses.
 
     Inputs are the signals of the drives (their commands where they have a gain), held over a step; outputs
@@ -65,6 +98,8 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         Physical parameters, SI.
     file : path-like
         Ends with .fmu.
+    fmi : {2, 3}
+        FMI 2.0 or 3.0.
 
     Raises
     ------
@@ -84,7 +119,7 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         sources = Path(place)
         for ending, text in exported.files.items():
             (sources / f"{axis.name}{ending}").write_text(text, encoding="utf-8")
-        (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis, exported.text), encoding="utf-8")
+        (sources / f"{axis.name}_fmu.c").write_text(_wrapper(axis, exported.text, fmi), encoding="utf-8")
         built = {folder: sources / f"{axis.name}{suffix}"}
         _compile(sources / f"{axis.name}_fmu.c", built[folder], _compiler())
         if folder != "win64" and find_spec("ziglang") is not None:
@@ -92,9 +127,11 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
             zig = (sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu")
             _compile(sources / f"{axis.name}_fmu.c", built["win64"], zig)
         with replacing(path) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as unit:
-            unit.writestr("modelDescription.xml", _description(axis, values))
+            unit.writestr("modelDescription.xml", _description(axis, values, fmi))
+            if fmi == 3:
+                unit.writestr("sources/buildDescription.xml", _BUILD_3.format(name=axis.name))
             for machine, library in built.items():
-                unit.write(library, f"binaries/{machine}/{library.name}")
+                unit.write(library, f"binaries/{_machine_3(machine) if fmi == 3 else machine}/{library.name}")
             for source in sorted(sources.glob("*.[ch]")):
                 unit.write(source, f"sources/{source.name}")
     kept = [loss for loss in exported.losses if not loss.startswith("Friction at rest")]
@@ -103,6 +140,13 @@ def write_fmu(model: DerivedModel, values: Mapping[str, float], file: str | Path
         *kept,
         f"The binary runs on {' and '.join(built)} only{more}; for another machine, compile what is in sources/.",
     )
+
+
+def _machine_3(folder: str) -> str:
+    """Folder of a binary in FMI 3.0, such as ``x86_64-linux``; Windows is cross-compiled for x86_64."""
+    turned = {"amd64": "x86_64", "arm64": "aarch64"}
+    own = turned.get(platform.machine().lower(), platform.machine().lower())
+    return f"{'x86_64' if folder == 'win64' else own}-{_FOLDERS_3[folder]}"
 
 
 def _compiler() -> tuple[str, ...]:
@@ -123,8 +167,8 @@ def _compile(source: Path, library: Path, compiler: Sequence[str]) -> None:
         raise SettingError(f"{' '.join(compiler)} cannot compile the unit: {said}")
 
 
-def _description(axis: Axis, values: Mapping[str, float]) -> str:
-    """The variables, numbered as the wrapper numbers them: inputs, readings, parameters, internal step."""
+def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> str:
+    """The variables, numbered as the wrapper numbers them: inputs, readings, parameters, internal step, time."""
     units, fed = axis.signal_units, 'causality="input" variability="continuous"'
     sent = [drive.command or drive.signal for drive in axis.drives]
     rows = [_Variable(name, fed, units.get(name), "what the drive is sent", 0.0) for name in sent]
@@ -145,13 +189,22 @@ def _description(axis: Axis, values: Mapping[str, float]) -> str:
     ]
     step = internal_step(axis, values)
     rows.append(_Variable("internal_step", fixed, Unit.of("s"), "step of the integration inside", step))
+    outputs = "\n".join(f'      <Unknown index="{k}"/>' for k in range(first, last + 1))
+    if fmi == 3:
+        of_time = 'causality="independent" variability="continuous"'
+        rows.append(_Variable("time", of_time, Unit.of("s"), "simulated time"))
+        outputs = "\n".join(
+            f'    <{what} valueReference="{k}"/>'
+            for what in ("Output", "InitialUnknown")
+            for k in range(first - 1, last)
+        )
     defined = dict.fromkeys(row.unit for row in rows if row.unit is not None and str(row.unit))
-    return _DESCRIPTION.format(
+    return {2: _DESCRIPTION, 3: _DESCRIPTION_3}[fmi].format(
         name=axis.name,
         guid=axis.signature,
         units="\n".join(_defined(unit) for unit in defined),
-        variables="\n".join(row.element(k) for k, row in enumerate(rows)),
-        outputs="\n".join(f'      <Unknown index="{k}"/>' for k in range(first, last + 1)),
+        variables="\n".join(row.element(k, fmi) for k, row in enumerate(rows)),
+        outputs=outputs,
     )
 
 
@@ -165,14 +218,15 @@ class _Variable:
     what: str
     start: float | None = None
 
-    def element(self, reference: int) -> str:
+    def element(self, reference: int, fmi: FmiVersion) -> str:
         """Its element in the description."""
         unit = f" unit={quoteattr(str(self.unit))}" if self.unit is not None and str(self.unit) else ""
         start = "" if self.start is None else f' start="{float(self.start)!r}"'
-        return (
-            f'    <ScalarVariable name={quoteattr(self.name)} valueReference="{reference}" '
-            f"description={quoteattr(self.what)} {self.kind}><Real{unit}{start}/></ScalarVariable>"
-        )
+        named = f'name={quoteattr(self.name)} valueReference="{reference}"'
+        named = f"{named} description={quoteattr(self.what)} {self.kind}"
+        if fmi == 3:
+            return f"    <Float64 {named}{unit}{start}/>"
+        return f"    <ScalarVariable {named}><Real{unit}{start}/></ScalarVariable>"
 
 
 def _defined(unit: Unit) -> str:
@@ -185,9 +239,10 @@ def _defined(unit: Unit) -> str:
     return f"    <Unit name={quoteattr(str(unit))}><BaseUnit{given}/></Unit>"
 
 
-def _wrapper(axis: Axis, source: str) -> str:
+def _wrapper(axis: Axis, source: str, fmi: FmiVersion) -> str:
     """C source of the interface of an exported axis."""
-    text = (Path(__file__).parent / "fmi2_interface.c").read_text(encoding="utf-8")
+    parts = ("fmi_instance.c", f"fmi{fmi}_interface.c")
+    text = "\n".join((Path(__file__).parent / part).read_text(encoding="utf-8") for part in parts)
     words = {
         "AXIS_SOURCE": f'"{axis.name}.c"',
         "AXIS_GUID": f'"{axis.signature}"',

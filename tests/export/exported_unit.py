@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import fmpy
+import fmpy.fmi3
 import numpy as np
 
 
@@ -19,24 +20,26 @@ def run_unit(
     """Readings of a signal after each step, in which every input is held."""
     description = fmpy.read_model_description(str(file))
     places = {v.name: v.valueReference for v in description.modelVariables}
-    unit = fmpy.fmi2.FMU2Slave(
+    newer = description.fmiVersion == "3.0"
+    unit = (fmpy.fmi3.FMU3Slave if newer else fmpy.fmi2.FMU2Slave)(
         guid=description.guid,
         unzipDirectory=fmpy.extract(str(file)),
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName="axis",
     )
-    assert unit.fmi2GetReal is not None
     unit.instantiate()
-    unit.setupExperiment(startTime=0.0)
+    put, get = (unit.setFloat64, unit.getFloat64) if newer else (unit.setReal, unit.getReal)
+    if not newer:
+        unit.setupExperiment(startTime=0.0)
     unit.enterInitializationMode()
     unit.exitInitializationMode()
     for name, value in (settings or {}).items():
-        unit.setReal([places[name]], [value])
+        put([places[name]], [value])
     read = []
     for k, values in enumerate(zip(*inputs.values(), strict=True)):
-        unit.setReal([places[name] for name in inputs], [float(value) for value in values])
+        put([places[name] for name in inputs], [float(value) for value in values])
         unit.doStep(currentCommunicationPoint=k * period, communicationStepSize=period)
-        read.append(unit.getReal([places[signal]])[0])
+        read.append(get([places[signal]])[0])
     unit.terminate()
     unit.freeInstance()
     return np.array(read)

@@ -17,19 +17,21 @@ from fmpy.validation import validate_fmu
 from symid import load_axis
 from symid.errors import SettingError
 from symid.export import write_fmu
+from symid.export.fmu import FmiVersion
 from symid.simulation import Engine, plant_of
 from symid.symbolic import derive
 
 PERIOD = 1e-3
 
 
-@pytest.mark.parametrize("name", list(VALUES))
-def test_a_unit_moves_as_the_simulation_does(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "fmi"), [*((name, 2) for name in VALUES), ("direct_2m1s", 3), ("emps", 3)])
+def test_a_unit_moves_as_the_simulation_does(name: str, fmi: FmiVersion, tmp_path: Path) -> None:
     axis, values = load_axis(name), VALUES[name]
     file = tmp_path / f"{name}.fmu"
-    losses = write_fmu(derive(axis), values, file)
+    losses = write_fmu(derive(axis), values, file, fmi)
     assert any("linux64" in loss or "darwin64" in loss for loss in losses)
     assert validate_fmu(str(file)) == []
+    assert fmpy.read_model_description(str(file)).fmiVersion == f"{fmi}.0"
     plant = plant_of(axis, values)
     t = PERIOD * np.arange(400)
     size = 0.5 * float(np.trace(plant.mass)) + 2 * sum(law.limits(0.0)[1] for law in plant.laws)
@@ -44,10 +46,11 @@ def test_a_unit_moves_as_the_simulation_does(name: str, tmp_path: Path) -> None:
     assert np.max(np.abs(found - wanted)) < 1e-3 * np.ptp(wanted)
 
 
-def test_parameters_can_be_set_and_a_held_axis_rests(tmp_path: Path) -> None:
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_parameters_can_be_set_and_a_held_axis_rests(fmi: FmiVersion, tmp_path: Path) -> None:
     case = cases()["vertical_2m1s"]
     file = tmp_path / "vertical.fmu"
-    write_fmu(derived("vertical_2m1s", case.sensor_sets[0]), case.values, file)
+    write_fmu(derived("vertical_2m1s", case.sensor_sets[0]), case.values, file, fmi)
     weight = -float(np.sum(plant_of(case.declared, case.values).constant))
     found = fmpy.simulate_fmu(
         str(file),
@@ -113,7 +116,10 @@ def test_the_command_writes_a_unit(
     monkeypatch.chdir(tmp_path)
     write_parameters(tmp_path)
     arguments = ("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "fmu")
+    assert run(*arguments, "-o", "newer.fmu", "--fmi", "3") == 0
+    assert fmpy.read_model_description("newer.fmu").fmiVersion == "3.0"
     assert run(*arguments, "-o", "axis.fmu") == 0
+    assert fmpy.read_model_description("axis.fmu").fmiVersion == "2.0"
     assert "wrote axis.fmu" in capsys.readouterr().out
     assert zipfile.is_zipfile("axis.fmu")
     assert run(*arguments) == 2
