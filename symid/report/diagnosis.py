@@ -149,6 +149,7 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
         sep="\n",
     )
     for make in (
+        _drives_table,
         _motion_table,
         _location_table,
         _effects_table,
@@ -219,6 +220,17 @@ def _gap_table(record: dict[str, Any]) -> TextTable:
     return table
 
 
+def _drives_table(record: dict[str, Any]) -> TextTable:
+    """The force error of each of several drives; empty for one."""
+    models = ("nominal", "re-identified", "explained", "noise floor")
+    table = TextTable("Force error of each drive, rms", "drive", *models, right=models)
+    for gap in record.get("drives", ()):
+        levels = (gap[key] for key in ("nominal", "reidentified", "explained", "noise_floor"))
+        sizes = (MISSING if x is None else f"{significant(x['rms'])} {gap['unit']}" for x in levels)
+        table.add(gap["signal"], *sizes)
+    return table
+
+
 def _motion_table(record: dict[str, Any]) -> TextTable:
     """The simulated axis beside the measured motion; empty where it was not simulated."""
     found = record["gap"]["motion"]
@@ -240,8 +252,9 @@ def _location_table(record: dict[str, Any]) -> TextTable:
 def _effects_table(record: dict[str, Any]) -> TextTable:
     numbers = ("probability", "removes", "leaves")
     table = TextTable("Effects found", "effect", "at", *numbers, "parameters", "or", right=numbers)
-    floor = record["gap"]["noise_floor"]["rms"]
+    gaps = {gap["signal"]: gap for gap in (record["gap"], *record.get("drives", ()))}
     for found in record["effects"]:
+        floor = gaps.get(found["signal"], record["gap"])["noise_floor"]["rms"]
         parameters = ", ".join(
             f"{name} {with_deviation(p['value'], p['std'])} {p['unit']}"
             for name, p in found["parameters"].items()

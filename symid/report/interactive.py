@@ -41,6 +41,8 @@ class Plots:
         Where it draws.
     responses : mapping of str to str
         Where it draws the frequency response of each sensor; none where the log does not excite the axis.
+    others : mapping of str to str
+        Where it draws the signals of further drives.
     """
 
     library: str
@@ -50,6 +52,7 @@ class Plots:
     over_position: str
     spectrum: str
     responses: Mapping[str, str]
+    others: Mapping[str, str]
 
 
 def plots_of(found: Diagnosis) -> Plots:
@@ -62,9 +65,17 @@ def plots_of(found: Diagnosis) -> Plots:
         "over_position": over_position,
         "spectrum": _spectrum(found),
     }
-    script, places = components({**fixed, **bode_plots(found)})
-    responses = {name: place for name, place in places.items() if name not in fixed}
-    return Plots(library, script, **{name: places[name] for name in fixed}, responses=responses)
+    others = {
+        own.gap.signal: _over_time(replace(found, gap=own.gap, signals=own.signals, spectrum=own.spectrum))
+        for own in found.drives
+        if own.gap.signal != found.gap.signal
+    }
+    script, places = components({**fixed, **others, **bode_plots(found)})
+    responses = {name: place for name, place in places.items() if name not in {**fixed, **others}}
+    drawn = {name: places[name] for name in fixed}
+    return Plots(
+        library, script, **drawn, responses=responses, others={name: places[name] for name in others}
+    )
 
 
 def _over_time(found: Diagnosis) -> GridPlot:

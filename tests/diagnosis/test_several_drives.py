@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from axes.driven_gantry import COGGING, DELAY, PITCH, SLOW, STRIBECK, TRUE, axis
 from symid import Axis, Body, Diagnosis, Drive, Log, Position, ViscousFriction, diagnose
 from symid.diagnosis import next_experiment_of
 from symid.errors import LogError, SettingError
-from symid.report.diagnosis import diagnosis_record
+from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.diagnosis_page import write_html
 
 
 @cache
@@ -73,6 +75,30 @@ def test_friction_that_the_axis_lacks_at_one_drive() -> None:
     assert lacking.sentence.startswith(
         "The model lacks coulomb friction at right: with it, the force errors fall from"
     )
+
+
+def test_effects_of_both_drives_are_found_together() -> None:
+    declared = axis(friction_on_the_right=False)
+    nominal = {name: 1.15 * value for name, value in TRUE.items() if name in declared.physical_parameters}
+    both = diagnose(declared, log("cogging"), validation=log("cogging", 4.0, 2), nominal=nominal, held=False)
+    assert [(e.effect, e.at, e.signal) for e in both.effects] == [
+        ("coulomb_friction", "right", "F2"),
+        ("cogging", "left", "F1"),
+    ]
+    for own in both.drives:
+        assert own.gap.explained.rms < 1.15 * own.gap.noise_floor.rms
+
+
+def test_print_and_page_show_each_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    print_diagnosis(diagnosis_record(found("delay")))
+    printed = capsys.readouterr().out
+    write_html(found("delay"), tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "Force error of each drive" in printed
+    assert "Force error of each drive" in page
+    for own in found("delay").drives:
+        assert f"{own.gap.explained.rms:.4g} N" in printed
+        assert f"<td>{own.gap.explained.rms:.4g} N</td>" in page
 
 
 def test_the_record_has_a_gap_for_each_drive_in_its_unit() -> None:
