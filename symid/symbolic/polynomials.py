@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache, reduce
+from operator import sub
 from typing import Any
 
 import flint
@@ -57,7 +58,14 @@ def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElem
     >>> x, y = PolyRing(("x", "y"), QQ).gens
     >>> quotient_if_whole(x * y + x, y + 1), quotient_if_whole(x, y + 1)
     (x, None)
+    >>> quotient_if_whole(x * y + x, 2 * x), quotient_if_whole(x + y, x)
+    (1/2*y + 1/2, None)
     """
+    if divisor.is_term and polynomial.ring.domain.is_Field:
+        # sympy seeks the leading term anew for each term of the quotient.
+        ((powers, scale),) = divisor.items()
+        terms = {tuple(map(sub, monomial, powers)): c / scale for monomial, c in polynomial.items()}
+        return polynomial.new(terms) if all(min(monomial) >= 0 for monomial in terms) else None
     if polynomial.ring.domain != QQ or divisor.is_term or len(polynomial) * len(divisor) < _WORTH_A_COPY:
         whole, rest = polynomial.div(divisor)
         return None if rest else whole
