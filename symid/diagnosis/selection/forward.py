@@ -8,9 +8,10 @@ from dataclasses import replace
 from itertools import islice
 
 from symid.diagnosis.effects import Effect, Key, Placed
-from symid.diagnosis.fitting.fit import Fit, fitted, refitted, settled
+from symid.diagnosis.fitting.fit import Fit, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
-from symid.diagnosis.fitting.state import can_integrate, with_effects
+from symid.diagnosis.fitting.state import can_integrate
+from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import Candidate, screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep
@@ -37,13 +38,8 @@ def forward_selection(
     fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
     first = _selection_step(fit, library, nominal).with_acceptable()
-    steps = _continued(fit, first, library)
-    for other in first.other_timing():
-        if _predicts(_with_timing(steps, other), fit) > _predicts(_last(steps), fit):
-            steps = max(
-                steps, _continued(fit, other, library), key=lambda found: _predicts(_last(found), fit)
-            )
-    return steps
+    branches = [_continued(fit, begun, library) for begun in (first, *first.other_timing())]
+    return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
 
 
 def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tuple[SelectionStep, ...]:
@@ -64,24 +60,15 @@ def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tup
     return tuple(steps)
 
 
-def _predicts(fit: Fit, base: Fit) -> float:
-    """Logarithm of the likelihood of blocks left out, in the weights of another model, less the penalties."""
-    added = fit.state.placed[len(base.state.placed) :]
-    whole = Fit(fit.state.weighted(base.weighting), base.weighting)
-    return whole.predicted - THRESHOLDS.penalty * sum(item.n_free for item in added)
-
-
-def _last(steps: Sequence[SelectionStep]) -> Fit:
-    """The model with all effects of the steps, or before the only one."""
-    return steps[-1].confirmed[0].fit if steps[-1].accepts else steps[-1].before
-
-
-def _with_timing(steps: Sequence[SelectionStep], other: SelectionStep) -> Fit:
-    """The model with all effects of the steps, but the first of them as another step has it."""
-    last = _last(steps)
-    placed = list(last.state.placed)
-    placed[len(other.before.state.placed)] = other.confirmed[0].placed
-    return fitted(with_effects(last.state, last.weighting, tuple(placed)), last.weighting)
+def _predicts(steps: Sequence[SelectionStep], weighting: Weighting) -> float:
+    """Logarithm of the likelihood with which the last model predicts blocks left out, less the penalties."""
+    if not steps[-1].confirmed:
+        return -math.inf
+    state = steps[-1].confirmed[0].fit.state
+    added = state.placed[len(steps[0].before.state.placed) :]
+    return Fit(state.weighted(weighting), weighting).predicted - THRESHOLDS.penalty * sum(
+        item.n_free for item in added
+    )
 
 
 def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) -> SelectionStep:
