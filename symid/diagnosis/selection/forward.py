@@ -124,7 +124,7 @@ def _stages(
     if nominal is None:
         joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
         possible = (item for item in joints if can_integrate(fit.state.prediction, item))
-        yield [Start.of(fit, item) for item in islice(possible, _INTEGRATED)]
+        yield [Start.of(fit, item) for item in islice(possible, 1)]
         return
     other = [Start.of(nominal, c.placed) for c in screened(nominal, library)]
     yield [*other[:4], *(s for s in other[4:] if s.placed.effect.name == LATE_READING)]
