@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -66,8 +67,7 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     if not springs or first.mean_square < THRESHOLDS.fit_of_noise:
         return first
     astray, others = _ran_away(first, values), []
-    for factor in _OTHER:
-        moved = dict(values) | {name: factor * values[name] for name in springs}
+    for moved in _other_values(state):
         begun = first_state(state.prediction.record, moved, weighting.allowed)
         if astray or fitted(*begun, _FEW).mean_square < first.mean_square:
             others.append(converged(*begun))
@@ -78,6 +78,16 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
     clearly = best.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
     return best if clearly or astray else first
+
+
+def _other_values(state: State) -> Iterator[dict[str, float]]:
+    """Values with other stiffnesses; of several drives, whose balances share springs, also those of least squares."""
+    axis, values = state.prediction.axis, dict(state.prediction.parameters)
+    if len(axis.drives) > 1:
+        with suppress(SettingError):
+            yield starting_parameters(axis, state.prediction.record)
+    for factor in _OTHER:
+        yield values | {name: factor * values[name] for name in stiffnesses(axis)}
 
 
 def _from_other_shapes(fit: Fit) -> Fit:
