@@ -26,6 +26,9 @@ _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either
 _FEW: Final = 8  # distance of kept samples from which products of blocks are faster than filtering all
 _LENGTH: Final = 2048  # samples of a block
 _MOST_KEPT: Final = 16  # of them
+_SLOWEST: Final = (
+    1.0 - 1e-12
+)  # modulus of a pole: rounding puts those of a cutoff near zero beyond the circle
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 
@@ -97,6 +100,7 @@ class ZeroPhaseFilter:
     def reach(self) -> int:
         """Samples after which the filter has forgotten its state."""
         slowest = max(float(np.max(np.abs(np.roots(section[3:])))) for section in self.sections)
+        slowest = min(slowest, _SLOWEST)
         return (
             self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(slowest))
             if slowest > 0.0

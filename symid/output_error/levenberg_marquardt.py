@@ -59,7 +59,7 @@ def minimise(
         normal, gradient = slope.T @ slope, slope.T @ current
         size = np.sqrt(np.diag(normal))
         size[size == 0] = 1.0
-        cost, decrease, growth = current @ current, 0.0, 8.0
+        cost, decrease = current @ current, 0.0
         while damping < _LARGEST_DAMPING:
             scaled = normal / np.outer(size, size) + damping * np.eye(x.size)
             move = -np.linalg.solve(scaled, gradient / size) / size
@@ -71,7 +71,7 @@ def minimise(
                 decrease = float(cost - trial @ trial)
                 x, current, damping = candidate, trial, max(damping / 10, 1e-14)
                 break
-            damping, growth = damping * growth, 2.0 * growth  # H. B. Nielsen, 1999: no more than 12 trials
+            damping *= 8
         if damping >= _LARGEST_DAMPING or decrease <= tolerance * cost:
             return Minimum(x, current, True)
     return Minimum(x, current, False)

@@ -324,7 +324,8 @@ class Diagnosis(Shown):
     @property
     def drive(self) -> Drive:
         """The drive whose force error the gap is."""
-        return next(drive for drive in self.axis.drives if drive.signal == self.gap.signal)
+        named = (drive for drive in self.axis.drives if drive.signal == self.gap.signal)
+        return next(named, self.axis.drives[0])
 
     @property
     def record(self) -> Record | None:
