@@ -121,7 +121,8 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
     """
     members, whole = _members(steps), steps[-1].confirmed[0].fit
     order = [members[at], *members[:at], *members[at + 1 :]]
-    return _chain(order, steps[0].before, THRESHOLDS.as_good * whole.mean_square) or tuple(steps)
+    most = THRESHOLDS.as_good * whole.mean_square
+    return _chain(order, steps[0].before, most, justified=True) or tuple(steps)
 
 
 def _members(steps: Sequence[SelectionStep]) -> list[Member]:
@@ -207,8 +208,13 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     return best.penalised_gain - own.penalised_gain > least
 
 
-def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[SelectionStep, ...] | None:
-    """Turns in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left."""
+def _chain(
+    members: Sequence[Member], first: Fit, most: float, *, justified: bool = False
+) -> tuple[SelectionStep, ...] | None:
+    """Steps in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left.
+
+    Of effects that are `justified` beside each other, what each takes away at its place does not count.
+    """
     chain: list[SelectionStep] = []
     before = first
     for i, member in enumerate(members):
@@ -217,7 +223,7 @@ def _chain(members: Sequence[Member], first: Fit, most: float) -> tuple[Selectio
         if found is None:
             return None
         step = _in_place_of(member.step, before, found)
-        if not step.justifies_another(first):
+        if not (justified or step.justifies_another(first)):
             return None
         chain.append(step)
         before = found.fit.after(before)
