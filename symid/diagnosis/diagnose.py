@@ -21,8 +21,9 @@ from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.dead_channels import require_live_channels
+from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
-from symid.diagnosis.prediction.record import Record, record_of, signals_of
+from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.selection.backward import backward_elimination, brought_first, without
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
@@ -196,8 +197,9 @@ def _diagnosed(
     steps: Sequence[SelectionStep] = backward_elimination(forward_selection(base, library, before), library)
     if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
-    steps, comparison = _on_held_out(base, steps, state if nominal else None, data)
-    steps, comparison = _largest_first(base, steps, state if nominal else None, data, comparison)
+    declared = state if nominal else None
+    steps, comparison = _on_held_out(base, steps, declared, data)
+    steps, comparison = _largest_first(base, steps, declared, data, comparison)
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]

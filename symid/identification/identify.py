@@ -44,7 +44,7 @@ from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import drift_of, timing_of
 from symid.identification.trust import Faults, distrust
 from symid.identification.verdict import verdict
-from symid.identification.whitened import Segment, segments
+from symid.identification.whitened import Segment, segments, whitened
 
 if TYPE_CHECKING:
     from symid.symbolic import DerivedModel
@@ -233,13 +233,13 @@ def _faults(
     """Contradictions to the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
     model = found.model
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
-    change = greatest_change(sums, fit, inflation)
+    change, rows = greatest_change(sums, fit, inflation), list(whitened(parts, fit))
     return Faults(
         recording=fault_of(model, parts, fit) or smoothing_of(model, parts) or disagreement_of(model, parts),
         misfit=misfit_of(model, parts, fit)
-        or nonlinearity_of(model, parts, fit, inflation)
+        or nonlinearity_of(model, parts, fit, rows, inflation)
         or (change.statement(model) if change else "")
-        or drift_of_gain(model, parts, fit, inflation)
+        or drift_of_gain(model, parts, fit, rows, inflation)
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift_of(model, parts, fit) or lag_of(model, parts, fit, found.timing),
     )

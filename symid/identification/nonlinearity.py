@@ -18,7 +18,7 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.misfit import unexplained
-from symid.identification.whitened import WhitenedRows, whitened
+from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
 """Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
@@ -30,18 +30,15 @@ def nonlinearity_of(
     model: GeneratedModel,
     parts: Sequence[Excerpt],
     fit: LeastSquares,
+    every: Sequence[WhitenedRows],
     inflation: float,
     criteria: Criteria = CRITERIA,
 ) -> str:
     """Compression of the force where it is large, in words; empty if it is in proportion."""
     of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
-    every = list(whitened(parts, fit))
     beyond_noise = unexplained(model, parts, fit, replace(criteria, noise_explains=_NOISE_EXPLAINS))
     for j, force in of_force:
-        rows = [r for r in every if r.equation == j]
-        Z, rest, y = (
-            np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
-        )
+        rows, Z, rest, y = _of_equation(every, j)
         scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
         cubic = _Column.of(Z, rest, (y / scale) ** 3, y)
         is_bent = cubic.share > min(criteria.nonlinear, _certain(rest, inflation, criteria))
@@ -71,18 +68,15 @@ def drift_of_gain(
     model: GeneratedModel,
     parts: Sequence[Excerpt],
     fit: LeastSquares,
+    every: Sequence[WhitenedRows],
     inflation: float,
     criteria: Criteria = CRITERIA,
 ) -> str:
     """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
-    every = list(whitened(parts, fit))
     for j, force in enumerate(model.output_names):
         if force not in model.forces:
             continue
-        rows = [r for r in every if r.equation == j]
-        Z, rest, y = (
-            np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
-        )
+        rows, Z, rest, y = _of_equation(every, j)
         drift = _Column.of(Z, rest, np.concatenate([_growing(parts, fit, r, force) for r in rows]), y)
         if drift.share > _certain(rest, inflation, criteria) and abs(drift.factor) > criteria.gain_drift:
             return (
@@ -90,6 +84,17 @@ def drift_of_gain(
                 "motion takes: its gain drifts, or the machine changes; identify the parts apart (--trim)"
             )
     return ""
+
+
+def _of_equation(
+    every: Sequence[WhitenedRows], equation: int
+) -> tuple[list[WhitenedRows], FloatArray, FloatArray, FloatArray]:
+    """Rows of an equation by part, and of all parts together columns, residual and prediction."""
+    rows = [r for r in every if r.equation == equation]
+    Z, rest, y = (
+        np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
+    )
+    return rows, Z, rest, y
 
 
 def _certain(residual: FloatArray, inflation: float, criteria: Criteria) -> float:

@@ -265,3 +265,24 @@ def test_a_value_that_no_axis_has_is_named() -> None:
     assert impossible_values(ELASTIC, VALUES) == ()
     told = impossible_values(ELASTIC, VALUES | {"K": -6e5, "Ml": -1.0, "Fv": -3.0})
     assert [sentence.split(" is no value")[0] for sentence in told] == ["Ml = -1", "K = -6e+05"]
+
+
+def test_several_declared_imperfections_of_a_kind_keep_their_values_apart() -> None:
+    declared = RIGID.with_effect(
+        PeriodicForce(MOTOR, 4.0, 3.0, frequency=17.0), PeriodicForce(MOTOR, 2.0, 1.0, frequency=29.0)
+    )
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    found = diagnose(declared, machine(declared, VALUES, 1), nominal=nominal, held=True, library=())
+    names = [change.name for change in found.parameters]
+    assert len(set(names)) == len(names)
+    values = {change.name: change.reidentified for change in found.parameters}
+    assert values["periodic_disturbance.f"] == pytest.approx(17.0, rel=1e-3)
+    assert values["periodic_disturbance_2.f"] == pytest.approx(29.0, rel=1e-3)
+
+
+def test_an_imperfection_that_no_effect_stands_for_is_passed_over() -> None:
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    idle = RIGID.with_effect(FrictionTrend(MOTOR, 0.0, 0.0))
+    found = diagnose(idle, machine(RIGID, VALUES, 1), nominal=nominal, held=True, library=(), controller=LOOP)
+    assert found.verdict in ("no_gap", "parameters")
+    assert "1 declared imperfections are passed over" in found.assumptions[-1]

@@ -19,7 +19,7 @@ from symid.diagnosis.effects.friction import (
     SteadyFrictionDrift,
 )
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
-from symid.diagnosis.effects.imperfections import declared_effects, imperfection_of, place_named
+from symid.diagnosis.effects.imperfections import declared_effects, effects_of_element, imperfection_of
 from symid.diagnosis.effects.signals import (
     LATE_FORCES,
     ActuatorLag,
@@ -31,6 +31,8 @@ from symid.diagnosis.effects.signals import (
     Saturation,
     SensorDelay,
     TransferEffect,
+    force_at,
+    with_alike,
 )
 
 LIBRARY: tuple[Effect, ...] = (
@@ -82,6 +84,8 @@ __all__ = [
     "TransferEffect",
     "declared_effects",
     "effects_of",
+    "effects_of_element",
+    "force_at",
     "imperfection_of",
-    "place_named",
+    "with_alike",
 ]

@@ -13,7 +13,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import length_unit
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
-from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.prediction import Prediction, place_named
 from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 
@@ -152,12 +152,8 @@ def sampled(prediction: Prediction, *forces: FloatArray, joint: Joint | None = N
 
 def joint_units(prediction: Prediction, place: str) -> tuple[Unit, Unit]:
     """Units of force and displacement at a place."""
-    axis = prediction.axis
-    element = next((body for body in axis.free_bodies if body.name == place), None)
-    if element is None:
-        at = next(e.at for e in axis.elements if getattr(e, "name", None) == place and hasattr(e, "at"))
-        return axis.force_unit(at), length_unit(at)
-    return axis.force_unit(element), length_unit(element)
+    at = place_named(prediction.axis, place)
+    return prediction.axis.force_unit(at), length_unit(at)
 
 
 @dataclass(frozen=True, eq=False)

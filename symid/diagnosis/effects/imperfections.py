@@ -19,20 +19,11 @@ from symid.axis import (
     PayloadChange,
     PeriodicForce,
     PreslidingFriction,
-    Spring,
 )
-from symid.axis.elements import Joint as Place
 from symid.axis.imperfections import JointImperfection
 from symid.diagnosis.effects import forces, friction, signals
 from symid.diagnosis.effects.base import ACTUATOR, Effect, Placed, Shape
-from symid.diagnosis.prediction.prediction import Prediction, place_of
-
-
-def place_named(axis: Axis, name: str) -> Place:
-    """Body or spring of an axis that an effect sits at."""
-    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
-    found = next((body for body in axis.free_bodies if body.name == name), None)
-    return found if found is not None else next(s.at for s in springs if place_of(s) == name)
+from symid.diagnosis.prediction.prediction import Prediction, place_named
 
 
 def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
@@ -72,32 +63,32 @@ def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
 
 def declared_effects(prediction: Prediction) -> tuple[Placed, ...]:
     """Imperfections of the axis with their numbers, those that the log can show."""
-    found = (item for element in prediction.axis.imperfections for item in _placed(prediction, element))
-    return tuple(item for item in found if item.at in item.effect.places(prediction))
+    elements = prediction.axis.imperfections
+    return tuple(item for element in elements for item in effects_of_element(prediction, element))
 
 
-def _placed(prediction: Prediction, element: Imperfection) -> list[Placed]:
-    """An element at its place; one of the drive at each of several."""
-    effect, shape, amplitudes = _as_effect(element)
+def effects_of_element(prediction: Prediction, element: Imperfection) -> tuple[Placed, ...]:
+    """An imperfection at its place, one of the drive at each of several; empty if the log cannot show it."""
+    known = _as_effect(element)
+    if known is None:
+        return ()
+    effect, shape, amplitudes = known
+    possible = effect.places(prediction)
     match element:
         case EncoderRipple():
             places: Iterable[str] = (element.signal,)
         case PayloadChange():
             places = (element.body.name,)
         case JointImperfection():
-            places = (_name_of(prediction, element.at),)
+            named = prediction.joints
+            places = [name for name in named if place_named(prediction.axis, name) == element.at]
         case _:
-            places = effect.places(prediction)
-    return [Placed(effect, at, shape, amplitudes) for at in places]
+            places = possible
+    return tuple(Placed(effect, at, shape, amplitudes) for at in places if at in possible)
 
 
-def _name_of(prediction: Prediction, place: Place) -> str:
-    names = (*(body.name for body in prediction.axis.free_bodies), *prediction.joints)
-    return next((name for name in names if place_named(prediction.axis, name) == place), "")
-
-
-def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]:
-    """Effect, shape and amplitudes; an amplitude that is fixed is 1."""
+def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]] | None:
+    """Effect, shape and amplitudes, of which a fixed one is 1; None where no effect stands for the element."""
     match element:
         case ActuatorDelay():
             return signals.Delay(), (element.seconds,), (1.0,)
@@ -119,7 +110,7 @@ def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]
             return friction.PreslidingFriction(), (element.reach,), (element.level,)
         case LoadDependentFriction():
             return friction.LoadDependentFriction(), (), (element.coefficient,)
-        case FrictionDrift() | FrictionTrend():
+        case FrictionDrift() | FrictionTrend() if element.coulomb or element.viscous:
             levels = element.coulomb, element.viscous
             drifts = (
                 friction.FrictionDrift if isinstance(element, FrictionDrift) else friction.SteadyFrictionDrift
@@ -127,4 +118,4 @@ def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]
             effect = drifts(coulomb=levels[0] != 0, viscous=levels[1] != 0)
             shape = (element.time_constant,) if isinstance(element, FrictionDrift) else ()
             return effect, shape, tuple(level for level in levels if level)
-    raise NotImplementedError(f"no effect stands for {type(element).__name__}")
+    return None

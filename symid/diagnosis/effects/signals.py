@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects.base import ACTUATOR, Effect, MatchedFilter, Placed, Shape
+from symid.diagnosis.effects.base import ACTUATOR, Effect, Key, MatchedFilter, Placed, Shape
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
@@ -17,6 +17,14 @@ from symid.units import Unit
 
 LATE_FORCES = ("delay", "actuator_lag")
 """Effects that are nearly the same: beside each other they tell nothing."""
+
+
+def with_alike(keys: Iterable[Key]) -> frozenset[Key]:
+    """Effects and places with those that are nearly the same as one of them: a delay and a lag of one drive."""
+    present = frozenset(keys)
+    return present | {(name, at) for own, at in present if own in LATE_FORCES for name in LATE_FORCES}
+
+
 _LONGEST_DELAY = 0.05
 _STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0])
 _DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])
@@ -48,7 +56,13 @@ class DriveEffect(Effect):
 
 def drive_at(prediction: Prediction, place: str) -> int:
     """The drive that a place of effects stands for."""
-    return 0 if place == ACTUATOR else prediction.record.forces.index(place)
+    forces = prediction.record.forces
+    return forces.index(force_at(forces, place))
+
+
+def force_at(forces: Sequence[str], place: str) -> str:
+    """Signal of the drive that a place of effects stands for, of the signals of all drives."""
+    return forces[0] if place == ACTUATOR else place
 
 
 def _whole_force(prediction: Prediction, place: str) -> FloatArray:

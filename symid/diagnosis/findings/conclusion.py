@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
 from symid.data import Log
-from symid.diagnosis.effects import LATE_FORCES, Key, declared_effects
+from symid.diagnosis.effects import Key, declared_effects, effects_of_element, with_alike
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.gap import Gap, Level
@@ -170,8 +171,8 @@ def _effects(
 
 def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> dict[Key, float]:
     """Probabilities beside other effects: what is there anyway, or is nearly that, stands in for nothing."""
-    late = {(name, at) for other, at in others if other in LATE_FORCES for name in LATE_FORCES}
-    left = {k: p for k, p in chance.items() if k == best or (k not in others and k not in late)}
+    present = with_alike(others)
+    left = {k: p for k, p in chance.items() if k == best or k not in present}
     total = math.fsum(left.values())
     return {key: p / total for key, p in left.items()}
 
@@ -238,7 +239,7 @@ def _shares(
 
 
 def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tuple[ParameterChange, ...]:
-    """Parameters and, named `effect.value`, the values of declared imperfections."""
+    """Parameters and, named `effect.value`, the values of declared imperfections; `effect_2.value` of the second."""
     base, last = fits[0], fits[-1]
     before, after = standard_deviations(base), standard_deviations(last)
     units = base.state.prediction.axis.physical_parameters
@@ -252,13 +253,15 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
     ]
     known = len(base.state.placed)
     declared = declared_effects(base.state.prediction)
+    seen = Counter[str]()
     for item, olds, news in zip(declared, effect_values(base), effect_values(last)[:known], strict=True):
+        effect = item.effect.name
+        seen[effect] += 1
+        label = effect if seen[effect] == 1 else f"{effect}_{seen[effect]}"
         for name, value, unit in item.values(base.state.prediction):
             old, new = olds[name], news[name]
             changes.append(
-                _change(
-                    (f"{item.effect.name}.{name}", unit, value), (old.value, old.std), (new.value, new.std)
-                )
+                _change((f"{label}.{name}", unit, value), (old.value, old.std), (new.value, new.std))
             )
     return tuple(changes)
 
@@ -293,4 +296,22 @@ def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tu
             else f"{validation.source}, which took no part in the identification."
         )
         + " What belongs to a log (phases of disturbances in time, moments of changes) is fitted to it.",
+        *_declared(comparison),
     )
+
+
+def _declared(comparison: Comparison) -> tuple[str, ...]:
+    """What became of declared imperfections."""
+    state = comparison.states[1]
+    assert state is not None
+    elements = [
+        effects_of_element(state.prediction, e) for e in comparison.record.dynamics.axis.imperfections
+    ]
+    known = [f"{item.effect.name} at {item.at}" for effects in elements for item in effects]
+    passed_over = sum(not effects for effects in elements)
+    said = []
+    if known:
+        said.append(f"Declared, and identified with the parameters: {', '.join(known)}.")
+    if passed_over:
+        said.append(f"{passed_over} declared imperfections are passed over, as the log cannot show them.")
+    return tuple(said)

@@ -10,6 +10,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import Log
 from symid.data.stuck import inspect_spans
+from symid.diagnosis.effects import force_at
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.step import SelectionStep
@@ -132,7 +133,7 @@ def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[Selecti
         if item.effect.name == "delay":
             samples = item.shape[0] / log.sampling_period
             whole = abs(samples - round(samples)) < _WHOLE_SAMPLE and round(samples) != 0
-            force = item.at if item.at in forces else forces[0]
+            force = force_at(forces, item.at)
             side = "after" if samples > 0 else "before"
             text = f"{force} acts {abs(samples):.2f} samples {side} its record"
             found.append(text + (": a whole number, so channels may be shifted." if whole else "."))

@@ -285,10 +285,9 @@ def _moved(state: State, step: FloatArray) -> tuple[dict[str, float], tuple[Plac
         ]
         changes = np.clip(step[place : place + len(item.shape)], np.negative(limits), limits)
         moved = tuple(float(x + c) for x, c in zip(item.shape, changes, strict=True))
-        within = item.effect.bounded(state.prediction, item.at, item.shape) == item.shape
-        shape = (
-            item.effect.bounded(state.prediction, item.at, moved) if within else moved
-        )  # if declared beyond
+        shape = item.effect.bounded(state.prediction, item.at, moved)
+        if item.effect.bounded(state.prediction, item.at, item.shape) != item.shape:
+            shape = moved  # declared beyond the bounds of a search
         place += len(shape)
         placed.append(replace(item, amplitudes=amplitudes, shape=shape))
     return parameters, tuple(placed)

@@ -14,11 +14,11 @@ from symid.axis import (
     PreslidingFriction,
     Spring,
 )
-from symid.diagnosis.effects import LawEffect, Placed, imperfection_of, place_named
+from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.prediction import Prediction
+from symid.diagnosis.prediction.prediction import Prediction, place_named
 from symid.errors import SettingError
 
 Values: TypeAlias = dict[str, float]
@@ -150,9 +150,7 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
     found = {name: (value, unit) for name, value, unit in item.values(prediction)}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
-        forces = prediction.record.forces
-        force = item.at if item.at in forces else forces[0]
-        late = f"{force}={-1e6 * found['T'][0]:.4g}us"
+        late = f"{force_at(prediction.record.forces, item.at)}={-1e6 * found['T'][0]:.4g}us"
         return (
             f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
         )

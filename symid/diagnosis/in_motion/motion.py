@@ -10,7 +10,6 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
 from symid.data import REFERENCE, Log
-from symid.diagnosis.effects import declared_effects
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Motion, MotionError
 from symid.diagnosis.findings.result import Diagnosis
@@ -57,23 +56,7 @@ def with_motion(
         found,
         gap=replace(found.gap, motion=motion),
         sentence=f"{found.sentence}{sentence_of_motion(motion)}",
-        assumptions=(*found.assumptions, *_declared(comparison)),
     )
-
-
-def _declared(comparison: Comparison) -> tuple[str, ...]:
-    """What a diagnosis makes of declared imperfections."""
-    axis, state = comparison.record.dynamics.axis, comparison.states[1]
-    assert state is not None
-    known = declared_effects(state.prediction)
-    passed_over = len(axis.imperfections) - len(known)
-    said = []
-    if known:
-        names = ", ".join(f"{item.effect.name} at {item.at}" for item in known)
-        said.append(f"Declared, and identified with the parameters: {names}.")
-    if passed_over:
-        said.append(f"{passed_over} declared imperfections are passed over, as the log cannot show them.")
-    return tuple(said)
 
 
 def motion_of(

@@ -5,7 +5,7 @@ A prediction is what effects look at when they are asked for their missing force
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Between, Body, Ground, Spring
+from symid.axis.elements import Joint as Place
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.record import Record
@@ -201,6 +202,13 @@ def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:
 def place_of(spring: Spring) -> str:
     """Name of the place of a spring."""
     return spring.name if isinstance(spring.at, Between) else spring.at.name
+
+
+def place_named(axis: Axis, name: str) -> Place:
+    """Body or spring of an axis that an effect sits at."""
+    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
+    found = next((body for body in axis.free_bodies if body.name == name), None)
+    return found if found is not None else next(s.at for s in springs if place_of(s) == name)
 
 
 def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:

@@ -11,7 +11,7 @@ that holds the band and nothing else. Laws, which are not linear, are evaluated 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -22,24 +22,14 @@ import scipy
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Body
 from symid.data import Log
-from symid.data.density import incoherent_density, power_density
+from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import bridge
-from symid.errors import LogError, SettingError
+from symid.diagnosis.prediction.motion_band import WIDEST, force_noise, motion_band, noise_beyond
+from symid.errors import LogError
 from symid.simulation import ForwardDynamics
 
 _CONTINUATION = 0.5
-_HIGH = 0.35
-"""Share of the sampling frequency above which nothing but noise is taken to be left."""
-_ABOVE_NOISE = 3.0
-_RISES = 3.0
-_WIDTH_OF_LINES = 9
-_QUARTER = 2**0.125
-_FEWEST_BINS = 8
 _BAND_OF_MOTION = 2.0
-_WIDEST = 0.3
-_SEGMENT = 4096
-_SEGMENTS = 8
-"""Least number of segments, without overlap, of a coherence."""
 _END_SECONDS = 0.01
 _LEAST_SAMPLES = 400
 _FLAT = 0.65
@@ -50,8 +40,6 @@ _FINEST_FORCE = 1e-4
 """Noise of a force that is known best, relative to the largest: a record of 12 bits has more."""
 _FINEST_READING = 1e-8
 """Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
-_BINS_OF_MOTION = 5
-"""Neighbouring frequencies of which most must stand out of the noise where the axis moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +119,7 @@ class Record:
     @property
     def band_hz(self) -> float:
         """Highest frequency that is used."""
-        return min(_BAND_OF_MOTION * self.motion_hz, _WIDEST * self.log.sampling_frequency)
+        return min(_BAND_OF_MOTION * self.motion_hz, WIDEST * self.log.sampling_frequency)
 
     @cached_property
     def n_bins(self) -> int:
@@ -226,7 +214,7 @@ class Record:
         frequency = self.log.sampling_frequency
         found = [
             max(
-                _noise_beyond(self.log[name], frequency, 1.2 * self.motion_hz),
+                noise_beyond(self.log[name], frequency, 1.2 * self.motion_hz),
                 _FINEST_READING * float(np.ptp(self.log[name])),
             )
             for name in self.signals
@@ -234,7 +222,7 @@ class Record:
         positions = np.stack([self.log[name] for name in self.driven])
         of_forces = [
             max(
-                _force_noise(self.log[name], positions, frequency, self.band_hz),
+                force_noise(self.log[name], positions, frequency, self.band_hz),
                 _FINEST_FORCE * float(np.abs(self.log[name]).max()),
             )
             for name in self.forces
@@ -320,141 +308,5 @@ def record_of(
             f"log {log.source!r} has {log.n_samples} samples: a diagnosis needs at least {_LEAST_SAMPLES}"
         )
     driven = signals[: len(dynamics.axis.drives)]
-    band = motion_hz or max(_motion_band(log[name], log.sampling_frequency) for name in driven)
+    band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)
     return Record(dynamics, log, signals, band, dict(late or {}))
-
-
-def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
-    """Sensors that a log holds, first the position that moves most with each drive.
-
-    Raises
-    ------
-    LogError
-        If there is no position, or not one for each drive.
-    SettingError
-        If drives share one balance.
-    """
-    present = [name for name in dynamics.sensors if name in log.signals]
-    positions = [name for name in present if dynamics.sensors[name][1] == 0]
-    if not positions:
-        raise LogError(
-            f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
-        )
-    drives, driven = _drive_directions(dynamics), list[str]()
-    if np.linalg.matrix_rank(drives) < len(drives):
-        names = [drive.signal for drive in dynamics.axis.drives]
-        raise SettingError(
-            f"drives {', '.join(names)} of axis {dynamics.axis.name!r} push the same way, so that the motion tells "
-            "their sum alone: log the sum, and declare one drive, or an elastic part between them"
-        )
-    for drive in drives:
-        left = [name for name in positions if _independent(dynamics, (*driven, name))]
-        if not left:
-            raise LogError(
-                f"log {log.source!r} has independent positions {', '.join(driven)}: a diagnosis of {len(drives)} "
-                "drives needs one for each"
-            )
-        driven.append(max(left, key=lambda name: _collocation(drive, dynamics.sensors[name][0])))
-    return *driven, *(name for name in present if name not in driven)
-
-
-def _first_position(dynamics: ForwardDynamics) -> str:
-    return next((name for name, (_, order) in dynamics.sensors.items() if order == 0), "one")
-
-
-def _drive_directions(dynamics: ForwardDynamics) -> FloatArray:
-    """Effect of each drive on the bodies, with gains of 1, of shape (n_drives, n_bodies)."""
-    ones = np.ones(len(dynamics.generators))
-    return np.array([[effect.at(ones) for effect in row] for row in dynamics.drives]).T
-
-
-def _independent(dynamics: ForwardDynamics, names: Sequence[str]) -> bool:
-    """Whether no sensor reads what the others do."""
-    return bool(np.linalg.matrix_rank(np.stack([dynamics.sensors[name][0] for name in names])) == len(names))
-
-
-def _collocation(drive: FloatArray, row: FloatArray) -> float:
-    """How well a sensor moves with a drive: the cosine of both directions."""
-    return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))
-
-
-def _motion_band(position: FloatArray, sampling_frequency: float) -> float:
-    """Frequency at which the motion sinks into the noise of its reading: where the acceleration is smallest.
-
-    The acceleration of a machine falls with frequency, that of a noisy reading rises, up to the end of the spectrum. Of
-    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end.
-    """
-    frequency, density = _density(np.diff(position), sampling_frequency)
-    density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
-    without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
-    end = _least_from_above(_smoothed(without_lines))
-    if end is None:
-        floor = np.median(density[frequency > _HIGH * sampling_frequency])
-        stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
-        end = int(np.flatnonzero(stands_out).max(initial=0))
-    return float(np.clip(frequency[end], 8 * frequency[1], _WIDEST * sampling_frequency))
-
-
-def _least_from_above(acceleration: FloatArray) -> int | None:
-    """Where a density that falls from its end on is smallest before it rises again; None if it does not fall first."""
-    least = np.minimum.accumulate(acceleration[::-1])[::-1]
-    rises = np.flatnonzero(acceleration > _RISES * least)
-    beyond = int(rises.max(initial=0)) + 1
-    if beyond >= acceleration.size:
-        return None
-    end = beyond + int(np.argmin(acceleration[beyond:]))
-    return end if acceleration[end:].max() > _RISES * acceleration[end] else None
-
-
-def _smoothed(density: FloatArray) -> FloatArray:
-    """Mean over a quarter of an octave."""
-    sums = np.concatenate([[0.0], np.cumsum(density)])
-    at = np.arange(density.size)
-    low = np.minimum((at / _QUARTER).astype(int), np.maximum(at - 1, 0))
-    high = np.minimum((at * _QUARTER).astype(int) + 2, density.size)
-    return np.asarray((sums[high] - sums[low]) / (high - low))
-
-
-def _noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> float:
-    """Standard deviation of white noise with the density of a reading beyond its motion.
-
-    The lower of two octaves counts: motion may reach into the first. Further up, filters of the sensor take noise away.
-    """
-    frequency, density = _density(x, sampling_frequency)
-    levels = []
-    for low in (end_hz, 2 * end_hz):
-        octave = (frequency > low) & (frequency < 2 * low)
-        if octave.sum() >= _FEWEST_BINS:
-            levels.append(float(np.median(density[octave])))
-    level = min(levels, default=float(np.median(density[-_FEWEST_BINS:])))
-    return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
-
-
-def _force_noise(
-    force: FloatArray, positions: FloatArray, sampling_frequency: float, above_hz: float
-) -> float:
-    """Standard deviation of white noise with the least density of a force within the octave beyond a frequency.
-
-    The lower of two densities counts: the whole, and what is incoherent with the accelerations, which are as flat as
-    the force, from shorter segments.
-    """
-    segment = min(_SEGMENT, force.size // _SEGMENTS)
-    densities = (
-        _density(force, sampling_frequency),
-        incoherent_density(force[1:-1], np.diff(positions, 2), sampling_frequency, segment),
-    )
-    least = min(_least_beyond(above_hz, *density) for density in densities)
-    return float(np.sqrt(max(least * sampling_frequency / 2, np.finfo(float).tiny)))
-
-
-def _least_beyond(above_hz: float, frequency: FloatArray, density: FloatArray) -> float:
-    """Least mean over a part of the octave beyond a frequency."""
-    beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
-    if beyond.size < 4:
-        beyond = density[-8:]
-    width = max(4, beyond.size // 6)
-    return float(np.convolve(beyond, np.ones(width) / width, "valid").min())
-
-
-def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:
-    return power_density(x, sampling_frequency, min(_SEGMENT, x.size // 4))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, Shape
+from symid.diagnosis.effects import Effect, Key, Placed, Shape, with_alike
 from symid.diagnosis.fitting.deviations import AR_ORDER
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import passed_on
@@ -61,8 +61,7 @@ def screened(fit: Fit, library: Sequence[Effect]) -> list[Candidate]:
         return prediction.record.fine(np.sum(response.conj() * wanted, axis=0))
 
     best: dict[Key, Candidate] = {}
-    present = {item.key for item in fit.state.placed}
-    present |= {(name, at) for other, at in present if other in LATE_FORCES for name in LATE_FORCES}
+    present = with_alike(item.key for item in fit.state.placed)
     for effect in library:
         for place in effect.places(prediction):
             if (effect.name, place) in present:

@@ -1,0 +1,66 @@
+"""Which sensors a log holds, and which position is next to each drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data import Log
+from symid.errors import LogError, SettingError
+from symid.simulation import ForwardDynamics
+
+
+def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
+    """Sensors that a log holds, first the position that moves most with each drive.
+
+    Raises
+    ------
+    LogError
+        If there is no position, or not one for each drive.
+    SettingError
+        If drives share one balance.
+    """
+    present = [name for name in dynamics.sensors if name in log.signals]
+    positions = [name for name in present if dynamics.sensors[name][1] == 0]
+    if not positions:
+        raise LogError(
+            f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
+        )
+    drives, driven = _drive_directions(dynamics), list[str]()
+    if np.linalg.matrix_rank(drives) < len(drives):
+        names = [drive.signal for drive in dynamics.axis.drives]
+        raise SettingError(
+            f"drives {', '.join(names)} of axis {dynamics.axis.name!r} push the same way, so that the motion tells "
+            "their sum alone: log the sum, and declare one drive, or an elastic part between them"
+        )
+    for drive in drives:
+        left = [name for name in positions if _independent(dynamics, (*driven, name))]
+        if not left:
+            raise LogError(
+                f"log {log.source!r} has independent positions {', '.join(driven)}: a diagnosis of {len(drives)} "
+                "drives needs one for each"
+            )
+        driven.append(max(left, key=lambda name: _collocation(drive, dynamics.sensors[name][0])))
+    return *driven, *(name for name in present if name not in driven)
+
+
+def _first_position(dynamics: ForwardDynamics) -> str:
+    return next((name for name, (_, order) in dynamics.sensors.items() if order == 0), "one")
+
+
+def _drive_directions(dynamics: ForwardDynamics) -> FloatArray:
+    """Effect of each drive on the bodies, with gains of 1, of shape (n_drives, n_bodies)."""
+    ones = np.ones(len(dynamics.generators))
+    return np.array([[effect.at(ones) for effect in row] for row in dynamics.drives]).T
+
+
+def _independent(dynamics: ForwardDynamics, names: Sequence[str]) -> bool:
+    """Whether no sensor reads what the others do."""
+    return bool(np.linalg.matrix_rank(np.stack([dynamics.sensors[name][0] for name in names])) == len(names))
+
+
+def _collocation(drive: FloatArray, row: FloatArray) -> float:
+    """How well a sensor moves with a drive: the cosine of both directions."""
+    return float(abs(drive @ row) / (np.linalg.norm(drive) * np.linalg.norm(row)))

@@ -1,0 +1,106 @@
+"""Where the motion of a log ends in frequency, and the noise of readings and forces beyond it."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+from symid.data.density import incoherent_density, power_density
+
+WIDEST = 0.3
+"""Share of the sampling frequency up to which motion may reach."""
+_HIGH = 0.35
+"""Share of the sampling frequency above which nothing but noise is taken to be left."""
+_ABOVE_NOISE = 3.0
+_RISES = 3.0
+_WIDTH_OF_LINES = 9
+_QUARTER = 2**0.125
+_FEWEST_BINS = 8
+_SEGMENT = 4096
+_SEGMENTS = 8
+"""Least number of segments, without overlap, of a coherence."""
+_BINS_OF_MOTION = 5
+"""Neighbouring frequencies of which most must stand out of the noise where the axis moves."""
+
+
+def motion_band(position: FloatArray, sampling_frequency: float) -> float:
+    """Frequency at which the motion sinks into the noise of its reading: where the acceleration is smallest.
+
+    The acceleration of a machine falls with frequency, that of a noisy reading rises, up to the end of the spectrum. Of
+    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end.
+    """
+    frequency, density = _density(np.diff(position), sampling_frequency)
+    density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
+    without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
+    end = _least_from_above(_smoothed(without_lines))
+    if end is None:
+        floor = np.median(density[frequency > _HIGH * sampling_frequency])
+        stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
+        end = int(np.flatnonzero(stands_out).max(initial=0))
+    return float(np.clip(frequency[end], 8 * frequency[1], WIDEST * sampling_frequency))
+
+
+def _least_from_above(acceleration: FloatArray) -> int | None:
+    """Where a density that falls from its end on is smallest before it rises again; None if it does not fall first."""
+    least = np.minimum.accumulate(acceleration[::-1])[::-1]
+    rises = np.flatnonzero(acceleration > _RISES * least)
+    beyond = int(rises.max(initial=0)) + 1
+    if beyond >= acceleration.size:
+        return None
+    end = beyond + int(np.argmin(acceleration[beyond:]))
+    return end if acceleration[end:].max() > _RISES * acceleration[end] else None
+
+
+def _smoothed(density: FloatArray) -> FloatArray:
+    """Mean over a quarter of an octave."""
+    sums = np.concatenate([[0.0], np.cumsum(density)])
+    at = np.arange(density.size)
+    low = np.minimum((at / _QUARTER).astype(int), np.maximum(at - 1, 0))
+    high = np.minimum((at * _QUARTER).astype(int) + 2, density.size)
+    return np.asarray((sums[high] - sums[low]) / (high - low))
+
+
+def noise_beyond(x: FloatArray, sampling_frequency: float, end_hz: float) -> float:
+    """Standard deviation of white noise with the density of a reading beyond its motion.
+
+    The lower of two octaves counts: motion may reach into the first. Further up, filters of the sensor take noise away.
+    """
+    frequency, density = _density(x, sampling_frequency)
+    levels = []
+    for low in (end_hz, 2 * end_hz):
+        octave = (frequency > low) & (frequency < 2 * low)
+        if octave.sum() >= _FEWEST_BINS:
+            levels.append(float(np.median(density[octave])))
+    level = min(levels, default=float(np.median(density[-_FEWEST_BINS:])))
+    return float(np.sqrt(max(level * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def force_noise(
+    force: FloatArray, positions: FloatArray, sampling_frequency: float, above_hz: float
+) -> float:
+    """Standard deviation of white noise with the least density of a force within the octave beyond a frequency.
+
+    The lower of two densities counts: the whole, and what is incoherent with the accelerations, which are as flat as
+    the force, from shorter segments.
+    """
+    segment = min(_SEGMENT, force.size // _SEGMENTS)
+    densities = (
+        _density(force, sampling_frequency),
+        incoherent_density(force[1:-1], np.diff(positions, 2), sampling_frequency, segment),
+    )
+    least = min(_least_beyond(above_hz, *density) for density in densities)
+    return float(np.sqrt(max(least * sampling_frequency / 2, np.finfo(float).tiny)))
+
+
+def _least_beyond(above_hz: float, frequency: FloatArray, density: FloatArray) -> float:
+    """Least mean over a part of the octave beyond a frequency."""
+    beyond = density[(frequency > above_hz) & (frequency < 2 * above_hz)]
+    if beyond.size < 4:
+        beyond = density[-8:]
+    width = max(4, beyond.size // 6)
+    return float(np.convolve(beyond, np.ones(width) / width, "valid").min())
+
+
+def _density(x: FloatArray, sampling_frequency: float) -> tuple[FloatArray, FloatArray]:
+    return power_density(x, sampling_frequency, min(_SEGMENT, x.size // 4))
