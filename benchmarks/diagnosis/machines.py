@@ -179,9 +179,10 @@ def drawn(seed: int, *, worldly: bool = False) -> Case | None:
     references = [_reference(machine.scale, moves, size, period) for size in (1.0, _VALIDATION)]
     try:
         logs = _simulated(machine, added, references, bandwidth, seed)
-        none, *alone = [
-            _simulated(machine, one, references, bandwidth, seed) for one in ((), *((one,) for one in added))
-        ]
+        none = _simulated(machine, (), references, bandwidth, seed) if added else logs
+        alone = [logs]
+        if len(added) != 1:
+            alone = [_simulated(machine, (one,), references, bandwidth, seed) for one in added]
     except SymidError:
         return None
     largest = max(float(np.abs(log["F"]).max()) for log in logs)
