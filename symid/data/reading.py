@@ -16,6 +16,7 @@ from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, so
 from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
 from symid.data.log import Log
+from symid.data.lost_samples import restored
 from symid.data.memory import require_room
 from symid.data.resampling import Rate, resampled
 from symid.data.stuck import inspect_spans
@@ -276,7 +277,10 @@ def _checked(
     needed = {name: x for name, x in values.items() if name in expected}
     faults = (*clock.faults, *inspect_values(time, needed))
     if not faults and not sound:
-        faults = inspect_steps(time, {name: values[name] for name in positions_of(expected, needed)})
+        positions = positions_of(expected, needed)
+        whole, lost = restored(needed, positions)
+        values, notes = values | whole, [*notes, *lost]
+        faults = inspect_steps(time, {name: whole[name] for name in positions})
     if faults:
         raise LogError("; ".join(faults))
     return _log(source, clock, time, values, notes, expected)

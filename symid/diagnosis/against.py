@@ -38,6 +38,7 @@ from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.joined import joined
 from symid.diagnosis.prediction.record import Record, record_of
+from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.backward import backward_elimination
 from symid.diagnosis.selection.forward import forward_selection
@@ -101,10 +102,11 @@ def diagnose_against(
     >>> found.verdict, [p.name for p in found.simulated.parameters if p.differs]
     ('parameters', ['Fs'])
     """
-    recorded = Recorded(dict(late or {}), held)
-    runs = joined([log]), joined([validation]) if validation else None
+    whole = recovered(axis, [log, validation] if validation else [log])
+    recorded = Recorded(dict(late or {}), held, thinned=whole.thinned)
+    runs = joined(whole.logs[:1]), joined(whole.logs[1:]) if validation else None
     data = data_of(axis, runs, recorded)
-    at = recorded.times(axis, simulated.sampling_period)
+    at = replace(recorded, thinned=1).times(axis, simulated.sampling_period)
     own = record_of(data.record.dynamics, as_noisy(simulated, data.record), None, at)
     model = _simulator(own, library)
     state, weighting = applied(model.state, data.record, data.training)
@@ -121,6 +123,7 @@ def diagnose_against(
     return replace(
         found,
         assumptions=(*found.assumptions, _assumption(simulator)),
+        faults=(*whole.notes, *found.faults),
         simulated=simulator,
     )
 

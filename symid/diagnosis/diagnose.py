@@ -24,6 +24,7 @@ from symid.diagnosis.prediction.dead_channels import require_live_channels
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
+from symid.diagnosis.prediction.recorder import recovered
 from symid.diagnosis.selection.backward import backward_elimination, brought_first, without
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
@@ -56,18 +57,21 @@ class Recorded:
         Whether the force is held from sample to sample; None if it is not known.
     controller : Cascade, optional
         That of the machine; None if it is not known.
+    thinned : int, optional
+        Samples recorded for one of the logs that are looked at.
     """
 
     late: Mapping[str, float]
     held: bool | None
     controller: Cascade | None = None
+    thinned: int = 1
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
         late = {sensor.signal: sensor.delay for sensor in axis.sensors if sensor.delay} | dict(self.late)
         for drive in axis.drives:
             held = drive.held if self.held is None else self.held
-            late = with_hold(late, drive.signal, held=held, sampling_period=sampling_period)
+            late = with_hold(late, drive.signal, held=held, sampling_period=sampling_period / self.thinned)
         return late
 
     def may_be_held(self, axis: Axis) -> bool:
@@ -134,10 +138,13 @@ def diagnose(
     if not others and len(logs) > 1:
         others = [logs.pop()]
     require_live_channels(axis, [*logs, *others])
+    whole = recovered(axis, [*logs, *others])
+    logs, others = list(whole.logs[: len(logs)]), list(whole.logs[len(logs) :])
     runs = _one_run(axis, logs), _one_run(axis, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
-        recorded = Recorded(dict(late or {}), held, controller)
-        return _either_way(axis, runs, nominal, recorded, library)
+        recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
+        found = _either_way(axis, runs, nominal, recorded, library)
+    return replace(found, faults=(*whole.notes, *found.faults))
 
 
 def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:

@@ -14,13 +14,11 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
+from symid.data.lost_samples import FEWEST, dropped
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 
-_FEWEST = 3
-_FAR = 0.25
-"""Of the rms signal, by which a dropped sample must differ from its neighbours."""
 _STEPS = 12.0
 """Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
 _SPAN = 8
@@ -60,39 +58,20 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
     >>> channel_fault(np.where(np.arange(4000) % 37, x, 0.0), "F")[:38]
     'F is exactly 0 in 95 single samples be'
     """
-    most = max(_FEWEST, criteria.dead_share * x.size)
-    if (dropped := _dropped(x)) >= most:
-        return f"{name} is exactly 0 in {dropped} single samples between others: samples were lost and filled with 0"
+    most = max(FEWEST, criteria.dead_share * x.size)
+    if (lost := int(np.count_nonzero(dropped(x)))) >= most:
+        return f"{name} is exactly 0 in {lost} single samples between others: samples were lost and filled with 0"
     if (repeated := _repeated(x)) >= most:
         return (
             f"{name} repeats the last value in {repeated} samples ({100 * repeated / x.size:.2g} %) while it moves: "
             "samples were lost and held, or the channel is updated more rarely than it is recorded"
         )
-    if (wrapped := _wrapped(x)) >= _FEWEST:
+    if (wrapped := _wrapped(x)) >= FEWEST:
         return f"{name} jumps across its whole range {wrapped} times: its number overflows"
     if is_force and (limited := _slew_limited(x)) > _LIMITED_SHARE:  # a position does so at constant speed
         share = f"{100 * limited:.2g} %"
         return f"{name} changes by exactly its largest step in {share} of the samples: its slope is limited"
     return ""
-
-
-def _dropped(x: FloatArray) -> int:
-    """Zeros with values of one sign far from 0 on both sides, within three samples."""
-    zero = np.flatnonzero(x == 0.0)
-    if not zero.size:
-        return 0
-    far = _FAR * float(np.sqrt(np.mean(x**2)))
-    inner = zero[(zero > 0) & (zero < x.size - 1)]
-    before, after = (_next_not_zero(x, inner, step) for step in (-1, 1))
-    return int(np.count_nonzero((before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > far)))
-
-
-def _next_not_zero(x: FloatArray, places: np.ndarray, step: int) -> FloatArray:
-    found = np.zeros(places.size)
-    for k in (1, 2, 3):
-        there = x[np.clip(places + k * step, 0, x.size - 1)]
-        found = np.where(found == 0.0, there, found)
-    return found
 
 
 def _repeated(x: FloatArray) -> int:

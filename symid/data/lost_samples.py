@@ -1,0 +1,110 @@
+"""Samples that a recorder lost and filled with 0, and their restoration from those beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, FloatArray
+from symid.data.clock import describe
+
+FEWEST = 3
+"""Samples of one channel that are lost before it is said of that channel alone."""
+_LONGEST = 3
+"""Samples that are lost in a row: the motion between others that are further apart is not known."""
+_FAR = 0.25
+"""Of the rms signal, by which a lost sample must differ from those beside it."""
+_NOISE = 5.0
+"""Times the usual second difference of a signal, by which it must differ too: noise leaves exact zeros in coarse ones."""
+_MOST = 0.05
+"""Share of the samples beyond which a channel is not restored: its faults are then named as they are."""
+
+
+def dropped(x: FloatArray) -> BoolArray:
+    """Samples that are exactly 0 with values of one sign far from 0 on both sides, within three samples.
+
+    Examples
+    --------
+    >>> dropped(np.array([5.0, 5.1, 0.0, 5.2, 5.3, 5.4])).nonzero()[0].tolist()
+    [2]
+    """
+    zero = np.flatnonzero(x == 0.0)
+    found = np.zeros(x.size, dtype=np.bool_)
+    if zero.size:
+        usual = float(np.median(np.abs(np.diff(x, 2)))) if x.size > 2 else 0.0
+        far = max(_FAR * float(np.sqrt(np.mean(x**2))), _NOISE * usual)
+        inner = zero[(zero > 0) & (zero < x.size - 1)]
+        before, after = (_next_not_zero(x, inner, step) for step in (-1, 1))
+        is_lost = (before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > far)
+        found[inner[is_lost]] = True
+    return found
+
+
+def _next_not_zero(x: FloatArray, places: np.ndarray, step: int) -> FloatArray:
+    found = np.zeros(places.size)
+    for k in range(1, _LONGEST + 1):
+        there = x[np.clip(places + k * step, 0, x.size - 1)]
+        found = np.where(found == 0.0, there, found)
+    return found
+
+
+def restored(
+    signals: Mapping[str, FloatArray], smooth: Collection[str]
+) -> tuple[dict[str, FloatArray], list[str]]:
+    """Signals without samples that were lost and filled with 0, and a note on each.
+
+    Where a recorder lost a sample of a signal far from 0, each row in which all signals are exactly 0, and in the rows
+    beside it none is, was lost as a whole.
+
+    Parameters
+    ----------
+    signals : mapping of str to array of shape (n_samples,)
+        Those recorded together.
+    smooth : collection of str
+        Which of them are restored by a cubic spline: positions. The others are by straight lines.
+
+    Examples
+    --------
+    >>> q = 1.0 + np.arange(40) / 10
+    >>> values, notes = restored({"q": np.where(np.arange(40) % 13 == 5, 0.0, q)}, ["q"])
+    >>> bool(np.allclose(values["q"], q)), notes[0][:30]
+    (True, "'q' was exactly 0 in 3 samples")
+    """
+    alone = {name: dropped(x) for name, x in signals.items()}
+    rows = _lost_rows(signals)
+    if not any(np.any(rows & far) for far in alone.values()):
+        rows[:] = False
+    values, notes = dict(signals), []
+    for name, x in signals.items():
+        lost = rows | alone[name] if np.count_nonzero(alone[name]) >= FEWEST else rows
+        if not lost.any() or np.mean(lost) > _MOST:
+            continue
+        values[name] = _filled(x, ~lost, smooth=name in smooth)
+        number = describe(int(np.count_nonzero(lost)), "sample")
+        notes.append(f"{name!r} was exactly 0 in {number} between others: they were lost, and interpolated")
+    return values, notes
+
+
+def _lost_rows(signals: Mapping[str, FloatArray]) -> BoolArray:
+    """Rows of several signals, at most three in a row, in which all are exactly 0 between rows in which none is."""
+    zeros = np.stack([x == 0.0 for x in signals.values()])
+    if len(zeros) < 2:
+        return np.zeros(zeros.shape[1], dtype=np.bool_)
+    whole, sound = np.asarray(zeros.all(axis=0)), np.asarray(~zeros.any(axis=0))
+    steps = np.diff(np.concatenate(([0], whole.astype(np.int8), [0])))
+    starts, ends = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1)
+    for start, end in zip(starts, ends, strict=True):
+        inside = start > 0 and end < whole.size and sound[start - 1] and sound[end]
+        whole[start:end] = inside and end - start <= _LONGEST
+    return whole
+
+
+def _filled(x: FloatArray, sound: BoolArray, *, smooth: bool) -> FloatArray:
+    places = np.arange(x.size)
+    if smooth and np.count_nonzero(sound) > _LONGEST:
+        between = scipy.interpolate.CubicSpline(places[sound], x[sound])(places)
+    else:
+        between = np.interp(places, places[sound], x[sound])
+    return np.where(sound, x, between)

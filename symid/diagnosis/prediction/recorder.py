@@ -1,0 +1,149 @@
+"""What a recorder did to logs, undone before anything is predicted: samples lost, channels slower than the log.
+
+A channel that is updated, or was interpolated, every n-th sample holds no more than its own samples. All of the log is
+then thinned to them: the other channels by a low-pass filter of zero phase, and so that each keeps its clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.data import Log
+from symid.data.lost_samples import restored
+from symid.identification.smoothing import interpolated_from
+
+_SPACINGS = range(2, 17)
+_REPEATED = 0.4
+"""Share of samples that repeat the last value: of every second one updated, half do, less where the machine rests."""
+_IN_STEP = 0.98
+"""Share of the changes of a channel that must lie at one of n places: an encoder changes where its motion says."""
+_FEWEST = 100
+"""Changes of a channel that say how often it is updated."""
+_SHORTEST = 200
+"""Samples that a thinned log must have."""
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """Logs as their machine moved.
+
+    Parameters
+    ----------
+    logs : tuple of Log
+        Without what the recorder did.
+    notes : tuple of str
+        What it did.
+    thinned : int
+        Samples recorded for one that is left.
+    """
+
+    logs: tuple[Log, ...]
+    notes: tuple[str, ...]
+    thinned: int
+
+
+def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
+    """Logs without lost samples, at the rate of their slowest sensor.
+
+    Parameters
+    ----------
+    axis : Axis
+        Says which signals are its drives' and its sensors'.
+    logs : sequence of Log
+        All of one machine and recorder.
+
+    Examples
+    --------
+    >>> from symid import load_axis
+    >>> t = np.arange(4000) / 4000
+    >>> slow = {"F": np.sin(20 * t), "q": np.repeat(np.sin(20 * t[::4]), 4)}
+    >>> found = recovered(load_axis("rigid_1m"), [Log.from_arrays(slow, sampling_period=2.5e-4)])
+    >>> found.logs[0].n_samples, found.notes[0][:36]
+    (1000, 'q is updated every 4th sample only: ')
+    """
+    whole, notes = zip(*(_restored(axis, log) for log in logs), strict=True)
+    said = [note for each in notes for note in each]
+    slowest = {sensor.signal: _slowest(whole, sensor.signal) for sensor in axis.sensors}
+    n = max((spacing for spacing, _ in slowest.values()), default=1)
+    if n == 1 or min(log.n_samples for log in whole) < n * _SHORTEST:
+        return Recovered(whole, tuple(dict.fromkeys(said)), 1)
+    rate = whole[0].sampling_frequency / n
+    said += [
+        f"{name} is {how} every {_ordinal(spacing)} sample only: all was thinned to {rate:g} Hz"
+        for name, (spacing, how) in slowest.items()
+        if spacing > 1
+    ]
+    drives = {drive.signal for drive in axis.drives}
+    return Recovered(tuple(_thinned(log, n, drives) for log in whole), tuple(dict.fromkeys(said)), n)
+
+
+def _ordinal(n: int) -> str:
+    return {2: "2nd", 3: "3rd"}.get(n, f"{n}th")
+
+
+def _restored(axis: Axis, log: Log) -> tuple[Log, list[str]]:
+    """A log without samples of the axis that were lost."""
+    positions = [sensor.signal for sensor in axis.sensors if sensor.derivative == 0]
+    names = {drive.signal for drive in axis.drives} | {sensor.signal for sensor in axis.sensors}
+    values, notes = restored({k: x for k, x in log.signals.items() if k in names}, positions)
+    return (replace(log, signals=dict(log.signals) | values), notes) if notes else (log, notes)
+
+
+def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
+    """Most samples from one update of a channel to the next in logs, and what is done every so many."""
+    found = [(1, "updated")]
+    for x in (log[name] for log in logs if name in log.signals):
+        found += [(updated_every(x)[0], "updated"), (interpolated_from(x), "measured, and interpolated,")]
+    return max(found)
+
+
+def updated_every(x: FloatArray) -> tuple[int, int]:
+    """Samples from one update of a channel to the next, and the place of the first; 1 and 0 if all are its own.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).standard_normal(500)
+    >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
+    ((4, 3), (1, 0))
+    """
+    changes = np.flatnonzero(np.diff(x)) + 1
+    if changes.size < _FEWEST or changes.size > (1.0 - _REPEATED) * x.size:
+        return 1, 0
+    for n in reversed(_SPACINGS):
+        places = np.bincount(changes % n, minlength=n)
+        first = int(np.argmax(places))
+        if places[first] >= _IN_STEP * changes.size:
+            return n, first
+    return 1, 0
+
+
+def _thinned(log: Log, n: int, forces: Collection[str]) -> Log:
+    """Every n-th sample of a log: of slow channels by their own, of other forces by what is slow in them."""
+    kept = np.arange(log.n_samples // n) * n
+    signals = {}
+    for name, x in log.signals.items():
+        spacing, first = _own_samples(x)
+        if spacing > 1 and (name not in forces or spacing >= n):
+            places = np.arange(first, x.size, spacing)
+            signals[name] = scipy.interpolate.CubicSpline(places, x[places])(kept)
+        elif name in forces:
+            signals[name] = scipy.signal.resample_poly(x, 1, n, padtype="line")[: kept.size]
+        else:
+            signals[name] = x[kept]
+    return replace(log, signals=signals, sampling_period=n * log.sampling_period)
+
+
+def _own_samples(x: FloatArray) -> tuple[int, int]:
+    """Samples from one of a channel's own to the next, and the place of the first."""
+    spacing, first = updated_every(x)
+    if spacing > 1 or not (between := interpolated_from(x)):
+        return spacing, first
+    bent = np.abs(np.diff(x, 2))
+    knots = np.median(bent[: bent.size // between * between].reshape(-1, between), axis=0)
+    return between, (int(np.argmax(knots)) + 1) % between

@@ -1,0 +1,89 @@
+"""What a recorder does to channels costs no effect its name, and is said."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+from command_line import run
+from hand_made import RIGID, rigid_log
+
+from symid import Log, load_axis
+from symid.arrays import FloatArray
+from symid.data.lost_samples import restored
+from symid.diagnosis import diagnose
+from symid.diagnosis.prediction.recorder import recovered, updated_every
+
+
+def with_drag() -> Log:
+    return rigid_log(lambda t, q, v, a, path: 300 * v * abs(v))
+
+
+def recorded(log: Log, change: Callable[[FloatArray], FloatArray], *names: str) -> Log:
+    return replace(log, signals={k: change(x) if k in names else x for k, x in log.signals.items()})
+
+
+def held(x: FloatArray) -> FloatArray:
+    return x[np.arange(x.size) // 4 * 4]
+
+
+def between(x: FloatArray) -> FloatArray:
+    at = np.arange(x.size)
+    return np.interp(at, at[::4], x[::4])
+
+
+def zeroed(x: FloatArray) -> FloatArray:
+    return np.where(np.arange(x.size) % 211 == 57, 0.0, x)
+
+
+@pytest.mark.parametrize(
+    ("change", "names", "said"),
+    [
+        (held, ("q",), "q is updated every 4th sample only"),
+        (held, ("q", "F"), "q is updated every 4th sample only"),
+        (between, ("q", "F"), "q is measured, and interpolated, every 4th sample only"),
+        (zeroed, ("q", "F"), "'q' was exactly 0 in"),
+    ],
+)
+def test_an_effect_is_found_in_spite_of_the_recorder(
+    change: Callable[[FloatArray], FloatArray], names: tuple[str, ...], said: str
+) -> None:
+    found = diagnose(load_axis("rigid_1m"), recorded(with_drag(), change, *names), nominal=RIGID)
+    assert (found.verdict, found.effects[0].effect) == ("effect", "quadratic_drag")
+    drag = found.effects[0].parameters["c"]
+    assert abs(drag.value - 300) < 3 * drag.std < 0.1 * 300
+    assert any(fault.startswith(said) for fault in found.faults)
+
+
+def test_a_sound_log_is_left_as_it_is() -> None:
+    log = with_drag()
+    found = recovered(load_axis("rigid_1m"), [log])
+    assert found.logs[0] is log
+    assert (found.notes, found.thinned) == ((), 1)
+
+
+def test_a_slow_encoder_of_few_lines_is_updated_whenever_its_motion_says() -> None:
+    coarse = np.round(40 * np.sin(np.arange(20_000) / 900)) / 40
+    assert updated_every(coarse) == (1, 0)
+
+
+def test_zeros_that_a_signal_passes_are_no_lost_samples() -> None:
+    q = np.round(100 * np.sin(np.arange(2000) / 40)) / 100
+    values, notes = restored({"q": q, "F": np.roll(q, 7)}, ["q"])
+    assert notes == []
+    assert values["q"] is q
+
+
+def test_a_file_with_lost_samples_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    log = recorded(with_drag(), zeroed, "q", "F")
+    pl.DataFrame({"t": log.time, "q": log["q"], "F": log["F"]}).write_csv("run.csv")
+    Path("nominal.json").write_text(json.dumps(RIGID))
+    assert run("diagnose", "rigid_1m", "run.csv", "--nominal", "nominal.json", "--json", "-") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["effects"][0]["effect"] == "quadratic_drag"
