@@ -17,7 +17,7 @@ _LONGEST = 3
 _FAR = 0.25
 """Of the rms signal, by which a lost sample must differ from those beside it."""
 _NOISE = 5.0
-"""Times the usual second difference of a signal, by which it must differ too: noise leaves exact zeros in coarse ones."""
+"""Times the usual second difference of a signal, by which it must differ too: noise makes zeros of coarse values."""
 _MOST = 0.05
 """Share of the samples beyond which a channel is not restored: its faults are then named as they are."""
 
@@ -27,8 +27,8 @@ def dropped(x: FloatArray) -> BoolArray:
 
     Examples
     --------
-    >>> dropped(np.array([5.0, 5.1, 0.0, 5.2, 5.3, 5.4])).nonzero()[0].tolist()
-    [2]
+    >>> dropped(np.where(np.arange(30) == 7, 0.0, np.linspace(5.0, 6.0, 30))).nonzero()[0].tolist()
+    [7]
     """
     zero = np.flatnonzero(x == 0.0)
     found = np.zeros(x.size, dtype=np.bool_)
