@@ -67,8 +67,8 @@ def restored(
 
     Examples
     --------
-    >>> q = 1.0 + np.arange(40) / 10
-    >>> values, notes = restored({"q": np.where(np.arange(40) % 13 == 5, 0.0, q)}, ["q"])
+    >>> q = 1.0 + np.arange(80) / 10
+    >>> values, notes = restored({"q": np.where(np.arange(80) % 26 == 5, 0.0, q)}, ["q"])
     >>> bool(np.allclose(values["q"], q)), notes[0][:30]
     (True, "'q' was exactly 0 in 3 samples")
     """
