@@ -120,7 +120,7 @@ class Rerun:
 
 
 def rerun_set(folder: Path, jobs: int, timeout: float) -> Iterator[Rerun]:
-    """All cases of a folder that are found right, in order; axes are written once, to `axes/` of the folder."""
+    """All cases of a folder with effects found right, in order; axes are written once, to `axes/` of the folder."""
     labels = seal.open_labels(folder) if (folder / "answers").exists() else seal.read(folder)
     with_effect = {name: label for name, label in labels.items() if label["effects"]}
     (folder / "axes").mkdir(exist_ok=True)
@@ -128,7 +128,9 @@ def rerun_set(folder: Path, jobs: int, timeout: float) -> Iterator[Rerun]:
         records = pool.map(lambda name: _written(folder, name, timeout), with_effect)
         for (name, label), record in zip(with_effect.items(), records, strict=True):
             verdict = score.verdict(label, record)
-            if verdict.right and verdict.found:
+            if (
+                verdict.right and verdict.found and label["group"] != "foreign"
+            ):  # those have no element to be written
                 yield _rerun(folder, name, label)
 
 

@@ -2,7 +2,7 @@
 
 from symid.data.checks import inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
-from symid.data.columns import REFERENCE
+from symid.data.columns import REFERENCE, references_of
 from symid.data.filtering import (
     LowPass,
     central_difference,
@@ -65,6 +65,7 @@ __all__ = [
     "open_log",
     "open_table",
     "read_log",
+    "references_of",
     "spans",
     "write_frame",
     "write_log",

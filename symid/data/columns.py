@@ -17,6 +17,19 @@ REFERENCE: Final = "reference"
 """Column of the commanded position, kept where there is one."""
 
 TIME: Final = "t"
+
+
+def references_of(signals: Collection[str]) -> tuple[str, ...]:
+    """Columns of commanded positions: the common one, and that of the drive with each signal.
+
+    Examples
+    --------
+    >>> references_of(["F1", "F2"])
+    ('reference', 'reference_F1', 'reference_F2')
+    """
+    return REFERENCE, *(f"{REFERENCE}_{signal}" for signal in signals)
+
+
 _HEADER: Final = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*")
 
 
@@ -45,7 +58,7 @@ def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
     """Column and factor of each signal that the file has; raises all faults of the assignment together."""
     faults = list(_unknown_keys(given))
     sources: list[Source] = []
-    for signal in dict.fromkeys((TIME, *given.expected, REFERENCE)):
+    for signal in dict.fromkeys((TIME, *given.expected, *references_of(given.expected))):
         try:
             source = _source(given, signal, must=signal == TIME or signal in named)
         except LogError as error:
@@ -75,7 +88,8 @@ def names_of(headers: Collection[str]) -> frozenset[str]:
 
 
 def _unknown_keys(given: Assignment) -> list[str]:
-    known = {TIME, REFERENCE, *given.expected, *(name for name, _ in given.alternatives.values())}
+    made = (name for name, _ in given.alternatives.values())
+    known = {TIME, *given.expected, *made, *references_of(given.expected)}
     keys = dict.fromkeys([*given.columns, *given.units, *given.gains])
     return [
         f"signal {key!r} is not known{_similar(key, known)}: the axis has {', '.join(given.expected)}"

@@ -148,7 +148,9 @@ def _factor(text: str, *, is_time: bool) -> float:
 def _clocked(values: dict[str, FloatArray], period: float | None, source: str, notes: list[str]) -> Uniform:
     """Values on the clock of their time, or with a period where there is none."""
     time = values.pop(TIME, None)
-    signals = {name: x for name, x in values.items() if name != REFERENCE or np.isfinite(x).all()}
+    signals = {
+        name: x for name, x in values.items() if not name.startswith(REFERENCE) or np.isfinite(x).all()
+    }
     if time is None:
         if period is None:
             raise LogError(

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.checks import inspect_steps, inspect_values
 from symid.data.clock import Clock, inspect_clock
-from symid.data.columns import REFERENCE, TIME, Assignment, Source, names_of, sources_of
+from symid.data.columns import TIME, Assignment, Source, names_of, references_of, sources_of
 from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
 from symid.data.log import Log
@@ -168,7 +168,10 @@ def read_table(
     """
     require_room(len(sources) * (table.n_rows or 0), memory)
     values, notes = _read(
-        table, sources, optional={REFERENCE} - set(named) - expected.keys(), whole=not resample
+        table,
+        sources,
+        optional=set(references_of(expected)) - set(named) - expected.keys(),
+        whole=not resample,
     )
     clocks = _clocks(table, sources, values)
     if resample is None:

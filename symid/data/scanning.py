@@ -18,7 +18,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data.checks import inspect_finite, inspect_steps, said_range
 from symid.data.clock import MINIMUM_SAMPLES, Clock, ClockOfBlocks
-from symid.data.columns import REFERENCE, TIME, Assignment, Source, sources_of
+from symid.data.columns import TIME, Assignment, Source, references_of, sources_of
 from symid.data.frames import Frame
 from symid.data.layout import Layout
 from symid.data.long_log import BLOCK, AnyLog, LongLog, spans
@@ -83,7 +83,7 @@ def open_log(
         sources = sources_of(given, named=named.keys())
         whole = whole or resample is not None
         if table.slices is not None and not whole and _most_rows(file, table) * _BYTES_OF_A_SAMPLE > memory:
-            used = [source for source in sources if source.signal != REFERENCE]
+            used = [source for source in sources if source.signal not in references_of(expected)]
             slices = table.slices([source.position for source in used])
             if slices.n_rows * _BYTES_OF_A_SAMPLE > memory:
                 headers = [table.headers[source.position] for source in used]

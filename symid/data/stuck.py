@@ -69,10 +69,10 @@ def inspect_spans(
     tuple of str
         One sentence for each channel and kind of span.
     """
-    moving = {name: signals[name] for name in (*positions, REFERENCE) if name in signals}
+    moving = {name: x for name, x in signals.items() if name in positions or name.startswith(REFERENCE)}
     notes = []
     for name, x in signals.items():
-        if name == REFERENCE:
+        if name.startswith(REFERENCE):
             continue
         runs = _Runs.of(x)
         if np.max(runs.length) < _CLIPPED_SAMPLES:

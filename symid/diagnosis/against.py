@@ -58,7 +58,7 @@ def diagnose_against(
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
-    controller: Cascade | None = None,
+    controller: Cascade | Sequence[Cascade] | None = None,
 ) -> Diagnosis:
     """Why a machine and a simulator of it differ.
 

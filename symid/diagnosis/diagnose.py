@@ -55,15 +55,15 @@ class Recorded:
         Time by which signals were recorded late, s.
     held : bool, optional
         Whether the force is held from sample to sample; None if it is not known.
-    controller : Cascade, optional
-        That of the machine; None if it is not known.
+    controller : Cascade or sequence of Cascade, optional
+        That of the machine, or one for each drive; None if it is not known.
     thinned : int, optional
         Samples recorded for one of the logs that are looked at.
     """
 
     late: Mapping[str, float]
     held: bool | None
-    controller: Cascade | None = None
+    controller: Cascade | Sequence[Cascade] | None = None
     thinned: int = 1
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
@@ -88,7 +88,7 @@ def diagnose(
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
-    controller: Cascade | None = None,
+    controller: Cascade | Sequence[Cascade] | None = None,
 ) -> Diagnosis:
     """Why simulation and machine differ.
 
@@ -110,8 +110,9 @@ def diagnose(
         is not given and the axis does not declare it, the log tells.
     library : sequence of Effect
         Effects that are considered.
-    controller : Cascade, optional
-        That of the machine, under which the axis is simulated for `Gap.motion`; read from the log if it is not given.
+    controller : Cascade or sequence of Cascade, optional
+        That of the machine, or one for each drive, under which the axis is simulated for `Gap.motion`; read from the
+        log if it is not given.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from symid.axis import Axis, Drive
-from symid.data import REFERENCE, ForeignColumn, Layout
+from symid.data import REFERENCE, ForeignColumn, Layout, references_of
 from symid.data.foreign import split_header, with_unit
 from symid.data.layout import first_lines
 from symid.errors import LogError, SettingError
@@ -335,7 +335,7 @@ def _measures(written: str | None, unit: Unit) -> bool:
 def require_known(mapping: LogMapping, axis: Axis) -> None:
     """Raise LogError if the mapping is that of another axis."""
     commands = {drive.command for drive in axis.drives if drive.command}
-    known = {"t", REFERENCE, *axis.signal_units, *commands}
+    known = {"t", *references_of(axis.signal_units), *axis.signal_units, *commands}
     if strange := [name for name in mapping.columns if name not in known]:
         raise LogError(
             f"the mapping names {strange[0]!r}, which axis {axis.name!r} does not have: choose its own mapping"

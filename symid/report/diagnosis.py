@@ -12,7 +12,7 @@ from rich.console import Console
 from symid.diagnosis.experiment.design import Experiment
 from symid.diagnosis.findings.result import Diagnosis, EffectParameter, Simulator
 from symid.report.console import TextTable, plain, report_console
-from symid.report.motion_gap import motion_line, motion_rows
+from symid.report.motion_gap import motion_line, motion_rows, motions
 from symid.report.number_text import (
     MISSING,
     band,
@@ -148,21 +148,20 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
         *_repetition_line(record["gap"]),
         sep="\n",
     )
-    for make in (
-        _drives_table,
-        _motion_table,
-        _location_table,
-        _effects_table,
-        _alternatives_table,
-        _parameters_table,
-        _simulated_table,
+    for table in (
+        _drives_table(record),
+        *(_motion_table(motion, record) for motion in motions(record)),
+        _location_table(record),
+        _effects_table(record),
+        _alternatives_table(record),
+        _parameters_table(record),
+        _simulated_table(record),
     ):
-        table = make(record)
         if table.row_count:
             console.print("", table, sep="\n")
     console.print("")
-    if record["gap"]["motion"] is not None:
-        console.print(motion_line(record["gap"]["motion"]), markup=False)
+    for motion in motions(record):
+        console.print(motion_line(motion), markup=False)
     for assumption in record["assumptions"]:
         console.print(f"assumed: {assumption}", markup=False)
     console.print(f"next: {record['next_experiment']}", markup=False)
@@ -231,13 +230,14 @@ def _drives_table(record: dict[str, Any]) -> TextTable:
     return table
 
 
-def _motion_table(record: dict[str, Any]) -> TextTable:
-    """The simulated axis beside the measured motion; empty where it was not simulated."""
-    found = record["gap"]["motion"]
-    unit = "" if found is None else f"u{found['unit']}"
+def _motion_table(motion: dict[str, Any], record: dict[str, Any]) -> TextTable:
+    """The simulated axis beside the measured motion next to a drive."""
+    unit = f"u{motion['unit']}"
     headings = ("position", "velocity", "tracking error", f"rms [{unit}]", f"at reversals [{unit}]")
-    table = TextTable("Fit of the simulated motion, on the same data", "model", *headings, right=headings)
-    for model, *cells in [] if found is None else motion_rows(record):
+    place = f" of {motion['signal']}" if "drives" in record else ""
+    title = f"Fit of the simulated motion{place}, on the same data"
+    table = TextTable(title, "model", *headings, right=headings)
+    for model, *cells in motion_rows(motion, record):
         table.add(model, *cells)
     return table
 

@@ -15,9 +15,13 @@ _DRIVERS = {
 _MICRO = 1e6
 
 
-def motion_rows(record: dict[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of the table of the simulated motion: the model, its fits, and its errors in millionths of the unit."""
-    motion = record["gap"]["motion"]
+def motions(record: dict[str, Any]) -> list[dict[str, Any]]:
+    """The simulated motion next to each drive, that of the gap alone with one; empty where it was not simulated."""
+    return [gap["motion"] for gap in record.get("drives") or [record["gap"]] if gap["motion"]]
+
+
+def motion_rows(motion: dict[str, Any], record: dict[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of the table of a simulated motion: the model, its fits, and its errors in millionths of the unit."""
     errors = [motion["nominal"], motion["reidentified"], *motion["steps"]]
     names = [stage["model"] for stage in record["waterfall"]]
     return [(name, *_cells(error)) for name, error in zip(names, errors, strict=False) if error is not None]

@@ -10,7 +10,7 @@ from symid.errors import SettingError
 from symid.report import colours
 from symid.report import number_text as numbers
 from symid.report.diagnosis import removes
-from symid.report.motion_gap import motion_line, motion_rows
+from symid.report.motion_gap import motion_line, motion_rows, motions
 
 
 def html_path(file: str | Path) -> Path:
@@ -41,6 +41,7 @@ def page_templates() -> jinja2.Environment:
     for write in (
         motion_line,
         motion_rows,
+        motions,
         removes,
         numbers.significant,
         numbers.with_deviation,

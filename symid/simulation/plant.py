@@ -127,15 +127,13 @@ class Plant:
         """Highest natural frequency, Hz; 0 without springs."""
         return max(self.natural_frequencies, default=0.0)
 
-    def follows(self, signal: str, position: float, velocity: float = 0.0) -> FloatArray:
-        """State in which a position sensor reads a value and a speed, and springs are as far at rest as they allow.
+    def follows(self, readings: Mapping[str, tuple[float, float]]) -> FloatArray:
+        """State in which position sensors read values and speeds, and springs are as far at rest as they allow.
 
         Parameters
         ----------
-        signal : str
-            A position sensor.
-        position, velocity : float
-            Its reading and the derivative of that, SI.
+        readings : mapping of str to (float, float)
+            Reading of each of some position sensors and its derivative, SI.
 
         Returns
         -------
@@ -147,13 +145,13 @@ class Plant:
         --------
         >>> from symid.axis import load_axis
         >>> from symid.simulation import plant_of
-        >>> plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 3.0, "Fs": 4.0}).follows("q", 0.1, 0.5).tolist()
+        >>> plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 3.0, "Fs": 4.0}).follows({"q": (0.1, 0.5)}).tolist()
         [0.1, 0.5]
         """
-        row = self.sensors[signal].row
-        n = row.size
+        rows = np.array([self.sensors[signal].row for signal in readings])
+        m, n = rows.shape
         scale = max(float(np.abs(self.stiffness).max()), 1.0)
-        matrix = np.block([[self.stiffness / scale, row[:, None]], [row[None, :], np.zeros((1, 1))]])
-        wanted = np.zeros((n + 1, 2))
-        wanted[:n, 0], wanted[n] = self.constant / scale, (position, velocity)
+        matrix = np.block([[self.stiffness / scale, rows.T], [rows, np.zeros((m, m))]])
+        wanted = np.zeros((n + m, 2))
+        wanted[:n, 0], wanted[n:] = self.constant / scale, list(readings.values())
         return np.asarray(np.linalg.lstsq(matrix, wanted, rcond=1e-12)[0][:n].T.ravel())

@@ -27,7 +27,7 @@ def diagnose(
     late: Mapping[str, float] | None = None,
     held: bool | None = None,
     library: Sequence[Effect] = LIBRARY,
-    controller: Cascade | None = None,
+    controller: Cascade | Sequence[Cascade] | None = None,
     **columns: Any,
 ) -> Diagnosis:
     """Why simulation and machine differ.

@@ -21,13 +21,14 @@ COGGING, PITCH = 6.0, 0.024
 """Force ripple of the left motor, N and m."""
 DELAY = 1.7e-3
 """Of the left drive, s."""
+GAIN, HASTE = 8e3, 50.0
+"""Gains of both controllers: of the speed, N s/m, and of the position, 1/s."""
 _SOFT = 2e-4
 """Speed below which friction is less than full, m/s."""
 _NOISE = {"F1": 1.0, "F2": 1.0, "q1": 2e-8, "q2": 2e-8}
 _APART = np.array([-1.0, 1.0]) / SPAN
-_MASS = np.diag([31.5, 31.5]) + TRUE["Mb"] / 4 + TRUE["J"] * np.outer(_APART, _APART)
-_DAMPING = np.diag([TRUE["Fv1"], TRUE["Fv2"]]) + TRUE["Cy"] * np.outer(_APART, _APART)
-_STIFFNESS = TRUE["Ky"] * np.outer(_APART, _APART)
+_TURN = np.outer(_APART, _APART)
+_STIFFNESS = TRUE["Ky"] * _TURN
 _LEVELS = np.array([[TRUE["Fs1"]], [TRUE["Fs2"]]])
 
 
@@ -62,13 +63,17 @@ class _Commanded:
             draw.uniform(0, 6.3, (2, 17)),
         )
 
+    def reference(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Wanted positions of both carriages and their speeds, each of shape (2, n)."""
+        (move, moving), (turn, turning) = (_waves(t, *each) for each in (self.moves, self.turns))
+        return np.stack([move - turn, move + turn]), np.stack([moving - turning, moving + turning])
+
     def force(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Of a spring and a damper to the reference, and the lines; all of shape (2, n)."""
-        (move, moving), (turn, turning) = (_waves(t, *each) for each in (self.moves, self.turns))
-        wanted, speed = np.stack([move - turn, move + turn]), np.stack([moving - turning, moving + turning])
+        wanted, speed = self.reference(t)
         w, phases = self.lines
         shaken = 8.0 * np.sin(w * t[None, :, None] + phases[:, None]).sum(axis=2)
-        return np.asarray(4e5 * (wanted - x) + 8e3 * (speed - v) + shaken)
+        return np.asarray(GAIN * (HASTE * (wanted - x) + speed - v) + shaken)
 
 
 def _waves(
@@ -89,19 +94,26 @@ def _resisting(hidden: str, x: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 @cache
-def log(hidden: str = "", seconds: float = 5.0, seed: int = 1) -> Log:
-    """A recorded run; a force that acts late is recorded ahead of its time."""
+def log(
+    hidden: str = "",
+    seconds: float = 5.0,
+    seed: int = 1,
+    beam: float = TRUE["Mb"],
+    friction: float = TRUE["Fv1"],
+) -> Log:
+    """A recorded run, on its reference from the beginning; a force that acts late is recorded ahead of its time."""
     command = _Commanded(seed)
+    mass = np.diag([31.5, 31.5]) + beam / 4 + TRUE["J"] * _TURN
+    damping = np.diag([friction, TRUE["Fv2"]]) + TRUE["Cy"] * _TURN
+    begin = np.concatenate(command.reference(np.zeros(1)))[:, 0]
 
     def slope(t: float, state: np.ndarray) -> np.ndarray:
         x, v = state[:2, None], state[2:, None]
-        force = command.force(np.array([t]), x, v) - _DAMPING @ v - _STIFFNESS @ x - _resisting(hidden, x, v)
-        return np.concatenate([v, np.linalg.solve(_MASS, force)])[:, 0]
+        force = command.force(np.array([t]), x, v) - damping @ v - _STIFFNESS @ x - _resisting(hidden, x, v)
+        return np.concatenate([v, np.linalg.solve(mass, force)])[:, 0]
 
     t = np.arange(round(seconds * RATE)) / RATE
-    run = solve_ivp(
-        slope, (0.0, seconds + 0.01), np.zeros(4), "LSODA", dense_output=True, rtol=1e-8, atol=1e-11
-    )
+    run = solve_ivp(slope, (0.0, seconds + 0.01), begin, "LSODA", dense_output=True, rtol=1e-8, atol=1e-11)
     late = np.array([DELAY if hidden == "delay" else 0.0, 0.0])
     states = [run.sol(t + own) for own in late]
     forces = [
@@ -111,4 +123,5 @@ def log(hidden: str = "", seconds: float = 5.0, seed: int = 1) -> Log:
     exact = dict(zip(_NOISE, (*forces, *run.sol(t)[:2]), strict=True))
     draw = np.random.default_rng(100 + seed)
     noisy = {name: x + _NOISE[name] * draw.standard_normal(t.size) for name, x in exact.items()}
-    return Log(f"by hand, {seed}", 0.0, 1 / RATE, noisy)
+    references = dict(zip(("reference_F1", "reference_F2"), command.reference(t)[0], strict=True))
+    return Log(f"by hand, {seed}", 0.0, 1 / RATE, noisy | references)

@@ -12,7 +12,7 @@ import pytest
 from axes.gantry import AXIS, TRUE
 from command_line import run
 
-from symid import write_axis
+from symid import read_axis_log, write_axis
 
 
 @pytest.fixture
@@ -44,6 +44,8 @@ def test_two_drives_from_simulation_to_a_page_and_a_batch(
     assert run("identify", "gantry", "run.csv", "--json", "found.json", "--report", "found.html") == 0
     found = json.loads(Path("found.json").read_text())
     assert found["status"] == "ok"
+    log = read_axis_log(AXIS, "run.csv")
+    assert log["reference_F2"] == pytest.approx(written["reference_F2"].to_numpy())
     assert list(found["residual"]) == ["F1", "F2", "F1 (equation 3)"]
     for name, value in found["physical"].items():
         assert value["value"] == pytest.approx(TRUE[name], rel=0.05), name

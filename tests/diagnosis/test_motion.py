@@ -13,7 +13,7 @@ from symid.codegen import model_of
 from symid.diagnosis import diagnose, diagnose_against
 from symid.diagnosis.effects import effects_of
 from symid.diagnosis.in_motion.declared import ExplainedAxis
-from symid.diagnosis.in_motion.replayed import fastest, simulated_position
+from symid.diagnosis.in_motion.replayed import fastest, simulated_positions
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record
 from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids
@@ -136,7 +136,7 @@ def test_the_users_own_simulator_is_the_nominal_motion(logs) -> None:
 def test_a_flexible_axis_begins_at_rest_where_the_sensor_reads() -> None:
     values = {"Ms": 3899.0, "Fvs": 4000.0, "Ks": 1e9, "Mm": 362.58, "Fvm": 90.0, "Fsm": 146.0}
     plant = plant_of(load_axis("direct_2m1s"), values)
-    state = plant.follows("q2", 0.2, 0.1)
+    state = plant.follows({"q2": (0.2, 0.1)})
     row, _ = plant.sensors["q2"]
     assert row @ state[:2] == pytest.approx(0.2)
     assert row @ state[2:] == pytest.approx(0.1)
@@ -166,4 +166,4 @@ def test_an_axis_too_stiff_for_the_log_is_not_simulated(logs) -> None:
     )  # nothing joins the motor to it
     stiff = ExplainedAxis(axis, values | {"Ks": 4e16}, ())
     with pytest.raises(SettingError, match="too fast for the log's samples"):
-        simulated_position(stiff, SimpleNamespace(log=log, record=SimpleNamespace(signals=("q2",))), None)
+        simulated_positions(stiff, [SimpleNamespace(log=log)], [])

@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from axes import gantry
-from axes.driven_gantry import COGGING, DELAY, PITCH, SLOW, STRIBECK, TRUE, axis, log
+from axes.driven_gantry import COGGING, DELAY, GAIN, HASTE, PITCH, SLOW, STRIBECK, TRUE, axis, log
 
 from symid import Axis, Body, Diagnosis, Drive, Log, Position, ViscousFriction, diagnose
 from symid.diagnosis import next_experiment_of
 from symid.errors import LogError, SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.diagnosis_page import write_html
+from symid.simulation import Cascade
 
 
 @cache
@@ -106,11 +107,42 @@ def test_the_record_has_a_gap_for_each_drive_in_its_unit() -> None:
     record = diagnosis_record(found("delay"))
     assert [(gap["signal"], gap["unit"]) for gap in record["drives"]] == [("F1", "N"), ("F2", "N")]
     assert record["gap"] == record["drives"][0]
-    assert record["gap"]["motion"] is None
+    assert [gap["motion"]["signal"] for gap in record["drives"]] == ["q1", "q2"]
 
 
-def test_what_is_not_done_for_several_drives_is_said() -> None:
-    assert any("is not simulated" in text for text in found("delay").assumptions)
+def test_the_simulated_motion_of_each_drive_is_that_of_the_closed_loop() -> None:
+    """The independent way: the equations by hand with the nominal values, under the same controllers."""
+    held_out, nominal = log("", 4.0, 2), TRUE | {"Mb": 92.0, "Fv1": 120.0}
+    loops = [Cascade(name, HASTE, GAIN, 0.0) for name in ("q1", "q2")]
+    run = diagnose(
+        axis(), log(), validation=held_out, nominal=nominal, held=False, library=(), controller=loops
+    )
+    other = log("", 4.0, 2, nominal["Mb"], nominal["Fv1"])
+    for own, name in zip(run.drives, ("q1", "q2"), strict=True):
+        motion = own.gap.motion
+        assert (motion.signal, motion.driver) == (name, "given")
+        error = np.sqrt(np.mean((held_out[name] - other[name]) ** 2))
+        assert motion.nominal.position_rms == pytest.approx(error, rel=0.05)
+        assert motion.explained.position_rms < 0.1 * error
+        wanted = held_out[f"reference_F{name[1]}"]
+        tracking = np.sqrt(np.mean((wanted - held_out[name]) ** 2))
+        assert motion.tracking_rms == pytest.approx(tracking, rel=1e-6)
+
+
+def test_with_the_effect_of_one_drive_its_simulated_motion_comes_nearer() -> None:
+    named = found("cogging")
+    for own in named.drives:
+        assert own.gap.motion.driver == "identified"
+        assert own.gap.motion.explained.position_rms < 0.5 * own.gap.motion.reidentified.position_rms
+    assert "off the measured q1 instead of" in named.sentence
+
+
+def test_two_drives_need_two_controllers() -> None:
+    with pytest.raises(SettingError, match="there are 1 controllers and 2 drives"):
+        diagnose(axis(), log(), nominal=TRUE, library=(), controller=[Cascade("q1", HASTE, GAIN, 0.0)])
+
+
+def test_no_next_experiment_is_designed_for_several_drives() -> None:
     with pytest.raises(SettingError, match="take an axis with one"):
         next_experiment_of(found("delay"))
 

@@ -136,7 +136,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
         _controller(rivals, tuned_cascade(plant, signal, min(20.0, like.log.sampling_frequency / 20))),
         frequency_hz=like.log.sampling_frequency,
         seed=seed or 0,
-        start=plant.follows(signal, float(path.position[0])),
+        start=plant.follows({signal: (float(path.position[0]), 0.0)}),
     )
     late = with_hold({}, drive, held=True, sampling_period=path.sampling_period)
     log = replace(run.log, source=trajectory.name)

@@ -77,14 +77,14 @@ def sentence(
     return f"{found}."
 
 
-def sentence_of_motion(motion: Motion) -> str:
-    """How far a simulated axis is from the measured position, before and after; empty without effects."""
+def sentence_of_motion(motion: Motion, place: str = "position") -> str:
+    """How far a simulated axis is from the measured position of a name, before and after; empty without effects."""
     before, after = motion.reidentified, motion.explained
     if not motion.steps or before.status != "ok" or after.status != "ok":
         return ""
     scale, prefix = (1e3, "m") if max(before.position_rms, after.position_rms) >= 1e-3 else (1e6, "u")
     first, last = (f"{scale * error.position_rms:.3g} {prefix}{motion.unit}" for error in (before, after))
-    return f" Simulated, the axis is then {last} off the measured position instead of {first} (rms)."
+    return f" Simulated, the axis is then {last} off the measured {place} instead of {first} (rms)."
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:

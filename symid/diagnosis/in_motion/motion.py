@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data import REFERENCE, Log
+from symid.data import Log
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Motion, MotionError
 from symid.diagnosis.findings.result import Diagnosis
@@ -21,16 +22,15 @@ from symid.diagnosis.in_motion.replayed import (
     Part,
     driver_of,
     parts_of,
-    simulated_position,
+    simulated_positions,
     since_begin,
 )
 from symid.diagnosis.prediction.joined import Joined
-from symid.errors import SymidError
+from symid.errors import SettingError, SymidError
 from symid.simulation import Cascade
 
 _SAME = 0.01
 """Difference of two references relative to the stroke, and of two durations, up to which both are the same."""
-_NOT_SIMULATED = "The gap is that of the forces: the motion of an axis with several drives is not simulated."
 _AWAY = 10.0
 """Distance from the measured position, in its ranges, from which on a simulated axis runs away."""
 
@@ -41,61 +41,82 @@ def with_motion(
     runs: tuple[Joined, Joined | None],
     allowed: BoolArray | None,
     *,
-    controller: Cascade | None = None,
+    controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
-    """A diagnosis with its gap in the motion, which its sentence tells too; see `motion_of`.
-
-    An axis with several drives is not simulated.
-    """
-    if comparison.record.n_drives > 1:
-        return replace(found, assumptions=(*found.assumptions, _NOT_SIMULATED))
+    """A diagnosis with its gap in the motion, of several drives in that of each, which its sentence tells too."""
     models = comparison.with_effects(len(found.effects))
-    motion = motion_of(models, runs, allowed, controller=controller, simulated=simulated)
+    motions = motions_of(models, runs, allowed, controller=controller, simulated=simulated)
+    of_force = dict(zip(comparison.record.forces, motions, strict=True))
+    drives = (replace(own, gap=replace(own.gap, motion=of_force[own.gap.signal])) for own in found.drives)
+    gap = replace(found.gap, motion=of_force[found.gap.signal])
+    place = gap.motion.signal if gap.motion and found.drives else "position"
     return replace(
         found,
-        gap=replace(found.gap, motion=motion),
-        sentence=f"{found.sentence}{sentence_of_motion(motion)}",
+        gap=gap,
+        drives=tuple(drives),
+        sentence=f"{found.sentence}{sentence_of_motion(of_force[gap.signal], place)}",
     )
 
 
-def motion_of(
+def motions_of(
     comparison: Comparison,
     runs: tuple[Joined, Joined | None],
     allowed: BoolArray | None,
     *,
-    controller: Cascade | None = None,
+    controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
-) -> Motion:
-    """How the simulated axis moves with each model of a comparison.
+) -> tuple[Motion, ...]:
+    """How the simulated axis moves with each model of a comparison, at the position next to each drive.
 
     Parameters
     ----------
     comparison : Comparison
         Nominal model or None, re-identified model, and those with effects.
     runs : tuple of Joined
-        Logs for identification, from which a controller is read, and for validation if there are any.
+        Logs for identification, from which controllers are read, and for validation if there are any.
     allowed : bool array of shape (n_fine,), optional
         Points of the fine grid of the comparison's record that took no part in any choice.
-    controller : Cascade, optional
-        That of the machine; read from the log if it is not given.
+    controller : Cascade or sequence of Cascade, optional
+        That of the machine, or one for each drive; read from the log if it is not given.
     simulated : Log, optional
         Run of the user's own simulator under the reference of the log: then that is the nominal model.
     """
-    record = comparison.record
-    parts = list(parts_of(record, runs[1] or runs[0], allowed))
+    record, states = comparison.record, comparison.states
+    given: Sequence[Cascade | None] = [None] * record.n_drives
+    if controller is not None:
+        given = (controller,) * record.n_drives if isinstance(controller, Cascade) else tuple(controller)
+    if len(given) != record.n_drives:
+        raise SettingError(
+            f"there are {len(given)} controllers and {record.n_drives} drives: give one controller for each drive"
+        )
+    seen = list(parts_of(record, runs[1] or runs[0], allowed))
+    logs = [[replace(part, drive=d) for d in range(record.n_drives)] for part in seen]
     whole = [Part(log, np.ones(log.n_samples, dtype=bool), record) for log in runs[0].parts]
-    driver = driver_of(record, whole, controller, comparison.states)
-    found = [None if state is None else _error(state, parts, driver) for state in comparison.states]
+    drivers = [
+        driver_of(record, [replace(part, drive=d) for part in whole], given[d], states)
+        for d in range(record.n_drives)
+    ]
+    found = [None if state is None else _errors(state, logs, drivers) for state in states]
+    if simulated is not None and len(logs) == 1 and runs[1] is None and _is_like(simulated, logs[0]):
+        found[0] = [_compared([part], [_at_samples(simulated, part)], "") for part in logs[0]]
+    return tuple(
+        _motion(
+            drivers[d], [log[d] for log in logs], [None if errors is None else errors[d] for errors in found]
+        )
+        for d in range(record.n_drives)
+    )
+
+
+def _motion(driver: Driver, parts: Sequence[Part], found: Sequence[MotionError | None]) -> Motion:
+    """The motion next to one drive; errors of the nominal and the re-identified model, and of those with effects."""
     nominal, reidentified, *steps = found
-    if simulated is not None and len(parts) == 1 and runs[1] is None and _is_like(simulated, parts[0]):
-        nominal = _compared(parts, [_at_samples(simulated, parts[0])], "")
-    effects = tuple(error for error in steps if error is not None)
     assert reidentified is not None
+    effects = tuple(error for error in steps if error is not None)
     errors = [part.reference[part.used] - part.position[part.used] for part in parts if part.has_reference]
     return Motion(
-        signal=record.signals[0],
-        unit=str(record.dynamics.axis.signal_units[record.signals[0]]),
+        signal=parts[0].signal,
+        unit=str(parts[0].record.dynamics.axis.signal_units[parts[0].signal]),
         driver=driver.kind,
         gains={
             "Kpp": driver.cascade.position_gain,
@@ -111,17 +132,21 @@ def motion_of(
     )
 
 
-def _error(state: State, parts: Sequence[Part], driver: Driver) -> MotionError:
-    """How the axis of a model moves; what fails is a status."""
+def _errors(state: State, logs: Sequence[Sequence[Part]], drivers: Sequence[Driver]) -> list[MotionError]:
+    """How the axis of a model moves next to each drive; what fails is a status."""
     try:
         with np.errstate(all="ignore"):
             explained = axis_of(state)
-            simulated = [simulated_position(explained, part, driver) for part in parts]
+            simulated = [simulated_positions(explained, parts, drivers) for parts in logs]
     except (SymidError, np.linalg.LinAlgError, ArithmeticError, ValueError) as error:
-        return MotionError("failed", message=str(error))
-    if not all(map(_stays, parts, simulated)):
-        return MotionError("failed", message="the simulated axis runs away")
-    return _compared(parts, simulated, "; ".join(explained.left_out))
+        return [MotionError("failed", message=str(error))] * len(drivers)
+    if not all(map(_stays, chain(*logs), chain(*simulated))):
+        return [MotionError("failed", message="the simulated axis runs away")] * len(drivers)
+    message = "; ".join(explained.left_out)
+    return [
+        _compared([parts[d] for parts in logs], [positions[d] for positions in simulated], message)
+        for d in range(len(drivers))
+    ]
 
 
 def _stays(part: Part, position: FloatArray) -> bool:
@@ -130,22 +155,22 @@ def _stays(part: Part, position: FloatArray) -> bool:
     return bool(away < _AWAY * np.ptp(part.position))  # False for nan too
 
 
-def _is_like(simulated: Log, part: Part) -> bool:
-    """Whether a simulator's log has the duration of a log of the machine, and its reference where both have one."""
-    durations = [log.n_samples * log.sampling_period for log in (simulated, part.log)]
+def _is_like(simulated: Log, parts: Sequence[Part]) -> bool:
+    """Whether a simulator's log has the duration of a log of the machine, and its references where both have them."""
+    log = parts[0].log
+    durations = [one.n_samples * one.sampling_period for one in (simulated, log)]
     if abs(durations[0] - durations[1]) > _SAME * durations[1]:
         return False
-    if not (part.has_reference and REFERENCE in simulated.signals):
-        return True
-    other = np.interp(since_begin(part.log), since_begin(simulated), simulated[REFERENCE])
-    return bool(np.abs(other - part.reference).max() <= _SAME * np.ptp(part.reference))
+    for part in (part for part in parts if part.has_reference and part.reference_column in simulated.signals):
+        other = np.interp(since_begin(log), since_begin(simulated), simulated[part.reference_column])
+        if np.abs(other - part.reference).max() > _SAME * np.ptp(part.reference):
+            return False
+    return True
 
 
 def _at_samples(simulated: Log, part: Part) -> FloatArray:
     """Position of a simulator's log at the samples of another."""
-    return np.asarray(
-        np.interp(since_begin(part.log), since_begin(simulated), simulated[part.record.signals[0]])
-    )
+    return np.asarray(np.interp(since_begin(part.log), since_begin(simulated), simulated[part.signal]))
 
 
 def _compared(parts: Sequence[Part], simulated: Sequence[FloatArray], message: str) -> MotionError:

@@ -52,7 +52,7 @@ _STIFFEST = 50.0
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A log with the samples that count.
+    """A log with the samples that count, as one drive sees it.
 
     Parameters
     ----------
@@ -62,23 +62,41 @@ class Part:
         Samples that took no part in any choice.
     record : Record
         That it is part of.
+    drive : int
+        Which one.
     """
 
     log: Log
     used: BoolArray
     record: Record
+    drive: int = 0
+
+    @property
+    def signal(self) -> str:
+        """The position next to the drive."""
+        return self.record.driven[self.drive]
+
+    @property
+    def force(self) -> str:
+        return self.record.forces[self.drive]
+
+    @property
+    def reference_column(self) -> str:
+        """That of the drive, or the common one where it has none."""
+        own = f"{REFERENCE}_{self.force}"
+        return own if own in self.log.signals else REFERENCE
 
     @property
     def has_reference(self) -> bool:
-        return REFERENCE in self.log.signals
+        return self.reference_column in self.log.signals
 
     @property
     def reference(self) -> FloatArray:
-        return self.log[REFERENCE]
+        return self.log[self.reference_column]
 
     @property
     def position(self) -> FloatArray:
-        return self.log[self.record.signals[0]]
+        return self.log[self.signal]
 
     def low_passed(self, values: FloatArray) -> FloatArray:
         return LowPass(_cutoff(self.record)).by_spectrum(values, self.log.sampling_frequency)
@@ -117,9 +135,8 @@ class Part:
     @cached_property
     def forces(self) -> FloatArray:
         """Drive force that acted, on average, from each sample of the simulated controller to the next."""
-        signal = self.record.dynamics.axis.only_drive.signal
-        acted = self.path.time + self.path.sampling_period / 2 + self.record.late.get(signal, 0.0)
-        return np.asarray(np.interp(acted, since_begin(self.log), self.log[signal]))
+        acted = self.path.time + self.path.sampling_period / 2 + self.record.late.get(self.force, 0.0)
+        return np.asarray(np.interp(acted, since_begin(self.log), self.log[self.force]))
 
     @property
     def start(self) -> tuple[float, float]:
@@ -168,13 +185,15 @@ def parts_of(record: Record, run: Joined, allowed: BoolArray | None) -> Iterator
 def driver_of(
     record: Record, parts: Sequence[Part], given: Cascade | None, states: Sequence[State | None]
 ) -> Driver:
-    """The controller given, or read from the log, or an observer for the re-identified axis."""
-    position = record.signals[0]
+    """The controller given, or read from the log, or an observer for the re-identified axis; parts are of one drive."""
+    position = parts[0].signal
     if given is not None:
         cascade = replace(given, signal=position)
         return Driver("given", cascade, _share_explained(cascade, parts))
     if all(part.has_reference for part in parts):
-        read = cascade_of_log(parts[0].log, record.dynamics.axis.only_drive.signal, position, _cutoff(record))
+        read = cascade_of_log(
+            parts[0].log, parts[0].force, position, _cutoff(record), parts[0].reference_column
+        )
         if read is not None and (share := _share_explained(read, parts)) >= _EXPLAINED:
             return Driver("identified", read, share)
     inertia = next(state.inertia for state in states[1:] if state is not None)
@@ -189,7 +208,7 @@ def _share_explained(cascade: Cascade, parts: Sequence[Part]) -> float:
         if not part.has_reference:
             return math.nan
         log, period = part.log, part.log.sampling_period
-        force = part.low_passed(log[part.record.dynamics.axis.only_drive.signal])
+        force = part.low_passed(log[part.force])
         reference, position = part.low_passed(part.reference), part.low_passed(part.position)
         speed, acceleration = derivatives(reference, period, 2)
         error = cascade.position_gain * (reference - position) + speed
@@ -211,26 +230,43 @@ def fastest(plant: Plant) -> float:
     return float(np.abs(np.linalg.eigvals(system)).max())
 
 
-def simulated_position(explained: ExplainedAxis, part: Part, driver: Driver) -> FloatArray:
-    """Position that the sensor of a simulated axis reads at the samples of a log, without noise."""
-    signal = part.record.signals[0]
-    plant = plant_of(explained.axis, explained.values)
-    if fastest(plant) * part.log.sampling_period > _STIFFEST:
+def simulated_positions(
+    explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]
+) -> list[FloatArray]:
+    """Position that the sensor next to each drive of a simulated axis reads at the samples of a log, without noise.
+
+    Parameters
+    ----------
+    explained : ExplainedAxis
+        The axis and its values.
+    parts : sequence of Part
+        The log as each drive sees it.
+    drivers : sequence of Driver
+        What moves each beside the measured force.
+    """
+    log, axis = parts[0].log, explained.axis
+    plant = plant_of(axis, explained.values)
+    if fastest(plant) * log.sampling_period > _STIFFEST:
         raise SettingError(
             f"the axis with these values swings at {fastest(plant) / math.tau:.3g} Hz, too fast for the log's samples"
         )
-    loop = replace(driver.cascade, acceleration_feedforward=0.0, velocity_feedforward=0.0)
-    place, speed = part.start
-    if (misread := misreading(explained.axis, signal)) is not None:  # the reading at the start has its error
-        place = 2 * place - float(misread(np.array([place]))[0])
+    begin = {}
+    for part in parts:
+        place, speed = part.start
+        if (misread := misreading(axis, part.signal)) is not None:  # the reading at the start has its error
+            place = 2 * place - float(misread(np.array([place]))[0])
+        begin[part.signal] = place, speed
+    loops = [
+        replace(driver.cascade, acceleration_feedforward=0.0, velocity_feedforward=0.0) for driver in drivers
+    ]
     run = simulate(
-        without_noise(explained.axis),
+        without_noise(axis),
         explained.values,
-        part.path,
-        Replay(part.forces, loop),
-        start=plant.follows(signal, place, speed),
+        [part.path for part in parts],
+        [Replay(part.forces, loop) for part, loop in zip(parts, loops, strict=True)],
+        start=plant.follows(begin),
     )
-    return np.asarray(run.log[signal][:: part.factor])
+    return [np.asarray(run.log[part.signal][:: part.factor]) for part in parts]
 
 
 def since_begin(log: Log) -> FloatArray:
@@ -242,4 +278,6 @@ def without_noise(axis: Axis) -> Axis:
     """An axis whose signals have neither noise nor steps; delays stay."""
     for signal, delay in ((s.signal, s.delay) for s in axis.sensors):
         axis = axis.with_signal(signal, noise=0.0, delay=delay)
-    return axis.with_signal(axis.only_drive.signal, noise=0.0)
+    for drive in axis.drives:
+        axis = axis.with_signal(drive.signal, noise=0.0)
+    return axis
