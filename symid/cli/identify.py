@@ -131,10 +131,6 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if options["known"]:
         _by_known_values(known, runs, signals, options)
         return
-    if options["method"] == "oe" and (options["bounds"] or options["prior"]):
-        raise SettingError(
-            "--bounds and --prior are not possible with --method oe: take wls, ols or iv, or --fix"
-        )
     found = _identified(axis, runs, signals, fixed, options)
     # output error may have no start to begin at
     validation = found.predict(validating) if validating and found.fit is not None else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from symid.axis import Axis, axis_file, axis_names, load_axis
@@ -11,6 +12,7 @@ from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
     compile_module,
+    delays_of,
     generated_folder,
     module_name,
     orphans,
@@ -126,4 +128,5 @@ def compiled(model: DerivedModel) -> GeneratedModel:
     >>> compiled(derive(load_axis("rigid_1m"))).output_names
     ('F',)
     """
-    return compile_module(module_text(model), module_name(model.axis.name, model.measured))
+    found = compile_module(module_text(model), module_name(model.axis.name, model.measured))
+    return replace(found, delays=delays_of(model.axis.measured(model.measured)))

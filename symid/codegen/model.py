@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -63,6 +63,8 @@ class GeneratedModel:
         See the generated module.
     physical_parameters : callable or None
         The inverse map, if it exists in closed form.
+    delays : mapping of str to float
+        Seconds by which the axis declares readings of its sensors to be late; no generated module holds them.
     """
 
     axis: str
@@ -90,6 +92,7 @@ class GeneratedModel:
     sliding_velocities: ArrayFunction
     minimal_parameters: ArrayFunction
     physical_parameters: ArrayFunction | None
+    delays: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:

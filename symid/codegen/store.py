@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from symid.axis import Axis, axis_file, load_axis
+from symid.axis import Axis, Sensor, axis_file, load_axis
 from symid.axis.loading import PACKAGE
 from symid.codegen.model import GeneratedModel
 from symid.codegen.vetting import require_vetted
@@ -144,12 +144,13 @@ def load_generated(
 class StoredModule:
     """Text of a generated module, which can be sent to another process.
 
-    `signature` is that of the declaration as it is now; the command `cure` regenerates the module.
+    `signature` and `delays` are those of the declaration as it is now; the command `cure` regenerates the module.
     """
 
     name: str
     text: str
     signature: str
+    delays: Mapping[str, float]
     cure: str
 
     def compiled(self) -> GeneratedModel:
@@ -159,7 +160,7 @@ class StoredModule:
             raise GeneratedModuleError(
                 f"generated module {self.name} is older than the declaration of {model.axis!r}; {self.cure}"
             )
-        return model
+        return replace(model, delays=self.delays)
 
 
 def stored_module(
@@ -174,18 +175,22 @@ def stored_module(
     """
     name_or_path = axis.name if isinstance(axis, Axis) else axis
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
-    signals = tuple(
-        sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
-    )
+    sensors = declared.measured(None if measured is None else tuple(measured))
+    signals, delays = tuple(sensor.signal for sensor in sensors), delays_of(sensors)
     module = f"{module_name(declared.name, signals)}.py"
     if folder is None and (text := DERIVED.get((declared.signature, declared.name, signals))):
-        return StoredModule(module, text, declared.signature, "derive it again")
+        return StoredModule(module, text, declared.signature, delays, "derive it again")
     folder = folder or generated_folder(axis_file(name_or_path))
     path = folder / module
     cure = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
     if not path.is_file():
         raise GeneratedModuleError(f"there is no generated module {path.name}; {cure}")
-    return StoredModule(path.name, _text(path), declared.signature, cure)
+    return StoredModule(path.name, _text(path), declared.signature, delays, cure)
+
+
+def delays_of(sensors: Sequence[Sensor]) -> dict[str, float]:
+    """Seconds by which sensors are declared to be late, of those that are."""
+    return {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
 
 
 DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}

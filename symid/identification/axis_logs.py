@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Unpack
 
 from symid.axis import Axis
 from symid.data import MEMORY, AnyLog, ForeignColumns, Frame, Log, open_log, read_log
+from symid.data.checks import said_range
 from symid.errors import LogError
 from symid.units import Unit
 
@@ -108,7 +109,7 @@ def measured_signals(
     Raises
     ------
     LogError
-        If a log lacks a force or a sensor that is needed.
+        If a log lacks a force or a sensor that is needed, or one of them never changes.
     """
     held = [sensor.signal for sensor in axis.sensors if all(sensor.signal in log.signals for log in logs)]
     wanted = list(measured) if measured else held
@@ -120,4 +121,13 @@ def measured_signals(
                 f"{log.source}: there is no column for {', '.join(missing)}, which axis {axis.name!r} needs: "
                 f"map one with --column {missing[0]}=NAME"
             )
+        require_changing(log, needed)
     return tuple(wanted)
+
+
+def require_changing(log: AnyLog, names: Iterable[str]) -> None:
+    """LogError if one of the signals is constant; a long log was looked through when it was opened."""
+    if isinstance(log, Log):
+        for name in names:
+            if fault := said_range(name, float(log[name].min()), float(log[name].max())):
+                raise LogError(f"{log.source}: {fault}")

@@ -38,7 +38,7 @@ from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.result import Identification, trusted_covariance
-from symid.identification.settings import Preparation
+from symid.identification.settings import Preparation, said_delays
 from symid.identification.smoothing import smoothing_of
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import drift_of, timing_of
@@ -191,7 +191,10 @@ def found_from(
         physical=physical,
         status="ok",
         message="",
-        notes=tuple(note for log in logs for note in log.notes),
+        notes=(
+            *(note for log in logs for note in log.notes),
+            *said_delays(model.delays, observations[0].preparation.late),
+        ),
         bias=bias,
         scatter=spread,
     )

@@ -8,9 +8,10 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import LowPass, derivatives
+from symid.data import derivatives
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.sampling import filtered
 
 
 def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
@@ -22,7 +23,7 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
     for name, terms in model.redundant:
         if not all(signal in part.log.signals for part in parts for signal in (name, *(t[0] for t in terms))):
             continue
-        pairs = [_compared(part, name, terms) for part in parts]
+        pairs = [_compared(model, part, name, terms) for part in parts]
         own, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
         crossed = float(own @ other)
         low, high = sorted(
@@ -38,19 +39,19 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
 
 
 def _compared(
-    part: Excerpt, name: str, terms: Sequence[tuple[str, int, float]]
+    model: GeneratedModel, part: Excerpt, name: str, terms: Sequence[tuple[str, int, float]]
 ) -> tuple[FloatArray, FloatArray]:
     """A signal and what it should be, both low-passed as for the estimate, between the trimmed ends."""
     chosen, log = part.observation.preparation, part.log
     assert chosen.cutoff_hz is not None
-    low_pass, rate = LowPass(chosen.cutoff_hz, chosen.order), log.sampling_frequency
+    used = [name, *(signal for signal, _, _ in terms)]
+    moved = {key: x[:] for key, x in filtered(model, log, chosen, 1.0, used).items()}
     before, after = chosen.trim or (0, 0)
     inside = slice(before, log.n_samples - after)
     expected = np.zeros(log.n_samples)
     for signal, order, factor in terms:
-        moved = low_pass.apply(log[signal], rate)
+        x = moved[signal]
         expected += (
-            factor
-            * ([moved, *derivatives(moved, log.sampling_period, order, accuracy=chosen.difference_order)])[-1]
+            factor * ([x, *derivatives(x, log.sampling_period, order, accuracy=chosen.difference_order)])[-1]
         )
-    return low_pass.apply(log[name], rate)[inside], expected[inside]
+    return moved[name][inside], expected[inside]

@@ -53,7 +53,7 @@ class Preparation:
         Speed below which rows do not enter equations with a law that jumps at standstill; 0 keeps all rows.
     late : mapping of str to float
         Seconds by which signals were recorded later than the others; they are moved back by it. A force that acts
-        later than it is recorded has a negative value.
+        later than it is recorded has a negative value. Delays that the axis declares of its sensors need not be given.
     held : bool, optional
         Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded; as
         the axis declares it if not given.
@@ -96,12 +96,27 @@ class Preparation:
             raise SettingError(f"trim is {self.trim}: both numbers of samples must be 0 or more")
 
     def with_hold(self, model: GeneratedModel, sampling_period: float) -> dict[str, float]:
-        """Seconds by which the signals of a log were recorded late, a hold of the forces included."""
+        """Seconds by which the signals of a log were recorded late: as given, else as declared; a hold included."""
         held = model.held if self.held is None else self.held
-        late = dict(self.late)
+        late = {**model.delays, **self.late}
         for force in model.forces:
             late = with_hold(late, force, held=held, sampling_period=sampling_period)
         return late
+
+
+def said_delays(declared: Mapping[str, float], late: Mapping[str, float]) -> tuple[str, ...]:
+    """Notes on readings that were taken to be as late as they are declared, where nothing else was given.
+
+    Examples
+    --------
+    >>> said_delays({"q": 3e-3}, {"q": 3e-3, "F": 1e-3})
+    ('q is read 3 ms late, as the axis declares: this is taken off',)
+    """
+    return tuple(
+        f"{name} is read {1e3 * delay:.4g} ms late, as the axis declares: this is taken off"
+        for name, delay in declared.items()
+        if late.get(name) == delay
+    )
 
 
 def with_hold(

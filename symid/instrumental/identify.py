@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.codegen import GeneratedModel, as_generated
+from symid.codegen import GeneratedModel, as_generated, delays_of
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import (
@@ -183,7 +183,8 @@ def _instruments(
     """Rows of the simulated logs, prepared as those of the real ones."""
     rows = []
     for log, seen in zip(logs, first.observations, strict=True):
-        late = dict.fromkeys(model.forces, -loop.held_for(log) / 2)
+        held = dict.fromkeys(model.forces, -loop.held_for(log) / 2)
+        late = dict.fromkeys(model.delays, 0.0) | delays_of(loop.axis.sensors) | held
         rows.append(observe(model, loop.run(parameters, log), replace(seen.preparation, late=late)).W)
     return tuple(rows)
 

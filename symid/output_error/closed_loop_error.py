@@ -145,8 +145,8 @@ class ClosedLoopError:
     ) -> OutputErrorPrediction:
         """Readings and errors of a log."""
         errors = self.errors(parameters, nuisance)[:, : len(self.signals)]
-        readings = np.stack([log[signal] for signal in self.signals], axis=1)
-        return OutputErrorPrediction(log.source, log.time, readings, errors, self.signals)
+        readings = np.stack([self.log[signal] for signal in self.signals], axis=1)
+        return OutputErrorPrediction(log.source, self.log.time, readings, errors, self.signals)
 
     @property
     def _axis(self) -> Axis:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from symid.codegen import GeneratedModel
-from symid.data import Log
+from symid.codegen import GeneratedModel, delays_of
+from symid.data import Log, QuinticSpline
 from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.output_error.closed_loop_error import ClosedLoopError
@@ -51,10 +52,18 @@ class ErrorModel:
     loop: ClosedLoop | None = None
 
     def error(self, log: Log, late: float | None = None) -> RunError:
-        """Error of a log; `late` (s) takes the place of that of the preparation for the forces.
+        """Error of a log, late readings where they belong; `late` (s) is that of the forces, else the preparation's.
 
         LogError or SettingError if the log lacks a signal, or the forces of several drives are late by different times.
         """
+        simulated = delays_of(self.loop.axis.sensors) if self.loop else {}
+        late_readings = {
+            sensor.signal: seconds
+            for sensor in self.dynamics.axis.sensors
+            if sensor.signal in log.signals
+            and (seconds := self.preparation.late.get(sensor.signal, 0.0) - simulated.get(sensor.signal, 0.0))
+        }
+        log = _earlier(log, late_readings) if late_readings else log
         if self.force == "simulated":
             assert self.loop is not None
             return ClosedLoopError(self.loop, log, self.model.measured)
@@ -83,3 +92,11 @@ class ErrorModel:
             return fit_errors(self.model, self.dynamics, [self.error(log) for log in logs], starts, nyquist)
         except np.linalg.LinAlgError:
             return None
+
+
+def _earlier(log: Log, late: Mapping[str, float]) -> Log:
+    """The log with late readings (s) where they belong, as long as all of them are known."""
+    shifts = {name: seconds / log.sampling_period for name, seconds in late.items()}
+    moved = {name: QuinticSpline(log[name]).earlier(samples) for name, samples in shifts.items()}
+    before, after = (max(0, math.ceil(end)) for end in (-min(shifts.values()), max(shifts.values())))
+    return replace(log, signals={**log.signals, **moved}).window(before, log.n_samples - after)

@@ -8,10 +8,11 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from symid.axis import Axis
-from symid.codegen import GeneratedModel
+from symid.codegen import GeneratedModel, delays_of
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
+from symid.identification.settings import said_delays
 from symid.output_error.comparison import ErrorModel
 from symid.output_error.estimate import LikelihoodFit
 from symid.output_error.hidden_laws import Models, models_of
@@ -82,7 +83,8 @@ def identify_output_error(
     if not runs:
         raise SettingError("there is no log: give at least one")
     chosen = preparation or Preparation()
-    prepared = Preparation(late=chosen.late, held=chosen.held, standstill=chosen.standstill)
+    delays = delays_of(axis.sensors)
+    prepared = Preparation(late=delays | dict(chosen.late), held=chosen.held, standstill=chosen.standstill)
     if loop is not None:
         for log in runs:
             loop.check(log)
@@ -115,7 +117,7 @@ def identify_output_error(
         fit=fit,
         status="ok",
         message="",
-        notes=tuple(note for log in runs for note in log.notes),
+        notes=(*(note for log in runs for note in log.notes), *said_delays(delays, prepared.late)),
     )
     status, message = verdict_of(found, regression if visible is whole else None, own)
     if status == "not_converged" and visible is not whole and loop is None:

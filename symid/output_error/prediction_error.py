@@ -89,11 +89,11 @@ class PredictionError:
         self, log: Log, parameters: Mapping[str, float], nuisance: FloatArray
     ) -> OutputErrorPrediction:
         """Readings of the run and their innovations, at the times of its log."""
-        innovations = np.full((log.n_samples, len(self.run.signals)), np.nan)
+        innovations = np.full((self.run.time.size, len(self.run.signals)), np.nan)
         innovations[self.run.kept] = self.innovations(parameters, nuisance)
-        readings = np.stack([log[signal] for signal in self.run.signals], axis=1)
-        readings = np.where(np.isfinite(innovations), readings, np.nan)
-        return OutputErrorPrediction(log.source, log.time, readings, innovations, self.run.signals)
+        readings = np.full_like(innovations, np.nan)
+        readings[self.run.kept] = self.run.readings
+        return OutputErrorPrediction(log.source, self.run.time, readings, innovations, self.run.signals)
 
     @property
     def trials(self) -> tuple[tuple[int, int], ...]:

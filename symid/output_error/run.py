@@ -64,6 +64,8 @@ class LogRun:
         Sensors, the columns of the readings.
     period : float
         Sampling period, s.
+    time : array of shape (n,)
+        Times of the whole log, s.
     readings : array of shape (n_samples, n_outputs)
         Their readings.
     drive : array of shape (n_samples, n_parts, n_drives)
@@ -88,6 +90,7 @@ class LogRun:
 
     signals: tuple[str, ...]
     period: float
+    time: FloatArray
     readings: FloatArray
     drive: FloatArray
     drive_at: FloatArray
@@ -188,6 +191,7 @@ def run_of(
     return LogRun(
         signals=tuple(signals),
         period=log.sampling_period,
+        time=log.time,
         readings=readings[kept],
         drive=forces[0][kept],
         drive_at=forces[1][kept],

@@ -30,7 +30,7 @@ class ClosedLoop:
     Parameters
     ----------
     axis : Axis
-        The declared axis; noise, steps and delays of its signals do not count.
+        The declared axis; noise and steps of its signals do not count, delays of its sensors do.
     controller : Controller or sequence of Controller, optional
         That of the machine, or one for each drive; cascades tuned to the parameters, or read from the log, if absent.
     rate_hz : float, optional
@@ -58,7 +58,7 @@ class ClosedLoop:
         perfect = replace(
             self.axis,
             drive=tuple(replace(drive, noise=0.0, resolution=0.0) for drive in self.axis.drives),
-            sensors=tuple(replace(s, noise=0.0, resolution=0.0, delay=0.0) for s in self.axis.sensors),
+            sensors=tuple(replace(s, noise=0.0, resolution=0.0) for s in self.axis.sensors),
         )
         object.__setattr__(self, "axis", perfect)
 

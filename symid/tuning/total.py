@@ -157,7 +157,7 @@ def tune_total(
     errors = TotalErrors(model, logs, levels, parameters, draws)
     base = preparation or Preparation()
     # The noise-free run is free of what a log may record late.
-    plain = replace(base, late={}, held=False)
+    plain = replace(base, late=dict.fromkeys(model.delays, 0.0), held=False)
     scan = _scan(errors, plain, track)
     decisive = np.min([rms for _, rms in scan], axis=0) < _HOPELESS
     counted = decisive if decisive.any() else np.ones_like(decisive)

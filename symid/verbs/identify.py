@@ -20,6 +20,7 @@ from symid.identification import (
     with_fixed,
 )
 from symid.identification import identify as identify_model
+from symid.identification.axis_logs import require_changing
 from symid.verbs.axes import AnyAxis, axis_of
 from symid.verbs.logs import Recorded, are_several, log_of
 
@@ -158,10 +159,13 @@ def identify(
         runs = [log_of(axis_of(axis), log, measured, **columns) for log in given]
         signals = measured_signals(axis_of(axis), runs, measured)
     else:  # a file or a frame needs the declaration for its units
-        signals = as_generated(axis).measured
+        given_model = as_generated(axis)
+        signals = given_model.measured
         runs = [
             log if isinstance(log, Log) else log_of(axis_of(axis), log, signals, **columns) for log in given
         ]
+        for log in runs:
+            require_changing(log, given_model.highest_derivatives)
     if method == "oe":
         from symid.output_error import identify_output_error  # sympy takes half a second to load
 

@@ -109,3 +109,17 @@ def test_there_is_one_version() -> None:
     root = Path(__file__).parents[2]
     assert f"version: {symid.__version__}" in (root / "CITATION.cff").read_text(encoding="utf-8")
     assert symid.__version__ not in (root / "pyproject.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("still", ["q", "F"])
+def test_a_constant_channel_of_a_log_is_refused_as_that_of_a_file(folder: Path, still: str) -> None:
+    frame = pd.read_csv("a.csv")
+    frame[still] = 0.25
+    frame.to_csv("still.csv", index=False)
+    signals = {name: frame[name].to_numpy() for name in ("q", "F")}
+    log = symid.Log.from_arrays(signals, sampling_period=float(frame["t"][1] - frame["t"][0]))
+    for axis in ("rigid_1m", symid.load_generated("rigid_1m")):
+        for given in (log, "still.csv"):
+            for settings in ({}, {"method": "oe"}, {"fixed": {"Fs": 1.0}}):
+                with pytest.raises(SymidError, match=f"'{still}' is constant"):
+                    symid.identify(axis, given, **settings)
