@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -150,7 +150,7 @@ class StoredModule:
     name: str
     text: str
     signature: str
-    delays: Mapping[str, float]
+    delays: tuple[tuple[str, float], ...]
     cure: str
 
     def compiled(self) -> GeneratedModel:
@@ -160,7 +160,7 @@ class StoredModule:
             raise GeneratedModuleError(
                 f"generated module {self.name} is older than the declaration of {model.axis!r}; {self.cure}"
             )
-        return replace(model, delays=self.delays)
+        return replace(model, delays=dict(self.delays))
 
 
 def stored_module(
@@ -176,7 +176,7 @@ def stored_module(
     name_or_path = axis.name if isinstance(axis, Axis) else axis
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
     sensors = declared.measured(None if measured is None else tuple(measured))
-    signals, delays = tuple(sensor.signal for sensor in sensors), delays_of(sensors)
+    signals, delays = tuple(sensor.signal for sensor in sensors), tuple(delays_of(sensors).items())
     module = f"{module_name(declared.name, signals)}.py"
     if folder is None and (text := DERIVED.get((declared.signature, declared.name, signals))):
         return StoredModule(module, text, declared.signature, delays, "derive it again")
