@@ -88,6 +88,8 @@ def inspect_clock(
         )
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
+    if intervals.max() - intervals.min() < _CLOCK_DIFFERENCE * intervals.min():  # uniform; nan never is
+        return Clock(float(time[0]), _rounded(_slope(time)))
     forward = np.flatnonzero(intervals > 0.0)
     faults = _not_finite(time, before)
     step = written_step(time)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,11 @@ from symid.data.frames import Frame, uniform
 from symid.errors import LogError
 from symid.shown import Shown
 
+Kept = TypeVar("Kept")
+
+SHORT = 65_536
+"""Samples of a log up to which what is made of all of them is worth keeping."""
+_MOST_KEPT = 12
 _LARGEST = 1e30
 """Magnitude above which a value is a marker or the end of an unstable simulation; its powers would overflow."""
 
@@ -57,6 +62,7 @@ class Log(Shown):
     sampling_period: float
     signals: Mapping[str, FloatArray]
     notes: tuple[str, ...] = ()
+    _kept: dict[Hashable, Any] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.sampling_period) and self.sampling_period > 0.0):
@@ -189,6 +195,24 @@ class Log(Shown):
         except KeyError:
             there = ", ".join(self.signals)
             raise LogError(f"{self.source}: there is no signal {name!r}: the log has {there}") from None
+
+    def kept(self, key: Hashable, computed: Callable[[], Kept]) -> Kept:
+        """What is computed at the first call under a key; of a log that is not short, at each. The last dozen is kept.
+
+        Examples
+        --------
+        >>> log = Log.from_arrays({"q": [0.0, 0.1]}, sampling_period=0.5)
+        >>> [log.kept("length", lambda: 2), log.kept("length", lambda: 3)]
+        [2, 2]
+        """
+        if self.n_samples > SHORT:
+            return computed()
+        if key not in self._kept:
+            while len(self._kept) >= _MOST_KEPT:
+                self._kept.pop(next(iter(self._kept)))
+            self._kept[key] = computed()
+        found: Kept = self._kept[key]
+        return found
 
     def window(self, start_index: int, stop_index: int) -> Log:
         """Part of the log from sample `start_index` to before sample `stop_index`; shares the arrays.

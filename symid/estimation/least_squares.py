@@ -1,7 +1,7 @@
 """Ordinary and weighted least squares from triangular factors, equations [20] to [30] of the paper."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -134,10 +134,14 @@ def estimate(
     """
     _check(factors, method, ddof)
     rows = sum(factor.rows for factor in factors)
-    sigmas, floors = _equation_deviations(factors, ddof)
+    ranks = [analyse_rank(factor.R[:-1, :-1], factor.rows) for factor in factors]
+    sigmas, floors = _equation_deviations(factors, ranks, ddof)
     weights = np.ones(len(factors)) if method == "ols" else _weights(sigmas, floors)
     R = _stacked(factors, weights)
-    rank = analyse_rank(R[:-1, :-1], rows)
+    if len(factors) == 1:
+        rank = replace(ranks[0], inverse_root=read_only(ranks[0].inverse_root / weights[0]))
+    else:
+        rank = analyse_rank(R[:-1, :-1], rows)
     solution = _solve(R, rank)
     residual_norm = _residual_norms(factors, solution)
     divisor = rows - (rank.rank if ddof is None else ddof)
@@ -209,7 +213,7 @@ def _check(factors: Sequence[TriangularFactor], method: str, ddof: int | None) -
 
 
 def _equation_deviations(
-    factors: Sequence[TriangularFactor], ddof: int | None
+    factors: Sequence[TriangularFactor], ranks: Sequence[RankAnalysis], ddof: int | None
 ) -> tuple[FloatArray, FloatArray]:
     """sigma_rho_j of [25] for each equation, and the level below which it is only rounding.
 
@@ -217,7 +221,6 @@ def _equation_deviations(
     exactly: for these the residual is that of the joint ordinary solution. It must not be iterated: a larger
     weight on a homogeneous equation draws X to 0, which makes its residual smaller still.
     """
-    ranks = [analyse_rank(factor.R[:-1, :-1], factor.rows) for factor in factors]
     homogeneous = [factor.norms[-1] == 0.0 for factor in factors]
     shared = [h or f.rows <= r.rank for h, f, r in zip(homogeneous, factors, ranks, strict=True)]
     joint = _joint(factors) if any(shared) else np.zeros(factors[0].parameters)

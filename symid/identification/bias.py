@@ -179,8 +179,10 @@ def _rest_of_sharper_rows(
     """Residual of an estimate in rows with differences of higher order; 0 in rows that are not used."""
     scheme = sharper(seen.preparation.difference_order)
     assert seen.preparation.cutoff_hz is not None
-    quiet = quiet_widening(model, log, seen.preparation.cutoff_hz, levels, scheme.widening)
-    widening = max(quiet, seen.preparation.widening or 1.0)
+    widening = seen.preparation.widening or 1.0
+    if widening < scheme.widening:
+        quiet = quiet_widening(model, log, seen.preparation.cutoff_hz, levels, scheme.widening)
+        widening = max(quiet, widening)
     preparation = replace(
         seen.preparation, filter_force=True, standstill=0.0
     )  # its rows are those that were fitted

@@ -7,14 +7,14 @@ The estimate's residual follows for each lag from its own normal equations: no s
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
 import numpy.typing as npt
 
-from symid.arrays import BoolArray, FloatArray, fast_length
+from symid.arrays import BoolArray, ComplexArray, FloatArray, fast_length
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.excerpts import Excerpt
@@ -75,7 +75,7 @@ def _has_law(model: GeneratedModel, name: str) -> bool:
 
 
 def scan(
-    parts: Sequence[Excerpt], fit: LeastSquares, signal: str, thirds: Iterable[int] = range(3)
+    parts: Sequence[Excerpt], fit: LeastSquares, signal: str, thirds: Sequence[int] = range(3)
 ) -> LagScan:
     """Residual at every lag of a signal, in steps of a row, over the given thirds of each part.
 
@@ -88,21 +88,20 @@ def scan(
     total, rows = np.zeros((2 * most + 1, p + 1, p + 1)), np.zeros(2 * most + 1)
     for part in parts:
         n_equations = len(part.observation.y)
-        for k in thirds:
-            sums = part.kept((signal, most, k), partial(_sums_of, part, signal, most, k))
-            for j, (grams, counts) in enumerate(sums):
-                total += fit.weights[part.of * n_equations + j] ** 2 * grams
-                rows += counts
+        sums = part.kept((signal, most), partial(_sums_of, part, signal, most))
+        for j, (grams, counts) in enumerate(sums):
+            total += fit.weights[part.of * n_equations + j] ** 2 * grams[list(thirds)].sum(axis=0)
+            rows += counts[list(thirds)].sum(axis=0)
     late = period * np.arange(-most, most + 1)
     few = (rows < _LEAST_SHARE * rows[most]) | (rows < _LEAST_ROWS * p)
     return LagScan(np.asarray(late, dtype=float), np.where(few, 1.0, _residuals(total)))
 
 
-def _sums_of(part: Excerpt, signal: str, most: int, third: int) -> list[tuple[FloatArray, FloatArray]]:
-    """Products of the columns of each equation and numbers of rows, at each lag, of a third of a part."""
+def _sums_of(part: Excerpt, signal: str, most: int) -> list[tuple[FloatArray, FloatArray]]:
+    """Products of the columns of each equation and numbers of rows, of each third of a part at each lag."""
     seen, (W, y) = part.observation, part.moved(signal).rows
     n = seen.y.shape[1]
-    inside = np.arange(n) * 3 // n == third
+    inside = np.arange(n) * 3 // n == np.arange(3)[:, None]
     found = []
     for j in range(len(y)):
         moving = np.column_stack([W[j], y[j]])
@@ -113,27 +112,31 @@ def _sums_of(part: Excerpt, signal: str, most: int, third: int) -> list[tuple[Fl
 
 
 def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) -> FloatArray:
-    """Sums over used rows t of the products of columns resting(t) + moving(t + lag), for lags from -most to most."""
+    """Sums over used rows t of the products of columns resting(t) + moving(t + lag), for lags from -most to most.
+
+    Of several choices of rows, `used` of shape (n_choices, n), each.
+    """
     n, columns = resting.shape
     length = fast_length(n + most)
     lags = np.arange(-most, most + 1)
-    grams = np.zeros((lags.size, columns, columns))
+    grams = np.zeros((len(used), lags.size, columns, columns))
     alive = np.flatnonzero(np.any(moving, axis=0))
-    masked, moving = np.where(used, resting.T, 0.0), moving.T[alive]
+    masked, moving = np.where(used[:, None], resting.T, 0.0), moving.T[alive]
+    of_masked = np.conj(np.fft.rfft(masked, length))
+    of_used = np.conj(np.fft.rfft(used[:, None], length))
 
-    def at_lags(still: FloatArray, moved: FloatArray) -> FloatArray:
-        """Correlations of each row with each row, by lag."""
-        spectra = np.conj(np.fft.rfft(still, length))[:, None] * np.fft.rfft(moved, length)
-        return np.asarray(np.moveaxis(np.fft.irfft(spectra, length)[..., lags], 2, 0))
+    def at_lags(spectra: ComplexArray, moved: FloatArray) -> FloatArray:
+        """Correlations of rows of such spectra with the same number of rows or one, by lag."""
+        return np.fft.irfft(spectra * np.fft.rfft(moved, length), length)[..., lags].swapaxes(1, 2)
 
     for a, i in enumerate(alive):
-        crossed = at_lags(masked, moving[a : a + 1])[..., 0]
-        grams[:, :, i] += crossed
-        grams[:, i, :] += crossed
-        grams[:, i, alive] += at_lags(used[None].astype(float), moving[a] * moving)[:, 0]
+        crossed = at_lags(of_masked, moving[a])
+        grams[..., i] += crossed
+        grams[:, :, i, :] += crossed
+        grams[:, :, i, alive] += at_lags(of_used, moving[a] * moving)
     # rows whose partner t + lag lies outside do not count
     for column in range(columns):
-        grams[:, column] += _between_ends(masked[column] * masked, lags).T
+        grams[:, :, column] += _between_ends(masked[:, column : column + 1] * masked, lags).swapaxes(1, 2)
     return grams
 
 

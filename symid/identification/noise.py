@@ -56,7 +56,7 @@ def noise_levels(model: GeneratedModel, log: AnyLog, *, forces: bool = True) -> 
     segment = min(max(16, min(_LONGEST_SEGMENT, log.n_samples // 16)), log.n_samples - 2)
     rate, found = log.sampling_frequency, {}
     names = [name for name in model.highest_derivatives if forces or name not in model.forces]
-    spectra = {name: segment_spectra(np.diff(spread_excerpts(log, name), 2), segment) for name in names}
+    spectra = {name: _bent_spectra(log, name, segment) for name in names}
     motion = [spectra[name] for name in names if name not in model.forces]
     for name in names:
         if name in model.forces:
@@ -67,6 +67,15 @@ def noise_levels(model: GeneratedModel, log: AnyLog, *, forces: bool = True) -> 
         gain = (2 * np.sin(np.pi * frequency[upper] / rate)) ** 4
         found[name] = float(np.median(density[upper] / gain))
     return found
+
+
+def _bent_spectra(log: AnyLog, name: str, segment: int) -> ComplexArray:
+    """Spectra of the second differences of a signal."""
+
+    def found() -> ComplexArray:
+        return segment_spectra(np.diff(spread_excerpts(log, name), 2), segment)
+
+    return log.kept((_bent_spectra, name, segment), found) if isinstance(log, Log) else found()
 
 
 def spread_excerpts(log: AnyLog, name: str) -> FloatArray:
@@ -103,12 +112,12 @@ def noise_of_rows(
     """
     frequency = (np.arange(_LINES) + 0.5) * log.sampling_frequency / (2 * _LINES)
     gains = _signal_gains(model, frequency, log.sampling_period, chosen)
-    coefficients = _coefficients(model)
-    n_equations, n_columns, _ = coefficients.shape
+    factors = coefficients(model)
+    n_equations, n_columns, _ = factors.shape
     covariance = np.zeros((n_equations, n_columns, n_columns))
     for name, level in levels.items():
         own = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
-        response = coefficients[:, :, own] @ gains[own]
+        response = factors[:, :, own] @ gains[own]
         product = (response @ response.conj().swapaxes(1, 2)).real
         covariance += product * level * (log.sampling_frequency / (2 * _LINES))
     return covariance
@@ -172,7 +181,7 @@ def _decimation_gain(factor: int) -> FloatArray:
 
 
 @lru_cache(maxsize=16)
-def _coefficients(model: GeneratedModel) -> FloatArray:
+def coefficients(model: GeneratedModel) -> FloatArray:
     """Factor of each signal in each column of W and in y, of shape (n_equations, n_columns + 1, n_signals)."""
     step = 0.0 if not model.known_laws else 1.0  # jumps of known laws cancel between two values of one sign
     units = np.eye(len(model.signals))

@@ -21,6 +21,7 @@ from symid.data import (
 )
 from symid.errors import SettingError
 from symid.identification.coulomb import more_columns, sample_friction, take_off
+from symid.identification.noise import coefficients
 from symid.identification.sampling import (
     STANDSTILL_SHARE,
     WORKERS,
@@ -33,6 +34,7 @@ from symid.identification.sampling import (
 )
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
+from symid.signals import split_derivative
 
 _STEP = 0.25
 """Half the shift between the signals whose difference is the derivative by their time, in samples."""
@@ -201,10 +203,16 @@ class SignalRows:
         Of the part of the model that is linear in the signals, of which all but this one are still.
     name : str
         The signal.
+    columns : tuple of int
+        Columns of W that it is in, those of the part of the model.
+    n_columns : int
+        Columns of W.
     """
 
     sampling: Sampling
     name: str
+    columns: tuple[int, ...]
+    n_columns: int
 
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
@@ -214,8 +222,12 @@ class SignalRows:
         own = filtered(model, log, chosen, 1.0, (name,))[name][:]
         rest = log.n_samples - before - after
         period = log.sampling_period
-        sampling = Sampling(linear_part(model), chosen, scheme, period, {name: own}, {}, before, rest)
-        return cls(sampling, name)
+        mine = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
+        factors = coefficients(model)[:, :-1, mine]
+        columns = tuple(np.flatnonzero(np.any(factors, axis=(0, 2))).tolist())
+        part = linear_part(model, columns)
+        sampling = Sampling(part, chosen, scheme, period, {name: own}, {}, before, rest)
+        return cls(sampling, name, columns, factors.shape[1])
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
@@ -244,8 +256,10 @@ class SignalRows:
         return self._spline.earlier(late / self.sampling.period)
 
     def _rows(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        W, y = sampled(replace(self.sampling, signals={self.name: values}))
-        return W.transpose(0, 2, 1), y
+        moved, y = sampled(replace(self.sampling, signals={self.name: values}))
+        W = np.zeros((*y.shape, self.n_columns))
+        W[..., self.columns] = moved.transpose(0, 2, 1)
+        return W, y
 
 
 def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray | None) -> BoolArray:

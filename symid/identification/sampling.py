@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from symid.data import (
     kept_indices,
     kept_of,
 )
+from symid.data.log import SHORT
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation
 from symid.signals import derivative_name
@@ -87,7 +88,7 @@ class Sampling:
         Sampling period, s.
     signals : mapping of str to array or Filtered of shape (n,)
         Filtered signals of the whole log; those that are not among them are still.
-    wide : mapping of str to Filtered of shape (n,)
+    wide : mapping of str to array or Filtered of shape (n,)
         Motion, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of `signals`.
     before : int
         Samples trimmed at the beginning.
@@ -100,7 +101,7 @@ class Sampling:
     scheme: Scheme
     period: float
     signals: Mapping[str, FloatArray | Filtered]
-    wide: Mapping[str, Filtered]
+    wide: Mapping[str, FloatArray | Filtered]
     before: int
     n_samples: int
 
@@ -188,16 +189,29 @@ def low_pass_of(chosen: Preparation, widening: float, sampling_frequency: float)
     return LowPass(cutoff, chosen.order)
 
 
-def linear_part(model: GeneratedModel) -> GeneratedModel:
-    """The model less what it is at rest: what is linear in the signals remains, of laws nothing as long as it rests."""
+def linear_part(model: GeneratedModel, columns: Sequence[int] | None = None) -> GeneratedModel:
+    """The model less what it is at rest: what is linear in the signals remains, of laws nothing as long as it rests.
+
+    Of all columns of W, or of some.
+    """
     rest = {name: np.zeros(1) for name in model.signals}
     W, y = model.sample(rest)
+    units = list(model.minimal_units.items())
+    chosen = range(len(units)) if columns is None else columns
+
+    def regressor(*signals: FloatArray) -> FloatArray:
+        if not chosen:
+            return np.empty((len(W), signals[0].size, 0))
+        rows = model.regressor(*signals) - W
+        return rows if columns is None else rows[..., columns]
+
     return replace(
         model,
+        minimal_units=dict(units[i] for i in chosen),
         law_columns=(),
         coulomb_at_drive=(),
         coulomb_drives=(),
-        regressor=lambda *signals: model.regressor(*signals) - W,
+        regressor=regressor,
         output=lambda *signals: model.output(*signals) - y,
     )
 
@@ -265,13 +279,17 @@ def sample_into(
 
 def filtered(
     model: GeneratedModel, log: Log, chosen: Preparation, widening: float, names: Iterable[str]
-) -> dict[str, Filtered]:
+) -> dict[str, FloatArray | Filtered]:
     """Low-passed signals at the times at which they were; forces are filtered only if the preparation filters them."""
     rate = log.sampling_frequency
     low_pass = low_pass_of(chosen, widening, rate).run_over(log.n_samples, rate)
-    found = {}
+    found: dict[str, FloatArray | Filtered] = {}
     for name in names:
-        passes = chosen.filter_force or name not in model.forces
-        late = chosen.late.get(name, 0.0)
-        found[name] = Filtered(log[name], low_pass if passes else None, late / log.sampling_period)
+        passes = low_pass if chosen.filter_force or name not in model.forces else None
+        earlier = chosen.late.get(name, 0.0) / log.sampling_period
+        one = Filtered(log[name], passes, earlier)
+        if log.n_samples <= SHORT:  # rows of several kinds are made of it
+            found[name] = log.kept((name, passes, earlier), partial(one.__getitem__, slice(None)))
+        else:
+            found[name] = one
     return found

@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, LowPass, derivatives, difference_factors, differencing_bandwidth
+from symid.data import AnyLog, Log, LowPass, derivatives, difference_factors, differencing_bandwidth
 from symid.data.density import explained_power, mean_power, segment_spectra
 from symid.errors import SettingError
 from symid.identification.noise import noise_levels, quiet_widening, spread_excerpts
@@ -28,7 +28,7 @@ lost 47 % of its table's mass at 1010 Hz, 0.03 % at 154 Hz)."""
 _WIDEST = 4.0
 """Times the cutoff that motion in laws is filtered at most: from there on reversals are off by next to nothing (a mass
 on a multisine: Fv +1.6 % at 1, +0.04 % at 4, +0.03 % at 16)."""
-_LAWS_SEEN = 32_768
+_LAWS_SEEN = 65_536
 """Samples in the middle of a log that tell how much noise its velocities have."""
 
 
@@ -253,5 +253,6 @@ def _widening(log: AnyLog, model: GeneratedModel, cutoff: float) -> float:
     if model.known_laws or not any(model.sliding):
         return 1.0
     first = max(0, (log.n_samples - _LAWS_SEEN) // 2)
-    part = log.window(first, min(first + _LAWS_SEEN, log.n_samples))
+    stop = min(first + _LAWS_SEEN, log.n_samples)
+    part = log if isinstance(log, Log) and not first else log.window(first, stop)
     return quiet_widening(model, part, cutoff, noise_levels(model, part, forces=False), _WIDEST)

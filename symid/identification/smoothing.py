@@ -25,6 +25,8 @@ _DIFFERENCES = 6
 """Of an averaged force with little noise, fewer leave the motion above it."""
 _USUAL = 3.0
 """Times the median difference beyond which a larger one counts as no larger."""
+_SEEN = 16_384
+"""Samples in the middle of a signal in which means are looked for."""
 _NEAREST, _FARTHEST = 8, 600
 """Samples of means that are looked for: noise near Nyquist alternates, and looks like a mean over fewer."""
 _ECHO = -0.3
@@ -89,12 +91,14 @@ def averaged_over(x: FloatArray) -> int:
     >>> averaged_over(np.convolve(x, np.full(21, 1 / 21), mode="valid")), averaged_over(x)
     (21, 0)
     """
-    z = np.diff(x, _DIFFERENCES)
+    first = max(0, (x.size - _SEEN) // 2)
+    z = np.diff(x[first : first + _SEEN], _DIFFERENCES)
     usual = _USUAL * float(np.median(np.abs(z)))
     z = np.clip(z, -usual, usual)  # a force that is switched on and off comes back too
     n_lags = min(_FARTHEST + _NEAREST + 1, z.size // 4)
     size = fast_length(z.size + n_lags)
-    lags = np.fft.irfft(np.abs(np.fft.rfft(z, size)) ** 2, size)[:n_lags]
+    spectrum = np.fft.rfft(z, size)
+    lags = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size)[:n_lags]
     if lags.size < 3 * _NEAREST or not lags[0] > 0.0:
         return 0
     lags /= lags[0]
