@@ -227,7 +227,7 @@ class PredictionError:
             effects += nuisance[-1] * run.drive_rate.reshape(len(run.drive), -1) @ driven
             direct += nuisance[-1] * run.drive_rate_at @ at_once
         for j, (law, within, at) in enumerate(zip(plant.laws, *self._law_values, strict=True), start=m):
-            weights = [parameter for parameter, _ in law.terms]
+            weights = [term.parameter for term in law.terms]
             effects += _combined(weights, within) @ sampled.effects[:, :, j]
             direct += np.outer(_combined(weights, at), sampled.feedthrough[:, j])
         return np.hstack([run.readings - direct, effects])

@@ -1,4 +1,12 @@
-"""Simulation of declared axes: trajectories, controllers, dynamics and the engine that runs them."""
+"""Simulation of declared axes: trajectories, controllers, dynamics, and one loop that runs them.
+
+`simulate` makes the controllers and sensors of an axis into a `Loop` around its `Plant`. Between two events all joints
+stay in one stick-slip mode, and a sample of the loop is a few products of small matrices: `loop_numbers` has these as
+records of arrays, and the compiled `sample_loop` makes sample after sample of them, for any law of a controller, any
+law of a joint and any sensor. It stops before the sample in which a joint sticks, slips or turns. The `Engine` makes
+that sample: it locates events exactly, sets the next mode, and hands back. A controller without matrices is asked for
+the force of each sample from within the compiled loop. `stepping` joins the two.
+"""
 
 from symid.simulation.closed_loop import Simulation, simulate
 from symid.simulation.controller import (

@@ -14,8 +14,9 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
-from symid.simulation.imperfect_plant import Moment, misreading, stages, steps_for
+from symid.simulation.imperfect_plant import Moment, misread_law, stages, steps_for
 from symid.simulation.loop import Loop
+from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
 from symid.simulation.stepping import SimulationRun
 from symid.simulation.trajectory import Trajectory
@@ -107,55 +108,86 @@ def simulate(
     >>> sorted(run.log.signals)
     ['F', 'q', 'reference']
     """
-    moment = Moment() if axis.imperfections else None
     controllers = (controller,) if isinstance(controller, Controller) else tuple(controller)
     paths = (trajectory,) * len(axis.drives) if isinstance(trajectory, Trajectory) else tuple(trajectory)
     _require_one_for_each_drive(axis, controllers, paths)
-    (_, plant), *later = stages(axis, parameters, moment or Moment())
     every = _ratio(paths[0].sampling_period, frequency_hz)
-    random = np.random.default_rng(seed)
+    moment, random = Moment() if axis.imperfections else None, np.random.default_rng(seed)
+    plants = stages(axis, parameters, moment or Moment())
+    loop = _loop(axis, parameters, paths, controllers, plants[0][1], moment, random, steps)
+    record = MotionRecord.empty(paths[0].n_samples, len(loop.plant.bodies), loop.n_drives, len(loop.between))
+    if start is not None:
+        record.states[0] = _checked_state(start, len(loop.plant.bodies))
+    _run(loop, record, plants[1:], progress)
+    signals = {name: values[::every] for name, values in _recorded(axis, loop, record, random).items()}
+    log = Log.from_arrays(signals, sampling_period=every * loop.period, source=f"simulated {axis.name}")
+    forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
+    return Simulation(log, paths[0].time, record.states[:-1], record.accelerations[:-1], forces)
+
+
+def _loop(
+    axis: Axis,
+    parameters: Mapping[str, float],
+    paths: tuple[Trajectory, ...],
+    controllers: tuple[Controller, ...],
+    plant: Plant,
+    moment: Moment | None,
+    random: np.random.Generator,
+    steps: int,
+) -> Loop:
+    """The controllers behind the imperfections of the drive, and sensors with their noise."""
     n_samples, period = paths[0].n_samples, paths[0].sampling_period
     readers = [
-        SensorChannel(sensor, plant, n_samples, period, random, misreading(axis, sensor.signal))
+        SensorChannel(sensor, plant, n_samples, period, random, misread_law(axis, sensor.signal))
         for sensor in axis.sensors
     ]
-    chain = [element for element in axis.elements if isinstance(element, DriveImperfection)]
-    driven = [ThroughDrive(one, chain, np.zeros(n_samples), period) for one in controllers] if chain else []
-    controllers = tuple(driven) or controllers
-    fine = max(steps, steps_for(axis, plant, parameters, period))
-    loop = Loop(plant, paths, controllers, readers, fine, moment)
-    between = [reader.signal for reader in loop.between]
-    record = MotionRecord.empty(n_samples, len(plant.bodies), loop.n_drives, between)
-    if start is not None:
-        record.states[0] = _checked_state(start, len(plant.bodies))
-    if moment is not None:
-        moment.begin(record.states[0, : len(plant.bodies)])
-    run = SimulationRun(loop, record)
+    if chain := [element for element in axis.elements if isinstance(element, DriveImperfection)]:
+        controllers = tuple(ThroughDrive(one, chain, np.zeros(n_samples), period) for one in controllers)
+    return Loop(
+        plant, paths, controllers, readers, max(steps, steps_for(axis, plant, parameters, period)), moment
+    )
+
+
+def _run(
+    loop: Loop,
+    record: MotionRecord,
+    later: list[tuple[float, Plant]],
+    progress: Callable[[Sequence[int]], Iterable[int]],
+) -> None:
+    """Simulate all samples; `later` has the plants of a mass that changes, with their times."""
+    if loop.moment is not None:
+        loop.moment.begin(record.states[0, : len(loop.plant.bodies)])
+    run, n_samples = SimulationRun(loop, record), len(record.forces)
     for begin in progress(range(0, n_samples, _PART)):
         end = min(begin + _PART, n_samples)
         # A mass that changes splits the run: the motion goes on from the state that it has then.
-        while later and later[0][0] < end * period:
+        while later and later[0][0] < end * loop.period:
             time, changed = later.pop(0)
-            run.advance(max(round(time / period), 1))
+            run.advance(max(round(time / loop.period), 1))
             run = SimulationRun(replace(loop, plant=changed), record, run)
         run.advance(end)
-    readings = {reader.signal: reader.read_all(record) for reader in readers}
-    signals = {signal: values[::every] for signal, values in readings.items()}
-    sent = list(record.forces.T)
-    for i, one in enumerate(driven):
-        inputs = [paths[i].position, paths[i].velocity, paths[i].acceleration]
-        inputs += [readings[signal] for signal in one.signals]
-        sent[i] = one.sent_along(np.column_stack(inputs)) if loop.law else one.sent
-    for drive, force in zip(axis.drives, sent, strict=True):
-        recorded = force + drive.noise * random.standard_normal(n_samples)
-        signals[drive.signal] = in_steps(recorded, drive.resolution)[::every]
-    signals["reference"] = paths[0].position[::every]
-    for drive, path in zip(axis.drives, paths, strict=True):
-        if path is not paths[0]:
-            signals[f"reference_{drive.signal}"] = path.position[::every]
-    log = Log.from_arrays(signals, sampling_period=every * period, source=f"simulated {axis.name}")
-    forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
-    return Simulation(log, paths[0].time, record.states[:-1], record.accelerations[:-1], forces)
+
+
+def _recorded(
+    axis: Axis, loop: Loop, record: MotionRecord, random: np.random.Generator
+) -> dict[str, FloatArray]:
+    """Readings, forces as sent, and references at all samples of the controllers."""
+    signals = {reader.signal: reader.read_all(record, loop.between) for reader in loop.readers}
+    for i, (drive, one, path) in enumerate(
+        zip(axis.drives, loop.controllers, loop.trajectories, strict=True)
+    ):
+        sent = record.forces[:, i]
+        if isinstance(one, ThroughDrive):
+            inputs = [path.position, path.velocity, path.acceleration, *(signals[s] for s in one.signals)]
+            sent = one.sent_along(np.column_stack(inputs)) if loop.law else one.sent
+        sent = sent + drive.noise * random.standard_normal(sent.size)
+        signals[drive.signal] = in_steps(sent, drive.resolution)
+    for drive, path in zip(axis.drives, loop.trajectories, strict=True):
+        if path is loop.trajectories[0]:
+            signals["reference"] = path.position
+        else:
+            signals[f"reference_{drive.signal}"] = path.position
+    return signals
 
 
 def _require_one_for_each_drive(

@@ -88,7 +88,7 @@ class Controller(ABC):
         return np.zeros(0)
 
     def linear(self, period: float) -> LinearLaw | None:
-        """The law as matrices, if it is linear from the second sample on; it is then simulated in blocks of samples.
+        """The law as matrices, if it is linear from the second sample on; it is then part of the compiled loop.
 
         A class that overrides `force` overrides this too, or it is not used.
         """

@@ -13,7 +13,6 @@ from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection, ForceLimit
 from symid.axis.imperfections import in_order
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
 from symid.simulation.imperfect_plant import scalar_law
-from symid.simulation.recursion import Recursion
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +29,7 @@ class ThroughDrive(Controller):
     drive : sequence of DriveImperfection
         Imperfections of the drive of the axis.
     sent : array of shape (n_samples,)
-        Receives the commanded force, unless blocks of samples are made by the matrices: then `sent_along` has it.
+        Receives the commanded force, unless the loop is linear: then `sent_along` has it.
     period : float
         Time between two samples, s.
 
@@ -169,17 +168,15 @@ class ThroughDrive(Controller):
 
     def sent_along(self, inputs: FloatArray) -> FloatArray:
         """Commanded force of a linear controller along references and readings, of shape (n_samples, 3 + n_signals)."""
+        from symid.simulation.sample_loop import recursion  # numba takes 0.3 s to import
+
         law = linear_law(self.inner, self.period)
         assert law is not None
         # The first sample is made by the controller's own law, which may differ.
         command = Command(0, *inputs[0, :3].tolist())
         measured = dict(zip(self.signals, inputs[0, 3:].tolist(), strict=True))
         first, state = self.inner.force(command, measured, self.inner.start, self.period)
-        states = (
-            Recursion(law.A).states(state, inputs[1:] @ law.B.T)[:-1]
-            if state.size
-            else np.zeros((len(inputs) - 1, 0))
-        )
+        states = recursion(np.array(law.A, order="C"), state, inputs[1:] @ law.B.T)[:-1]
         sent = np.concatenate([[first], states @ law.C + inputs[1:] @ law.D])
         if law.given.size:
             sent[1:] += law.given[np.minimum(np.arange(1, sent.size), law.given.size - 1)]

@@ -157,7 +157,9 @@ class ForwardDynamics:
             drives=np.array([[p.at(values) for p in row] for row in self.drives]),
             constant=np.array([p.at(values) for p in self.constant]),
             laws=tuple(
-                JointLaw(direction, tuple(ScaledLaw(term.parameter.at(values), term.force) for term in terms))
+                JointLaw(
+                    direction, tuple(ScaledLaw(t.parameter.at(values), t.force, t.source) for t in terms)
+                )
                 for direction, terms in self.laws
             ),
             sensors=self.sensors,
@@ -205,11 +207,12 @@ def _named(plant: Plant, chosen: BoolArray) -> str:
 
 @dataclass(frozen=True, eq=False)
 class LawTerm:
-    """A nonlinear law of a joint, parameter times expression: a function `force` of two numbers, `forces` of arrays."""
+    """A nonlinear law of a joint, parameter times expression `source`: as a function of two numbers, and of arrays."""
 
     parameter: Polynomial
     force: LawFunction
     forces: Callable[[FloatArray, FloatArray], FloatArray]
+    source: sp.Expr
 
 
 class JointTerms(NamedTuple):
@@ -306,7 +309,8 @@ def _laws(operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]) 
         share = numbers.number(functional[body])
         parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / share)
         direction = tuple(float(x) for x in numbers.row(functional, bodies))
-        term = LawTerm(parameter, law_function(entry.expression), array_function(entry.expression))
+        formula = entry.expression
+        term = LawTerm(parameter, law_function(formula), array_function(formula), formula)
         joints.setdefault(direction, []).append(term)
     return tuple(
         JointTerms(read_only(np.array(direction)), tuple(terms)) for direction, terms in joints.items()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
+import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.axis import (
@@ -25,8 +26,8 @@ from symid.axis import (
 )
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.law_functions import array_function, law_function
-from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw
-from symid.symbolic.expressions import imperfection_law
+from symid.simulation.plant import JointLaw, Plant, ScaledLaw
+from symid.symbolic.expressions import READING, imperfection_law
 
 _FINE, _MOST_STEPS = 0.5, 50
 """Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
@@ -47,6 +48,11 @@ class Moment:
         """Begin a run at displacements, with empty memories."""
         for direction, memory in self.memories:
             memory.place, memory.state = float(direction @ displacements), 0.0
+
+    def recall(self, memories: FloatArray) -> None:
+        """Set place and state of each memory, the rows of an array."""
+        for (_, memory), (place, state) in zip(self.memories, memories.tolist(), strict=True):
+            memory.place, memory.state = place, state
 
     def settle(self, displacements: FloatArray) -> None:
         """Remember the displacements at the end of a sample."""
@@ -99,19 +105,19 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     return found
 
 
+def misread_law(axis: Axis, signal: str) -> sp.Expr | None:
+    """Reading of a sensor with ripple in terms of the exact value y; None without ripple."""
+    ripples = [e for e in axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
+    return READING + sum(imperfection_law(ripple) - READING for ripple in ripples) if ripples else None
+
+
 def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | None:
     """Function that adds a sensor's ripple to exact readings; None without ripple."""
-    ripples = [e for e in axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
-    if not ripples:
+    law = misread_law(axis, signal)
+    if law is None:
         return None
-
-    functions = [array_function(imperfection_law(ripple), ("y",)) for ripple in ripples]
-
-    def read(values: FloatArray) -> FloatArray:
-        errors = (function(values, values, values) - values for function in functions)
-        return np.asarray(values + sum(errors))
-
-    return read
+    function = array_function(law, ("y",))
+    return lambda values: function(values, values, values)
 
 
 def _law(
@@ -120,14 +126,20 @@ def _law(
     direction: FloatArray,
     values: Mapping[str, float],
     moment: Moment,
-) -> LawFunction:
+) -> ScaledLaw:
     if isinstance(element, PreslidingFriction):
         memory = Dahl(element.reach)
         moment.memories.append((direction, memory))
-        law = scalar_law(replace(element, level=presliding_level(axis, element, values)))
-        return lambda q, v: law(q, v, moment.load, moment.time, memory.at(q))
+        element = replace(element, level=presliding_level(axis, element, values))
+        law, number = scalar_law(element), len(moment.memories) - 1
+        return ScaledLaw(
+            1.0,
+            lambda q, v: law(q, v, moment.load, moment.time, memory.at(q)),
+            imperfection_law(element),
+            number,
+        )
     law = scalar_law(element)
-    return lambda q, v: law(q, v, moment.load, moment.time, 0.0)
+    return ScaledLaw(1.0, lambda q, v: law(q, v, moment.load, moment.time, 0.0), imperfection_law(element))
 
 
 @cache
@@ -156,15 +168,15 @@ def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period:
     return math.ceil(min(most, _MOST_STEPS))
 
 
-def _with_laws(plant: Plant, added: list[tuple[FloatArray, LawFunction]]) -> Plant:
+def _with_laws(plant: Plant, added: list[tuple[FloatArray, ScaledLaw]]) -> Plant:
     """A plant with more laws, put to those of the same direction."""
     laws = list(plant.laws)
-    for direction, force in added:
-        same = next((i for i, law in enumerate(laws) if np.allclose(law.direction, direction)), None)
-        if same is None:
-            laws.append(JointLaw(direction, (ScaledLaw(1.0, force),), timed=True))
-        else:
-            laws[same] = JointLaw(direction, (*laws[same].terms, ScaledLaw(1.0, force)), timed=True)
+    for direction, term in added:
+        same = next((i for i, law in enumerate(laws) if np.allclose(law.direction, direction)), len(laws))
+        terms = laws[same].terms if same < len(laws) else ()
+        laws[same : same + 1] = [
+            JointLaw(laws[same].direction if terms else direction, (*terms, term), timed=True)
+        ]
     return replace(plant, laws=tuple(laws))
 
 

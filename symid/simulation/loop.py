@@ -5,70 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
 from symid.simulation.imperfect_plant import Moment
+from symid.simulation.loop_numbers import RUNAWAY, LoopLaw
 from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import SensorChannel
 from symid.simulation.trajectory import Trajectory
-
-RUNAWAY = 1e100
-"""Drive force beyond which the loop counts as unstable."""
-
-
-@dataclass(frozen=True, eq=False)
-class LoopLaw:
-    """The linear laws of all drives as one: state' = A state + B w, forces = C state + D w + given.
-
-    w holds the references of all drives, position, velocity and acceleration of each, then the readings.
-
-    Parameters
-    ----------
-    A : array of shape (n_state, n_state)
-    B : array of shape (n_state, 3 n_drives + n_signals)
-    C : array of shape (n_drives, n_state)
-    D : array of shape (n_drives, 3 n_drives + n_signals)
-    limits : tuple of float
-        Largest force of each drive for which the matrices are valid.
-    is_given : tuple of bool
-        Which drives have a given force.
-    """
-
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
-    D: FloatArray
-    limits: tuple[float, ...]
-    is_given: tuple[bool, ...]
-
-    @classmethod
-    def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]]) -> LoopLaw:
-        """The laws of all drives, and the places of the readings of each among all."""
-        n_signals = 1 + max((place for own in places for place in own), default=-1)
-        inputs = [
-            [*range(3 * i, 3 * i + 3), *(3 * len(laws) + place for place in own)]
-            for i, own in enumerate(places)
-        ]
-        n_inputs = 3 * len(laws) + n_signals
-        B, D = np.zeros((sum(len(law.A) for law in laws), n_inputs)), np.zeros((len(laws), n_inputs))
-        first = 0
-        for i, (law, columns) in enumerate(zip(laws, inputs, strict=True)):
-            B[first : first + len(law.A), columns], D[i, columns] = law.B, law.D
-            first += len(law.A)
-        return cls(
-            A=block_diag(*(law.A for law in laws)),
-            B=B,
-            C=block_diag(*(law.C.reshape(1, -1) for law in laws)),
-            D=D,
-            limits=tuple(min(law.limit, RUNAWAY) for law in laws),
-            is_given=tuple(law.given.size > 0 for law in laws),
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +55,8 @@ class Loop:
         if len(laws) < self.n_drives:
             return None
         signals = [reader.signal for reader in self.controlled]
-        return LoopLaw.of(laws, [[signals.index(s) for s in c.signals] for c in self.controllers])
-
-    @cached_property
-    def limits(self) -> tuple[float, ...]:
-        """Largest force of each drive for which `law` holds."""
-        return self.law.limits if self.law else (0.0,) * self.n_drives
+        places = [[signals.index(s) for s in c.signals] for c in self.controllers]
+        return LoopLaw.of(laws, places, len(signals))
 
     @cached_property
     def start(self) -> Any:
@@ -141,35 +86,26 @@ class Loop:
         return any(reader.order == 2 for reader in self.readers)
 
     @cached_property
-    def inputs(self) -> FloatArray:
-        """References, noise of the controlled signals and given forces by sample, in columns."""
-        samples = np.arange(self.trajectories[0].n_samples)
-        given = [
-            law.given[np.minimum(samples, law.given.size - 1)]
-            if law is not None and law.given.size
-            else np.zeros(samples.size)
-            for law in self._laws
-        ]
-        paths = [x for path in self.trajectories for x in (path.position, path.velocity, path.acceleration)]
-        return np.column_stack([*paths, *(reader.noise for reader in self.controlled), *given])
+    def given(self) -> FloatArray:
+        """Given forces beside those of the matrices, of shape (n_samples, n_drives)."""
+        found = np.zeros((self.trajectories[0].n_samples, self.n_drives))
+        for i, law in enumerate(self._laws):
+            if law is not None and law.given.size:
+                found[:, i] = law.given[np.minimum(np.arange(len(found)), law.given.size - 1)]
+        return found
 
     @cached_property
-    def pieces(self) -> tuple[tuple[float, tuple[SensorChannel, ...]], ...]:
-        """Durations into which a sample is cut, each with the sensors that take their value at its end."""
-        moments: dict[float, tuple[SensorChannel, ...]] = {
-            self.period * i / self.steps: () for i in range(1, self.steps + 1)
-        }
-        for reader in self.between:
-            moments[reader.moment] = (*moments.get(reader.moment, ()), reader)
-        if not self.between:
-            return ((self.period / self.steps, ()),) * self.steps
-        ends = sorted(moments)
-        return tuple((end - begin, moments[end]) for begin, end in zip([0.0, *ends], ends, strict=False))
+    def moments(self) -> tuple[float, ...]:
+        """Times within a sample at which its pieces end, s: steps of the engine, and moments of the sensors."""
+        steps = (self.period * i / self.steps for i in range(1, self.steps + 1))
+        return tuple(sorted({*steps, *(reader.moment for reader in self.between)}))
 
-    def at(self, k: int, forces: Sequence[float]) -> None:
-        """Set what laws depend on beside the motion: the middle of sample k, and the size of the forces that act."""
-        if self.moment is not None:
-            self.moment.time, self.moment.load = (k + 0.5) * self.period, sum(map(abs, forces))
+    @cached_property
+    def durations(self) -> tuple[float, ...]:
+        """Lengths of the pieces, s."""
+        if not self.between:
+            return (self.period / self.steps,) * self.steps
+        return tuple(end - begin for begin, end in pairwise((0.0, *self.moments)))
 
     def force(
         self, k: int, references: Sequence[float], readings: Sequence[float], memory: Any

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import sympy as sp
 
 from symid.arrays import FloatArray
 
@@ -40,10 +41,15 @@ class SensorRow(NamedTuple):
 
 
 class ScaledLaw(NamedTuple):
-    """A law as parameter, SI, times expression of displacement and velocity of the joint."""
+    """A law as parameter, SI, times expression of displacement and velocity of the joint.
+
+    `source` is the formula of the expression, in which z is the state of the memory of that number, if any.
+    """
 
     parameter: float
     expression: LawFunction
+    source: sp.Expr
+    memory: int = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +65,7 @@ class JointLaw:
 
     def force(self, q: float, v: float) -> float:
         """Force that opposes the motion."""
-        return sum(parameter * function(q, v) for parameter, function in self.terms)
+        return sum(term.parameter * term.expression(q, v) for term in self.terms)
 
     def limits(self, q: float) -> tuple[float, float]:
         """Lowest and highest force at rest, from either side; they differ where the law can hold the joint."""

@@ -25,7 +25,7 @@ from symid.simulation import (
     simulate,
 )
 from symid.simulation.flow import Flow
-from symid.simulation.recursion import Recursion
+from symid.simulation.sample_loop import recursion
 
 PERIOD = 1 / 4000
 
@@ -84,7 +84,7 @@ def test_a_falling_friction_converges_with_the_second_order() -> None:
 
 
 @pytest.mark.parametrize("size", [1, 4, 7])
-@pytest.mark.parametrize("n", [1, 7, 8, 9, 64, 200, 1500])
+@pytest.mark.parametrize("n", [0, 1, 200])
 def test_a_recursion_is_what_it_says(size: int, n: int) -> None:
     random = np.random.default_rng(size)
     matrix = 0.98 * np.linalg.qr(random.standard_normal((size, size)))[0]
@@ -92,7 +92,7 @@ def test_a_recursion_is_what_it_says(size: int, n: int) -> None:
     states = [start]
     for row in inputs:
         states.append(matrix @ states[-1] + row)
-    assert Recursion(matrix).states(start, inputs) == pytest.approx(np.array(states), abs=1e-12)
+    assert recursion(matrix, start, inputs) == pytest.approx(np.array(states), abs=1e-12)
 
 
 @pytest.mark.parametrize("duration", [1e-7, 1e-4, 0.01, 1.0])

@@ -126,9 +126,10 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         else:
             forces = np.zeros((s.size, len(plant.bodies)), dtype=complex)
         for (direction, spectra), law, moved in zip(prediction.laws, plant.laws, other.laws, strict=True):
-            for spectrum, (weight, _), (after, _) in zip(spectra, law.terms, moved.terms, strict=True):
-                if after != weight:
-                    forces -= np.multiply.outer((after - weight) / step * spectrum, direction)
+            for spectrum, now, after in zip(spectra, law.terms, moved.terms, strict=True):
+                if after.parameter != now.parameter:
+                    change = (after.parameter - now.parameter) / step
+                    forces -= np.multiply.outer(change * spectrum, direction)
         forces += driven.T @ ((other.drives - plant.drives) / step).T
         forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)

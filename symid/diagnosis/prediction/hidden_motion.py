@@ -103,7 +103,7 @@ def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
     kinds = ("mass", "damping", "stiffness", "constant")
     changes = [getattr(other, kind) - getattr(plant, kind) for kind in kinds]
     for law, moved in zip(plant.laws, other.laws, strict=True):
-        by = (after - before for (before, _), (after, _) in zip(law.terms, moved.terms, strict=True))
+        by = (b.parameter - a.parameter for a, b in zip(law.terms, moved.terms, strict=True))
         changes += [law.direction * change for change in by]
     return any(np.abs(balance @ change).max() > _NOTHING * np.abs(change).max() for change in changes)
 

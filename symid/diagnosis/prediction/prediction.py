@@ -92,7 +92,7 @@ class Prediction:
         """Forces of the laws and of constants on the bodies, of shape (n_bins, n_bodies)."""
         total = np.zeros((self.record.n_bins, len(self.response.plant.bodies)), dtype=complex)
         for (direction, spectra), law in zip(self.laws, self.response.plant.laws, strict=True):
-            force = sum(weight * x for (weight, _), x in zip(law.terms, spectra, strict=True))
+            force = sum(term.parameter * x for term, x in zip(law.terms, spectra, strict=True))
             total -= np.multiply.outer(force, direction)
         total[0] += self.response.plant.constant * self.record.n_extended
         return total

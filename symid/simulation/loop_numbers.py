@@ -1,0 +1,270 @@
+"""A loop and its modes as records of arrays, which the compiled `sample_loop` takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy as sp
+
+from symid.arrays import FloatArray
+from symid.simulation.controller import LinearLaw
+from symid.simulation.imperfect_plant import Moment
+from symid.simulation.mode import StickSlipMode
+from symid.simulation.plant import Plant
+from symid.simulation.postfix import Program, program
+from symid.simulation.sensor_channel import SensorChannel
+from symid.simulation.trajectory import Trajectory
+
+RUNAWAY = 1e100
+"""Drive force beyond which the loop counts as unstable."""
+
+_ARGUMENTS: tuple[str, ...] = ("q", "v", "F", "t", "z")
+
+IntArray = np.ndarray[Any, np.dtype[np.int64]]
+
+
+class LoopLaw(NamedTuple):
+    """The linear laws of all drives as one, in terms of w: the controllers' state, references, and readings.
+
+    The references are position, velocity and acceleration for each drive.
+
+    Parameters
+    ----------
+    after : array of shape (n_state, n_state + 3 n_drives + n_signals)
+        The state after a sample is after @ w.
+    forces : array of shape (n_drives, n_state + 3 n_drives + n_signals)
+        The forces are forces @ w and given ones.
+    limits : array of shape (n_drives,)
+        Largest force of each drive for which the matrices are valid.
+    """
+
+    after: FloatArray
+    forces: FloatArray
+    limits: FloatArray
+
+    @classmethod
+    def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]], n_signals: int) -> LoopLaw:
+        """The laws of all drives, and the places of the readings of each among all."""
+        n_state, n_drives, first = sum(len(law.A) for law in laws), len(laws), 0
+        after, forces = (np.zeros((m, n_state + 3 * n_drives + n_signals)) for m in (n_state, n_drives))
+        for i, (law, own) in enumerate(zip(laws, places, strict=True)):
+            inputs = [n_state + 3 * i + j for j in range(3)] + [n_state + 3 * n_drives + p for p in own]
+            columns, rows = [*range(first, first + len(law.A)), *inputs], slice(first, first + len(law.A))
+            after[rows, columns], forces[i, columns] = np.hstack([law.A, law.B]), np.append(law.C, law.D)
+            first += len(law.A)
+        return cls(after, forces, np.array([min(law.limit, RUNAWAY) for law in laws]))
+
+    @classmethod
+    def unknown(cls, n_drives: int, n_signals: int) -> LoopLaw:
+        """The law of controllers without matrices: it holds for no force."""
+        forces = np.zeros((n_drives, 3 * n_drives + n_signals))
+        return cls(forces[:0], forces, np.full(n_drives, -1.0))
+
+
+class LawNumbers(NamedTuple):
+    """The laws of a plant, and programs: first one for each of their terms, then one for each misread sensor.
+
+    Parameters
+    ----------
+    directions : array of shape (n_laws, n)
+    timed : array of shape (n_laws,)
+        Which depend on more than the motion.
+    any_timed : bool
+    terms : array of shape (n_laws + 1,)
+        First term of each law, and the end of the last.
+    parameters : array of shape (n_terms,)
+    remembers : array of shape (n_terms,)
+        Memory on which each term depends, or -1.
+    operations, operands : arrays
+        All programs, one behind the other.
+    ends : array
+        Begin of each program, and the end of the last.
+    arguments, stack : arrays
+        Space for the programs.
+    slides : array of shape (n_memories, n)
+        Directions of the joints with a memory.
+    reaches : array of shape (n_memories,)
+        Displacement over which each builds up.
+    memories : array of shape (n_memories, 2)
+        Displacement at which each was left, and its state there.
+    """
+
+    directions: FloatArray
+    timed: np.ndarray[Any, np.dtype[np.bool_]]
+    any_timed: bool
+    terms: IntArray
+    parameters: FloatArray
+    remembers: IntArray
+    operations: IntArray
+    operands: FloatArray
+    ends: IntArray
+    arguments: FloatArray
+    stack: FloatArray
+    slides: FloatArray
+    reaches: FloatArray
+    memories: FloatArray
+
+    @classmethod
+    def of(cls, plant: Plant, moment: Moment | None, readers: Sequence[SensorChannel]) -> LawNumbers:
+        """The laws of a plant and the errors of controlled sensors."""
+        terms = [term for law in plant.laws for term in law.terms]
+        programs = [_program(term.source, _ARGUMENTS) for term in terms]
+        programs += [_program(reader.misread, ("y",)) for reader in readers if reader.misread is not None]
+        memories, n = moment.memories if moment else [], len(plant.bodies)
+        return cls(
+            directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
+            timed=np.array([law.timed for law in plant.laws], dtype=bool),
+            any_timed=any(law.timed for law in plant.laws),
+            terms=np.cumsum([0, *(len(law.terms) for law in plant.laws)]),
+            parameters=np.array([term.parameter for term in terms], dtype=float),
+            remembers=np.array([term.memory for term in terms], dtype=np.int64),
+            operations=np.concatenate([np.zeros(0, np.int64), *(p.operations for p in programs)]),
+            operands=np.concatenate([np.zeros(0), *(p.operands for p in programs)]),
+            ends=np.cumsum([0, *(p.operations.size for p in programs)]),
+            arguments=np.zeros(len(_ARGUMENTS)),
+            stack=np.zeros(max((p.depth for p in programs), default=1)),
+            slides=np.array([direction for direction, _ in memories]).reshape(-1, n),
+            reaches=np.array([memory.reach for _, memory in memories], dtype=float),
+            memories=np.array([(m.place, m.state) for _, m in memories], dtype=float).reshape(-1, 2),
+        )
+
+
+@cache
+def _program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
+    return program(expression, arguments)
+
+
+class ChannelNumbers(NamedTuple):
+    """References and sensors of a loop.
+
+    Parameters
+    ----------
+    period : float
+        Time between two samples, s.
+    references : array of shape (n_samples, 3 n_drives)
+        Position, velocity and acceleration of each drive's reference.
+    readings : array of shape (n_signals,)
+        Receives the readings of the controlled signals.
+    noise : array of shape (n_samples, n_signals)
+        Their noise.
+    rows : array of shape (n_signals, 3 n)
+        Exact readings, as rows on displacements, velocities and accelerations.
+    ages : array of shape (n_signals,)
+        Whole samples by which each is late.
+    places : array of shape (n_signals,)
+        Row of `between` that it reads, or -1.
+    steps : array of shape (n_signals,)
+        Resolutions.
+    misread : array of shape (n_signals,)
+        Program of its error, or -1.
+    between : array of shape (n_between, 3 n)
+        Rows of the sensors that take a value between two samples.
+    pieces : array of shape (n_between,)
+        The piece of a sample at whose end they do.
+    """
+
+    period: float
+    references: FloatArray
+    readings: FloatArray
+    noise: FloatArray
+    rows: FloatArray
+    ages: IntArray
+    places: IntArray
+    steps: FloatArray
+    misread: IntArray
+    between: FloatArray
+    pieces: IntArray
+
+    @classmethod
+    def of(
+        cls,
+        trajectories: Sequence[Trajectory],
+        controlled: Sequence[SensorChannel],
+        between: Sequence[SensorChannel],
+        moments: Sequence[float],
+        n_bodies: int,
+        first_program: int,
+    ) -> ChannelNumbers:
+        """Sensors of a loop whose samples are cut at `moments`; the programs of those misread begin at a number."""
+        first, width = trajectories[0], 3 * n_bodies
+        is_misread = [reader.misread is not None for reader in controlled]
+        programs = first_program - 1 + np.cumsum(is_misread, dtype=np.int64)
+        return cls(
+            period=first.sampling_period,
+            references=np.column_stack(
+                [x for path in trajectories for x in (path.position, path.velocity, path.acceleration)]
+            ),
+            readings=np.zeros(len(controlled)),
+            noise=np.array([reader.noise for reader in controlled]).reshape(-1, first.n_samples).T.copy(),
+            rows=np.array([reader.motion_row for reader in controlled]).reshape(-1, width),
+            ages=np.array([reader.age for reader in controlled], dtype=np.int64),
+            places=np.array(
+                [between.index(reader) if reader.is_between else -1 for reader in controlled], dtype=np.int64
+            ),
+            steps=np.array([reader.step for reader in controlled], dtype=float),
+            misread=np.where(is_misread, programs, -1),
+            between=np.array([reader.motion_row for reader in between]).reshape(-1, width),
+            pieces=np.array([moments.index(reader.moment) for reader in between], dtype=np.int64),
+        )
+
+
+class ModeNumbers(NamedTuple):
+    """Motion in a mode, cut into the pieces of a sample, in terms of z: state, drives' forces, varying laws' forces, 1.
+
+    Parameters
+    ----------
+    begins : array of shape (n_pieces, 2 n + n_stuck, n_z)
+        State at the middle of each piece, and forces that stuck joints need at its begin.
+    ends : array of shape (n_pieces, 2 n + n_stuck + n_sliding, n_z)
+        State at the end of each piece; there, forces that stuck joints need, and speeds of sliding joints, positive
+        while they keep direction.
+    rates : array of shape (n, n_z)
+        Accelerations.
+    stuck, varying : arrays of int
+        Laws of the stuck joints, and laws that are no straight line.
+    signs : array of shape (n_varying,)
+        Directions of the varying laws, 0 for both.
+    limits : array of shape (n_stuck, 2)
+        Lowest and highest force that each stuck joint can hold.
+    is_accelerated : bool
+        Whether a sensor reads an acceleration.
+    """
+
+    begins: FloatArray
+    ends: FloatArray
+    rates: FloatArray
+    stuck: IntArray
+    varying: IntArray
+    signs: FloatArray
+    limits: FloatArray
+    is_accelerated: bool
+
+    @classmethod
+    def of(cls, mode: StickSlipMode, durations: Sequence[float], is_accelerated: bool) -> ModeNumbers:
+        """A mode over pieces of given durations, s."""
+        flow, laws, n = mode.flow, list(mode.plant.laws), len(mode.plant.bodies)
+        # state and generalised forces as rows on z
+        against = np.array([law.direction for law, _ in mode.varying]).reshape(-1, n).T
+        forces = np.hstack([mode.plant.drives, -against, mode.constant[:, None]])
+        state = np.eye(2 * n, 2 * n + forces.shape[1])
+        motion = np.vstack([state, np.hstack([np.zeros((n, 2 * n)), forces])])
+
+        def after(duration: float) -> FloatArray:
+            return np.asarray(np.hstack(flow.transition(duration)) @ motion)
+
+        begins = [np.vstack([after(duration / 2), flow.holding_rows @ motion]) for duration in durations]
+        ends = [np.vstack([after(duration), motion[2 * n :]]) for duration in durations]
+        checks = np.vstack([flow.holding_rows, np.pad(mode.speeds, ((0, 0), (0, n)))])
+        return cls(
+            begins=np.array(begins),
+            ends=np.array([np.vstack([end[: 2 * n], checks @ end]) for end in ends]),
+            rates=flow.acceleration_rows @ motion,
+            stuck=np.array(flow.stuck, dtype=np.int64),
+            varying=np.array([laws.index(law) for law, _ in mode.varying], dtype=np.int64),
+            signs=np.array([sign for _, sign in mode.varying], dtype=float),
+            limits=np.zeros((len(flow.stuck), 2)),
+            is_accelerated=is_accelerated,
+        )

@@ -1,0 +1,222 @@
+"""Samples of a loop within one mode, compiled. Numba takes 0.3 s to import: a simulation imports this as it runs.
+
+The arguments `law`, `channels`, `laws`, `mode` and `record` are the records of `loop_numbers` and `sensor_channel`.
+"""
+
+import numpy as np
+
+from symid.jit import compiled
+from symid.simulation.evaluation import evaluate
+from symid.simulation.plant import JUST_MOVING
+
+_RUNAWAY = 1e150
+"""Displacement or speed at which the axis runs away."""
+
+
+@compiled
+def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, after):  # type: ignore[no-untyped-def]
+    """Advance from sample `begin` up to `end`; how many samples came before one with an event.
+
+    Within a sample laws that vary act as at the middle of each piece. Where a force is beyond the limit of its law,
+    `ask(k)` has the controllers write the forces to the record and their state to `after`; it returns 0, or 1 to stop.
+    `memory`, the state of the controllers, and `laws.memories` are those after the last sample.
+    """
+    # Each use of a record's field counts references: the fields that all samples use are named first.
+    (states, accelerations, forces, between), (law_after, law_forces, limits) = record, law
+    references, noise, steps, misread = channels.references, channels.noise, channels.steps, channels.misread
+    readings, rows, ages, places = channels.readings, channels.rows, channels.ages, channels.places
+    begins, ends, held, n_varying, rates = mode.begins, mode.ends, mode.limits, mode.varying.size, mode.rates
+    n_state, n_drives, n_memory, n_known = states.shape[1], given.shape[1], memory.size, law_after.shape[1]
+    n_remembered, is_timed, is_accelerated = laws.reaches.size, laws.any_timed, mode.is_accelerated
+    inputs, out, z = np.zeros(n_known), np.zeros(ends.shape[1]), np.zeros(ends.shape[2])
+    z[:n_state], z[-1] = states[begin], 1.0
+    for k in range(begin, end):
+        inputs[:n_memory] = memory
+        inputs[n_memory : n_known - ages.size] = references[k]
+        for i in range(ages.size):
+            value = _taken(k - 1 - ages[i], places[i], rows, i, states, accelerations, between)
+            if misread[i] >= 0:
+                laws.arguments[0] = value
+                value = _value(misread[i], laws)
+            value += noise[k, i]
+            readings[i] = steps[i] * np.rint(value / steps[i]) if steps[i] > 0 else value
+            inputs[n_known - ages.size + i] = readings[i]
+        asked = False
+        for i in range(n_drives):
+            forces[k, i] = given[k, i] + _dot(law_forces, i, inputs)
+            asked |= not abs(forces[k, i]) <= limits[i]
+        if asked and ask(k):
+            return k - begin
+        if not asked:
+            _product(law_after, inputs, after)
+        z[n_state : n_state + n_drives] = forces[k]
+        if is_timed:
+            laws.arguments[2], laws.arguments[3] = np.abs(forces[k]).sum(), (k + 0.5) * channels.period
+            _hold(z, laws, mode)
+        for piece in range(len(ends)):
+            if n_varying:
+                is_smooth = _bends(piece, z, out, laws, mode)
+            else:
+                is_smooth = _moves(begins[piece], ends[piece], held, z, out)
+            if not is_smooth:
+                return k - begin
+            z[:n_state] = states[k + 1] = out[:n_state]
+            if is_accelerated:
+                if n_varying:
+                    _act(z, z, laws, mode)
+                _product(rates, z, accelerations[k + 1])
+            for i in range(len(between)):
+                if channels.pieces[i] == piece:
+                    between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
+        for i in range(n_remembered):
+            q = _slide(laws.slides, i, z)
+            laws.memories[i, 1], laws.memories[i, 0] = _built_up(i, q, laws), q
+        memory[:] = after
+    return end - begin
+
+
+@compiled
+def recursion(matrix, start, inputs):  # type: ignore[no-untyped-def]
+    """States z[k + 1] = matrix @ z[k] + inputs[k], the start first; of shape (n + 1, m)."""
+    states = np.zeros((len(inputs) + 1, start.size))
+    states[0] = start
+    for k in range(len(inputs)):
+        for i in range(start.size):
+            states[k + 1, i] = _dot(matrix, i, states[k]) + inputs[k, i]
+    return states
+
+
+@compiled
+def _dot(rows, i, values):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for j in range(values.size):
+        total += rows[i, j] * values[j]
+    return total
+
+
+@compiled
+def _taken(interval, place, rows, i, states, accelerations, between):  # type: ignore[no-untyped-def]
+    """Exact value that a sensor takes in an interval between samples: that of the start before the first one."""
+    if place >= 0 and interval >= 0:
+        return between[place, interval]
+    return _exact(rows, i, max(interval + 1, 0), states, accelerations)
+
+
+@compiled
+def _exact(rows, i, k, states, accelerations):  # type: ignore[no-untyped-def]
+    """Exact value of a sensor at a sample."""
+    value, n = 0.0, states.shape[1]
+    for j in range(n):
+        value += rows[i, j] * states[k, j]
+    for j in range(n // 2):
+        value += rows[i, n + j] * accelerations[k, j]
+    return value
+
+
+@compiled
+def _product(matrix, z, out):  # type: ignore[no-untyped-def]
+    for i in range(len(matrix)):
+        out[i] = _dot(matrix, i, z)
+
+
+@compiled
+def _moves(begin, end, held, z, out):  # type: ignore[no-untyped-def]
+    """Motion over a piece of a sample, to `out`; whether no sliding joint turned and every stuck joint held."""
+    if len(held):
+        _product(begin, z, out)
+        if not _holds(out, len(begin) - len(held), held):
+            return False
+    _product(end, z, out)
+    return _goes_on(out, len(begin) - len(held), held)
+
+
+@compiled
+def _bends(piece, z, out, laws, mode):  # type: ignore[no-untyped-def]
+    """The same where laws vary: they act as at the middle of the piece."""
+    n_state = 2 * laws.directions.shape[1]
+    _act(z, z, laws, mode)
+    _product(mode.begins[piece], z, out)
+    if not _holds(out, n_state, mode.limits):
+        return False
+    _act(out, z, laws, mode)
+    _product(mode.ends[piece], z, out)
+    return _goes_on(out, n_state, mode.limits)
+
+
+@compiled
+def _holds(out, first, limits):  # type: ignore[no-untyped-def]
+    for i in range(len(limits)):  # noqa: SIM110  numba compiles no generator
+        if not limits[i, 0] <= out[first + i] <= limits[i, 1]:
+            return False
+    return True
+
+
+@compiled
+def _goes_on(out, n_state, limits):  # type: ignore[no-untyped-def]
+    """Whether stuck joints hold and sliding ones keep direction; false for an axis that runs away."""
+    for i in range(n_state):
+        if not abs(out[i]) < _RUNAWAY:
+            return False
+    for i in range(n_state + len(limits), out.size):
+        if out[i] < 0:
+            return False
+    return _holds(out, n_state, limits)
+
+
+@compiled
+def _hold(z, laws, mode):  # type: ignore[no-untyped-def]
+    """Forces that stuck joints can hold in this sample, where they depend on more than the motion."""
+    for i in range(mode.stuck.size):
+        j = mode.stuck[i]
+        if laws.timed[j]:
+            q = _slide(laws.directions, j, z)
+            mode.limits[i, 0] = _law(j, q, -JUST_MOVING, laws)
+            mode.limits[i, 1] = _law(j, q, JUST_MOVING, laws)
+
+
+@compiled
+def _act(state, z, laws, mode):  # type: ignore[no-untyped-def]
+    """Write the forces that varying laws have at a state to z."""
+    n, first = laws.directions.shape[1], z.size - 1 - mode.varying.size
+    for i in range(mode.varying.size):
+        j, sign, v = mode.varying[i], mode.signs[i], 0.0
+        for b in range(n):
+            v += laws.directions[j, b] * state[n + b]
+        if sign != 0:
+            v = sign * max(sign * v, JUST_MOVING)
+        z[first + i] = _law(j, _slide(laws.directions, j, state), v, laws)
+
+
+@compiled
+def _slide(directions, j, state):  # type: ignore[no-untyped-def]
+    """Displacement in a joint."""
+    q = 0.0
+    for b in range(directions.shape[1]):
+        q += directions[j, b] * state[b]
+    return q
+
+
+@compiled
+def _law(j, q, v, laws):  # type: ignore[no-untyped-def]
+    """Force of a joint."""
+    total = 0.0
+    for term in range(laws.terms[j], laws.terms[j + 1]):
+        laws.arguments[0], laws.arguments[1] = q, v
+        if laws.remembers[term] >= 0:
+            laws.arguments[4] = _built_up(laws.remembers[term], q, laws)
+        total += laws.parameters[term] * _value(term, laws)
+    return total
+
+
+@compiled
+def _value(program, laws):  # type: ignore[no-untyped-def]
+    begin, end = laws.ends[program], laws.ends[program + 1]
+    return evaluate(laws.operations[begin:end], laws.operands[begin:end], laws.arguments, laws.stack)
+
+
+@compiled
+def _built_up(i, q, laws):  # type: ignore[no-untyped-def]
+    """Dahl's state of a memory at a displacement, exact along a motion that does not turn."""
+    path = q - laws.memories[i, 0]
+    side = 1.0 if path >= 0 else -1.0
+    return side - (side - laws.memories[i, 1]) * np.exp(-abs(path) / laws.reaches[i])
