@@ -1,10 +1,13 @@
-"""Gantry with two linear motors: both carriages, the beam and its turning stiffness from one log."""
+"""Gantry with two linear motors: both carriages, the beam and its turning stiffness from one log, and what it lacks."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from symid import (
     Axis,
     Body,
+    Cogging,
     CoulombFriction,
     Drive,
     Geared,
@@ -12,10 +15,11 @@ from symid import (
     Spring,
     ViscousFriction,
     derive,
+    diagnose,
     identify,
     simulate,
 )
-from symid.simulation import Trajectory, chirp, plant_of, tuned_cascades
+from symid.simulation import Controller, Trajectory, chirp, plant_of, tuned_cascades
 
 SPAN = 1.25  # between the carriages, m
 CARRIAGE = 31.5  # weighed, kg: beam and yaw leave the carriages undetermined otherwise
@@ -67,6 +71,24 @@ def main() -> None:
         print(f"{name:3} {value:10.4g}  true {TRUE[name]:8.4g}  off {100 * (value / TRUE[name] - 1):+.2f} %")
     worst = max(np.abs(log["q1"] - log["q2"])) / SPAN
     print(f"the beam turned by up to {1e3 * worst:.2f} mrad")
+    lacking(found.physical_parameters, controllers)
+
+
+def lacking(nominal: dict[str, float], controllers: Sequence[Controller]) -> None:
+    """The left motor of the machine cogs: which effect at which motor, and how the simulated axis then moves."""
+    machine = axis.with_effect(Cogging(left, "As", "Ac", pitch=0.024))
+    log = simulate(machine, TRUE | {"As": 4.0, "Ac": -3.0}, references(), controllers, seed=1).log
+    found = diagnose(axis, log, nominal=nominal)
+    for effect in found.effects:
+        values = ", ".join(f"{name} {one.value:.3g} {one.unit}" for name, one in effect.parameters.items())
+        print(f"found: {effect.effect} at {effect.at}, {values}")
+    for own in found.drives:
+        error, motion = own.gap, own.gap.motion
+        print(
+            f"{error.signal}: force error {error.nominal.rms:.1f} N, then {error.explained.rms:.1f} N; "
+            f"{motion.signal} simulated is {1e6 * motion.nominal.position_rms:.1f} um off, "
+            f"then {1e6 * motion.explained.position_rms:.1f} um ({motion.driver} controller)"
+        )
 
 
 if __name__ == "__main__":

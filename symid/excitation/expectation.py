@@ -139,19 +139,12 @@ class IdentificationTrial:
         }
         return found if self.apart is None else {**found, "apart": float(np.ptp(position, axis=1).max())}
 
-    def identified(
-        self, run: Simulation, *, examine: bool = True
-    ) -> tuple[dict[str, float], dict[str, float]] | None:
-        """Physical parameters and their deviations from a simulated log; None if they are not determined.
-
-        Without `examine` the bias by noise stays in them, which `symid identify` takes off.
-        """
+    def identified(self, run: Simulation) -> tuple[dict[str, float], dict[str, float]] | None:
+        """Physical parameters and their deviations from a simulated log; None if they are not determined."""
         settings = Preparation(held=True)
         try:
             if self.method == "wls":
-                found = identify(
-                    self.model, run.log, preparation=settings, nominal=self.parameters, examine=examine
-                )
+                found = identify(self.model, run.log, preparation=settings, nominal=self.parameters)
             else:
                 found = identify_by_instruments(
                     self.model,
@@ -159,7 +152,6 @@ class IdentificationTrial:
                     ClosedLoop(self.axis, self.controller, run.log.sampling_frequency),
                     preparation=settings,
                     nominal=self.parameters,
-                    examine=examine,
                 )
         except (SettingError, LogError):
             return None
@@ -172,7 +164,7 @@ class IdentificationTrial:
         """Expectation along a reference for each drive; None beyond limits, or where the parameters are not determined.
 
         References are made smaller if the axis goes beyond its limits. Each of the runs has other noise: the more, the
-        smaller a systematic error that is seen. One run is a rough guess: no bias is taken off it.
+        smaller a systematic error that is seen.
         """
         kept = self.within_limits(paths)
         if kept is None:
@@ -183,7 +175,7 @@ class IdentificationTrial:
             simulate(self.axis, self.parameters, motion, self.controller, seed=seed)
             for seed in range(1, runs)
         ]
-        found = [one for run in every if (one := self.identified(run, examine=runs > 1))]
+        found = [one for run in every if (one := self.identified(run))]
         if len(found) < runs:
             return None
         deviations = {name: math.sqrt(sum(one[1][name] ** 2 for one in found) / runs) for name in found[0][0]}
