@@ -1,4 +1,4 @@
-"""Samples that a recorder lost and filled with 0, and their restoration from those beside them."""
+"""Samples that a recorder lost and filled with 0 or the last value, and their restoration from those beside them."""
 
 from __future__ import annotations
 
@@ -18,6 +18,12 @@ _FAR = 0.25
 """Of the rms signal, by which a lost sample must differ from those beside it."""
 _NOISE = 5.0
 """Times the usual second difference of a signal, by which it must differ too: noise makes zeros of coarse values."""
+_LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
+"""Share of rows that must be repeated for some to count as lost, and beyond which a channel is slow rather than lossy."""
+_STEPS = 12.0
+"""Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
+_SPAN = 8
+"""Samples on either side in which it must move: a channel that is updated every eighth sample does."""
 _MOST = 0.05
 """Share of the samples beyond which a channel is not restored: its faults are then named as they are."""
 
@@ -47,6 +53,30 @@ def _next_not_zero(x: FloatArray, places: np.ndarray, step: int) -> FloatArray:
     for k in range(1, _LONGEST + 1):
         there = x[np.clip(places + k * step, 0, x.size - 1)]
         found = np.where(found == 0.0, there, found)
+    return found
+
+
+def repeated(x: FloatArray) -> BoolArray:
+    """Samples equal to the one before, where the signal moves by many of its smallest steps around them."""
+    n, found = _SPAN, np.zeros(x.size, dtype=np.bool_)
+    if x.size < 4 * n:
+        return found
+    step = np.abs(np.diff(x))
+    moving = step[step > 0]
+    if moving.size == step.size or moving.size < x.size // 20:
+        return found
+    smallest = float(np.quantile(moving, 0.01))
+    noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
+    # between i and i + 1 nothing changes, though it moves the same way before and after
+    before, after = x[n : -n - 1] - x[: -2 * n - 1], x[2 * n + 1 :] - x[n + 1 : -n]
+    least = _STEPS * max(smallest, noise)
+    odd = (step[n:-n] == 0.0) & (np.minimum(np.abs(before), np.abs(after)) > least) & (before * after > 0)
+    # a machine that stops for a moment slows down before; a lost sample has a full step beside it
+    beside = np.maximum(step[n - 1 : -n - 1], step[n + 1 : -n + 1])
+    odd &= beside > 0.25 * np.abs(before + after) / n
+    # the largest value of a clipped or limited channel is repeated for another reason
+    odd &= (x[n : -n - 1] < x.max()) & (x[n : -n - 1] > x.min())
+    found[n + 1 : -n] = odd
     return found
 
 
@@ -87,18 +117,55 @@ def restored(
     return values, notes
 
 
+def without_repeated_rows(
+    signals: Mapping[str, FloatArray], smooth: Collection[str]
+) -> tuple[dict[str, FloatArray], list[str]]:
+    """Signals without rows that were lost and filled with the row before, and a note on them.
+
+    Parameters
+    ----------
+    signals, smooth
+        As in `restored`.
+
+    Examples
+    --------
+    >>> t = np.arange(2000) / 1000
+    >>> row = np.arange(2000) - (np.arange(2000) % 97 == 50)
+    >>> whole = {"q": np.sin(t), "F": np.cos(5 * t)}
+    >>> values, notes = without_repeated_rows({name: x[row] for name, x in whole.items()}, ["q"])
+    >>> bool(np.allclose(values["q"], whole["q"])), notes[0][:16]
+    (True, '21 rows repeated')
+    """
+    rows = np.stack([np.diff(x, prepend=np.nan) == 0.0 for x in signals.values()]).all(axis=0)
+    odd = np.stack([repeated(x) for x in signals.values()]).any(axis=0) & rows
+    least = max(FEWEST, _LEAST_REPEATED * rows.size)
+    if len(signals) < 2 or np.count_nonzero(odd) < least or np.mean(odd) > _MOST_REPEATED:
+        return dict(signals), []
+    lost = _short(rows)
+    values = {name: _filled(x, ~lost, smooth=name in smooth) for name, x in signals.items()}
+    return values, [
+        f"{describe(int(np.count_nonzero(lost)), 'row')} repeated the one before: they were lost, and interpolated"
+    ]
+
+
 def _lost_rows(signals: Mapping[str, FloatArray]) -> BoolArray:
     """Rows of several signals, at most three in a row, in which all are exactly 0 between rows in which none is."""
     zeros = np.stack([x == 0.0 for x in signals.values()])
     if len(zeros) < 2:
         return np.zeros(zeros.shape[1], dtype=np.bool_)
     whole, sound = np.asarray(zeros.all(axis=0)), np.asarray(~zeros.any(axis=0))
-    steps = np.diff(np.concatenate(([0], whole.astype(np.int8), [0])))
+    beside = np.concatenate([sound[:1], sound[:-1]]) | whole, np.concatenate([sound[1:], sound[-1:]]) | whole
+    return _short(whole) & beside[0] & beside[1]
+
+
+def _short(lost: BoolArray) -> BoolArray:
+    """Places within a log, at most three in a row."""
+    steps = np.diff(np.concatenate(([0], lost.astype(np.int8), [0])))
     starts, ends = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1)
+    found = lost.copy()
     for start, end in zip(starts, ends, strict=True):
-        inside = start > 0 and end < whole.size and sound[start - 1] and sound[end]
-        whole[start:end] = inside and end - start <= _LONGEST
-    return whole
+        found[start:end] = start > 0 and end < lost.size and end - start <= _LONGEST
+    return found
 
 
 def _filled(x: FloatArray, sound: BoolArray, *, smooth: bool) -> FloatArray:

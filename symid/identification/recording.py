@@ -14,15 +14,11 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.data.lost_samples import FEWEST, dropped
+from symid.data.lost_samples import FEWEST, dropped, repeated
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 
-_STEPS = 12.0
-"""Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
-_SPAN = 8
-"""Samples on either side in which it must move: a channel that is updated every eighth sample does."""
 _WRAPPED = 0.8
 """Of the range, in one sample: a force that reverses and a friction that does make half of it at most together."""
 _USUAL_STEP = 0.2
@@ -61,9 +57,9 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
     most = max(FEWEST, criteria.dead_share * x.size)
     if (lost := int(np.count_nonzero(dropped(x)))) >= most:
         return f"{name} is exactly 0 in {lost} single samples between others: samples were lost and filled with 0"
-    if (repeated := _repeated(x)) >= most:
+    if (again := int(np.count_nonzero(repeated(x)))) >= most:
         return (
-            f"{name} repeats the last value in {repeated} samples ({100 * repeated / x.size:.2g} %) while it moves: "
+            f"{name} repeats the last value in {again} samples ({100 * again / x.size:.2g} %) while it moves: "
             "samples were lost and held, or the channel is updated more rarely than it is recorded"
         )
     if (wrapped := _wrapped(x)) >= FEWEST:
@@ -72,29 +68,6 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
         share = f"{100 * limited:.2g} %"
         return f"{name} changes by exactly its largest step in {share} of the samples: its slope is limited"
     return ""
-
-
-def _repeated(x: FloatArray) -> int:
-    """Samples equal to the one before, where the signal moves by many of its smallest steps around them."""
-    n = _SPAN
-    if x.size < 4 * n:
-        return 0
-    step = np.abs(np.diff(x))
-    moving = step[step > 0]
-    if moving.size == step.size or moving.size < x.size // 20:
-        return 0
-    smallest = float(np.quantile(moving, 0.01))
-    noise = float(np.median(np.abs(np.diff(x, 2)))) / 2
-    # between i and i + 1 nothing changes, though it moves the same way before and after
-    before, after = x[n : -n - 1] - x[: -2 * n - 1], x[2 * n + 1 :] - x[n + 1 : -n]
-    least = _STEPS * max(smallest, noise)
-    odd = (step[n:-n] == 0.0) & (np.minimum(np.abs(before), np.abs(after)) > least) & (before * after > 0)
-    # a machine that stops for a moment slows down before; a lost sample has a full step beside it
-    beside = np.maximum(step[n - 1 : -n - 1], step[n + 1 : -n + 1])
-    odd &= beside > 0.25 * np.abs(before + after) / n
-    # the largest value of a clipped or limited channel is repeated for another reason
-    odd &= (x[n : -n - 1] < x.max()) & (x[n : -n - 1] > x.min())
-    return int(np.count_nonzero(odd))
 
 
 def _wrapped(x: FloatArray) -> int:

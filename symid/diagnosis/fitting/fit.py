@@ -165,8 +165,6 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
     """The same with unknown states after each standstill, of which an axis that is seen whole has none."""
-    if not fit.state.prediction.hidden:
-        return fit
     weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 
@@ -179,8 +177,11 @@ def converged(state: State, weighting: Weighting) -> Fit:
     """
     start = settled(Fit(state, weighting))
     first = fitted(start.state, start.weighting, ITERATIONS)
-    kept = keeps_inertia(first.state, state.inertia)
-    return replace(refitted(settled(first) if kept else first), begun=state.inertia)
+    again = first
+    if keeps_inertia(first.state, state.inertia):
+        again = refitted(settled(first))
+    kept = keeps_inertia(again.state, state.inertia)
+    return replace(again if kept else first, begun=state.inertia)
 
 
 def settled(fit: Fit) -> Fit:

@@ -7,6 +7,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.data.density import incoherent_density, power_density
+from symid.diagnosis.prediction.quantisation import rounding_error
 
 WIDEST = 0.3
 """Share of the sampling frequency up to which motion may reach."""
@@ -17,6 +18,7 @@ _RISES = 3.0
 _WIDTH_OF_LINES = 9
 _QUARTER = 2**0.125
 _FEWEST_BINS = 8
+_TINY = 1e-300
 _SEGMENT = 4096
 _SEGMENTS = 8
 """Least number of segments, without overlap, of a coherence."""
@@ -28,8 +30,13 @@ def motion_band(position: FloatArray, sampling_frequency: float) -> float:
     """Frequency at which the motion sinks into the noise of its reading: where the acceleration is smallest.
 
     The acceleration of a machine falls with frequency, that of a noisy reading rises, up to the end of the spectrum. Of
-    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end.
+    a reading so smooth that it does not, motion ends where the spectrum falls to the level of its end; of a coarse one,
+    where it falls to that of its rounding, whose errors wander with the motion.
     """
+    if (error := rounding_error(position)) is not None:
+        frequency, rounding = _density(error, sampling_frequency)
+        end = _last_octave_above(_density(position, sampling_frequency)[1] / (rounding + _TINY))
+        return _within(frequency, end, sampling_frequency)
     frequency, density = _density(np.diff(position), sampling_frequency)
     density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
     without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
@@ -38,6 +45,21 @@ def motion_band(position: FloatArray, sampling_frequency: float) -> float:
         floor = np.median(density[frequency > _HIGH * sampling_frequency])
         stands_out = scipy.ndimage.median_filter(density, _BINS_OF_MOTION) > _ABOVE_NOISE * floor
         end = int(np.flatnonzero(stands_out).max(initial=0))
+    return _within(frequency, end, sampling_frequency)
+
+
+def _last_octave_above(ratio: FloatArray) -> int:
+    """Middle of the first octave of which most stands out no longer; lines of rounding do, one by one."""
+    middle = float(_FEWEST_BINS)
+    while 2**0.5 * middle < ratio.size:
+        octave = ratio[int(middle / 2**0.5) : int(middle * 2**0.5) + 1]
+        if np.median(octave) < _ABOVE_NOISE:
+            break
+        middle *= _QUARTER
+    return min(int(middle), ratio.size - 1)
+
+
+def _within(frequency: FloatArray, end: int, sampling_frequency: float) -> float:
     return float(np.clip(frequency[end], 8 * frequency[1], WIDEST * sampling_frequency))
 
 

@@ -25,6 +25,7 @@ from symid.data import Log
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import bridge
 from symid.diagnosis.prediction.motion_band import WIDEST, force_noise, motion_band, noise_beyond
+from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
 
@@ -228,6 +229,18 @@ class Record:
             for name in self.forces
         ]
         return np.array([*found[: self.n_drives], *of_forces, *found[self.n_drives :]])
+
+    @cached_property
+    def noise_spread(self) -> FloatArray:
+        """Densities of the noises over frequency, relative to white ones, of shape (n_noises, n_bins)."""
+        spread = np.ones((self.noise.size, self.n_bins))
+        rate, frequency = self.log.sampling_frequency, self.omega / (2 * np.pi)
+        for i, name in enumerate((*self.driven, *self.outputs)):
+            if name not in self.forces:
+                motion = self.grid([*self.motions, *self.measured][i] * self.taper, self.n_extended)
+                x, noise = self.log[name], float(self.noise[i])
+                spread[i] = quantisation_lines(x, motion[: x.size], rate, noise, frequency)
+        return spread
 
     @property
     def noise_of_motions(self) -> FloatArray:

@@ -15,7 +15,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
-from symid.data.lost_samples import restored
+from symid.data.lost_samples import restored, without_repeated_rows
 from symid.identification.smoothing import interpolated_from
 
 _SPACINGS = range(2, 17)
@@ -91,7 +91,9 @@ def _restored(axis: Axis, log: Log) -> tuple[Log, list[str]]:
     """A log without samples of the axis that were lost."""
     positions = [sensor.signal for sensor in axis.sensors if sensor.derivative == 0]
     names = {drive.signal for drive in axis.drives} | {sensor.signal for sensor in axis.sensors}
-    values, notes = restored({k: x for k, x in log.signals.items() if k in names}, positions)
+    values, zeros = restored({k: x for k, x in log.signals.items() if k in names}, positions)
+    values, repeats = without_repeated_rows(values, positions)
+    notes = [*zeros, *repeats]
     return (replace(log, signals=dict(log.signals) | values), notes) if notes else (log, notes)
 
 

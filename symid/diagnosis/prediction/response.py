@@ -129,10 +129,13 @@ def noise_weights(record: Record, response: Response, levels: Sequence[float] = 
     """What makes noise alone white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
 
     S = level^2 sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of each driven position comes through
-    its G. A level above 1 allows for errors of the model besides the noise.
+    its G. A level above 1 allows for errors of the model besides the noise. Rounding makes lines of sigma.
     """
+    n = record.n_drives
     own = record.noise_of_outputs * (np.array(levels) if len(levels) else 1.0)
-    spread = own[:, None] ** 2
-    for gain, sigma in zip(response.of_positions, record.noise_of_motions, strict=True):
-        spread = spread + np.abs(gain) ** 2 * sigma**2
+    spread = own[:, None] ** 2 * record.noise_spread[n:]
+    for gain, sigma, lines in zip(
+        response.of_positions, record.noise_of_motions, record.noise_spread[:n], strict=True
+    ):
+        spread = spread + np.abs(gain) ** 2 * sigma**2 * lines
     return np.asarray(1 / np.sqrt(spread * 2 * record.n_bins / record.n_extended * record.freedom))

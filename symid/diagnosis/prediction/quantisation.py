@@ -1,0 +1,91 @@
+"""Noise of coarse readings: rounding repeats itself along a motion, and is not white.
+
+While an axis moves at a constant speed, a reading in steps errs like a saw whose teeth pass at speed over step, and
+near a reversal it errs slowly. How this is spread over frequency follows from rounding the motion itself, somewhere
+between two steps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.data.density import power_density
+from symid.identification.recording import step_of
+
+_PLACES = (0.125, 0.375, 0.625, 0.875)
+"""Where zero lies between two steps, in steps: it is not known, and the mean is taken."""
+_STANDS_OUT = 2.0
+"""Times the density of white noise from which on rounding makes a line of it; estimates scatter below."""
+_SEGMENT, _SEGMENTS = 4096, 4
+_RETURNS = 0.1
+"""Share of the steps that may go back at once: noise of a sensor makes half of them do so."""
+_FEWEST_STEPS = 200
+
+
+def quantisation_lines(
+    x: FloatArray, motion: FloatArray, sampling_frequency: float, noise: float, frequency: FloatArray
+) -> FloatArray:
+    """Density of the noise of a reading relative to white noise, of shape (n_frequencies,): 1 where it is as flat.
+
+    Parameters
+    ----------
+    x, motion : array of shape (n_samples,)
+        The reading, and its part in the band of the motion.
+    sampling_frequency : float
+        Hz.
+    noise : float
+        Standard deviation of white noise with the density of the reading beyond its motion.
+    frequency : array of shape (n_frequencies,)
+        In Hz.
+
+    Examples
+    --------
+    >>> t = np.arange(8000) / 1000
+    >>> path = 0.3 * t  # 30 steps a second
+    >>> lines = quantisation_lines(np.round(path / 0.01) * 0.01, path, 1000.0, 1e-4, np.array([30.0, 45.0]))
+    >>> bool(lines[0] > 100.0 * lines[1])
+    True
+    """
+    step = step_of(x)
+    if step == 0.0:
+        return np.ones(frequency.size)
+    # What rounding alone would not leave is noise of the sensor, which blurs the lines.
+    blur = np.sqrt(max(noise**2 - step**2 / 12, 0.0)) * np.random.default_rng(0).standard_normal(x.size)
+    segment = min(_SEGMENT, x.size // _SEGMENTS)
+    densities = []
+    for place in _PLACES:
+        course = motion + place * step
+        error = np.round((course + blur) / step) * step - course
+        grid, density = power_density(error, sampling_frequency, segment)
+        densities.append(density)
+    relative = np.mean(densities, axis=0) / (2 * noise**2 / sampling_frequency)
+    found = np.interp(frequency, grid, np.where(relative > _STANDS_OUT, relative, 1.0))
+    return np.asarray(found)
+
+
+def rounding_error(x: FloatArray) -> FloatArray | None:
+    """What rounding may have done to a reading in steps that no noise blurs; None of any other reading.
+
+    Between two changes of the reading the motion passes from half a step before to half a step after, evenly. Where the
+    reading changes at every sample, all errors are as likely.
+
+    Examples
+    --------
+    >>> path = 0.2 * np.sin(np.arange(4000) / 300)
+    >>> error = rounding_error(np.round(path / 0.001) * 0.001)
+    >>> bool(abs(error.std() * 12**0.5 / 0.001 - 1.0) < 0.2), rounding_error(path) is None
+    (True, True)
+    """
+    step = step_of(x)
+    changed = np.flatnonzero(np.diff(x)) if step > 0.0 else np.zeros(0, dtype=np.intp)
+    if changed.size < _FEWEST_STEPS:
+        return None
+    way = np.sign(np.diff(x)[changed])
+    if np.mean(way[1:] != way[:-1]) > _RETURNS:
+        return None
+    course = np.interp(np.arange(x.size), changed + 0.5, (x[changed] + x[changed + 1]) / 2)
+    moving = np.diff(x) != 0.0
+    fast = np.concatenate([[False], moving]) & np.concatenate([moving, [False]])
+    even = np.random.default_rng(0).uniform(-step / 2, step / 2, x.size)
+    return np.where(fast, even, x - course)
