@@ -19,7 +19,7 @@ _FAR = 0.25
 _NOISE = 5.0
 """Times the usual second difference of a signal, by which it must differ too: noise makes zeros of coarse values."""
 _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
-"""Share of rows that must be repeated for some to count as lost, and beyond which a channel is slow rather than lossy."""
+"""Share of repeated rows from which on some were lost, and beyond which a channel is slow rather than lossy."""
 _STEPS = 12.0
 """Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
 _SPAN = 8
@@ -141,7 +141,7 @@ def without_repeated_rows(
     least = max(FEWEST, _LEAST_REPEATED * rows.size)
     if len(signals) < 2 or np.count_nonzero(odd) < least or np.mean(odd) > _MOST_REPEATED:
         return dict(signals), []
-    lost = _short(rows)
+    lost = _short(np.asarray(rows))
     values = {name: _filled(x, ~lost, smooth=name in smooth) for name, x in signals.items()}
     return values, [
         f"{describe(int(np.count_nonzero(lost)), 'row')} repeated the one before: they were lost, and interpolated"
@@ -155,7 +155,7 @@ def _lost_rows(signals: Mapping[str, FloatArray]) -> BoolArray:
         return np.zeros(zeros.shape[1], dtype=np.bool_)
     whole, sound = np.asarray(zeros.all(axis=0)), np.asarray(~zeros.any(axis=0))
     beside = np.concatenate([sound[:1], sound[:-1]]) | whole, np.concatenate([sound[1:], sound[-1:]]) | whole
-    return _short(whole) & beside[0] & beside[1]
+    return np.asarray(_short(whole) & beside[0] & beside[1])
 
 
 def _short(lost: BoolArray) -> BoolArray:

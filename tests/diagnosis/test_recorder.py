@@ -58,6 +58,24 @@ def test_an_effect_is_found_in_spite_of_the_recorder(
     assert any(fault.startswith(said) for fault in found.faults)
 
 
+def test_rows_that_a_recorder_repeats_are_interpolated() -> None:
+    log, rng = with_drag(), np.random.default_rng(4)
+    row = np.arange(log.n_samples)
+    row = np.maximum.accumulate(np.where(rng.random(row.size) < 0.08, 0, row))
+    found = diagnose(load_axis("rigid_1m"), recorded(log, lambda x: x[row], "q", "F"), nominal=RIGID)
+    assert (found.verdict, found.effects[0].effect) == ("effect", "quadratic_drag")
+    assert any("rows repeated the one before" in fault for fault in found.faults)
+
+
+def test_a_coarse_encoder_is_no_machine() -> None:
+    step = 5e-5
+    coarse = recorded(rigid_log(), lambda x: np.round(x / step) * step, "q")
+    assert diagnose(load_axis("rigid_1m"), coarse, nominal=RIGID).verdict in ("no_gap", "parameters")
+    log = recorded(with_drag(), lambda x: np.round(x / step) * step, "q")
+    found = diagnose(load_axis("rigid_1m"), log, nominal=RIGID)
+    assert (found.verdict, found.effects[0].effect) == ("effect", "quadratic_drag")
+
+
 def test_a_sound_log_is_left_as_it_is() -> None:
     log = with_drag()
     found = recovered(load_axis("rigid_1m"), [log])

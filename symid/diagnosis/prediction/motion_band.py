@@ -35,8 +35,8 @@ def motion_band(position: FloatArray, sampling_frequency: float) -> float:
     """
     if (error := rounding_error(position)) is not None:
         frequency, rounding = _density(error, sampling_frequency)
-        end = _last_octave_above(_density(position, sampling_frequency)[1] / (rounding + _TINY))
-        return _within(frequency, end, sampling_frequency)
+        sunk = _last_octave_above(_density(position, sampling_frequency)[1] / (rounding + _TINY))
+        return _within(frequency, sunk, sampling_frequency)
     frequency, density = _density(np.diff(position), sampling_frequency)
     density = density / (4 * np.sin(np.pi * frequency / sampling_frequency) ** 2 + 1e-30)
     without_lines = scipy.ndimage.median_filter(density * frequency**4, _WIDTH_OF_LINES)
