@@ -92,7 +92,9 @@ def _restored(axis: Axis, log: Log) -> tuple[Log, list[str]]:
     positions = [sensor.signal for sensor in axis.sensors if sensor.derivative == 0]
     names = {drive.signal for drive in axis.drives} | {sensor.signal for sensor in axis.sensors}
     values, zeros = restored({k: x for k, x in log.signals.items() if k in names}, positions)
-    values, repeats = without_repeated_rows(values, positions)
+    repeats = list[str]()
+    if all(updated_every(x)[0] == 1 for x in values.values()):
+        values, repeats = without_repeated_rows(values, positions)
     notes = [*zeros, *repeats]
     return (replace(log, signals=dict(log.signals) | values), notes) if notes else (log, notes)
 
