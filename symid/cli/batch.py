@@ -63,7 +63,6 @@ batch_options = shared(
     click.option(
         "--memory",
         default="1GB",
-        show_default=True,
         metavar="SIZE",
         help="Memory for a log in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
     ),
@@ -71,7 +70,6 @@ batch_options = shared(
         "--timeout",
         type=POSITIVE,
         default=LONGEST,
-        show_default=True,
         metavar="SECONDS",
         help="Longest time for a log; a worker that takes longer is ended. A cluster has its own limits.",
     ),
@@ -93,9 +91,7 @@ batch_options = shared(
 @click.argument("axis")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG ...")
 @batch_options
-@click.option(
-    "--method", type=click.Choice(METHODS), default="wls", show_default=True, help="As in symid identify."
-)
+@click.option("--method", type=click.Choice(METHODS), default="wls", help="As in symid identify.")
 @measured_option
 @log_options
 @preparation_options

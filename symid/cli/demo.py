@@ -29,7 +29,6 @@ PUBLISHED_RECIPE = Preparation(
     metavar="OUT.html",
     type=Output("html"),
     default="emps_report.html",
-    show_default=True,
     help="The page that is written.",
 )
 @json_option

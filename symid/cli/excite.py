@@ -41,25 +41,18 @@ _LIMITS = ("travel", "speed", "acceleration", "jerk")
 _REQUIRED = ("travel", "speed", "acceleration")
 
 _run_options = shared(
-    click.option("--seconds", type=POSITIVE, default=10.0, show_default=True, help="Duration."),
-    click.option(
-        "--rate", type=POSITIVE, default=4000.0, show_default=True, help="Rate of controller and log, in Hz."
-    ),
+    click.option("--seconds", type=POSITIVE, default=10.0, help="Duration."),
+    click.option("--rate", type=POSITIVE, default=4000.0, help="Rate of controller and log, in Hz."),
     bandwidth_option,
     gain_option,
     click.option(
         "--method",
         type=click.Choice(["wls", "iv"]),
         default="wls",
-        show_default=True,
         help="How the log will be identified: iv is free of the bias of encoder noise and takes several times as long.",
     ),
     click.option(
-        "--seeds",
-        type=click.IntRange(0, 100),
-        default=2,
-        show_default=True,
-        help="Multisines with random phases for each band.",
+        "--seeds", type=click.IntRange(0, 100), default=2, help="Multisines with random phases for each band."
     ),
 )
 

@@ -44,13 +44,7 @@ FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
     required=True,
     help="C99, MuJoCo, URDF, unit for co-simulation (FMI), feed-forward in Structured Text, or JSON.",
 )
-@click.option(
-    "--fmi",
-    type=click.Choice(["2", "3"]),
-    default="2",
-    show_default=True,
-    help="With --to fmu: FMI 2.0 or 3.0.",
-)
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", help="With --to fmu: FMI 2.0 or 3.0.")
 @measured_option
 @click.option(
     "-o",

@@ -33,21 +33,18 @@ from symid.signals import is_signal_name
     "--by",
     type=click.Choice(["axis", "folder"]),
     default="axis",
-    show_default=True,
     help="Logs of one machine: all logs of an axis, or those in one folder.",
 )
 @click.option(
     "--order",
     type=click.Choice(["recorded", "name"]),
     default="recorded",
-    show_default=True,
     help="Order of the charts: the times of the files, or the names of the logs where copying has lost the times.",
 )
 @click.option(
     "--status",
     "statuses",
     default="ok",
-    show_default=True,
     metavar="NAMES",
     help="Logs whose parameters enter, by status, such as ok,biased.",
 )

@@ -82,7 +82,6 @@ loop_options = shared(
     "--method",
     type=click.Choice(["wls", "ols", "iv", "oe"]),
     default="wls",
-    show_default=True,
     help="Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood).",
 )
 @measured_option
@@ -104,7 +103,6 @@ loop_options = shared(
 @click.option(
     "--memory",
     default="1GB",
-    show_default=True,
     metavar="SIZE",
     help="Memory for a log; a longer CSV or Parquet file is identified in blocks (wls and ols).",
 )

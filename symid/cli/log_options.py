@@ -56,15 +56,12 @@ preparation_options = shared(
         metavar="HZ",
         help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log].",
     ),
-    click.option(
-        "--order", type=ORDER, default=4, show_default=True, help="Order of one pass of the filter."
-    ),
+    click.option("--order", type=ORDER, default=4, help="Order of one pass of the filter."),
     click.option(
         "--filter",
         "filtered",
         type=click.Choice(["all", "motion"]),
         default="all",
-        show_default=True,
         help="Whether the force passes the filter too.",
     ),
     click.option(
@@ -74,7 +71,6 @@ preparation_options = shared(
         "--differences",
         type=int,
         default=DIFFERENCE_ORDER,
-        show_default=True,
         metavar="ORDER",
         help="Order of accuracy of differences, an even number; 2 is the paper's.",
     ),

@@ -22,11 +22,7 @@ from symid.signals import is_signal_name
 )
 @click.argument("axis")
 @click.option(
-    "--bodies",
-    type=click.IntRange(max=100),
-    default=2,
-    show_default=True,
-    help="Bodies in a row, the structure included.",
+    "--bodies", type=click.IntRange(max=100), default=2, help="Bodies in a row, the structure included."
 )
 @click.option(
     "--springs", type=click.IntRange(max=100), help="Springs: one less than bodies, or as many [one less]."
@@ -46,7 +42,6 @@ from symid.signals import is_signal_name
     "--drives",
     type=click.IntRange(1, 20),
     default=1,
-    show_default=True,
     help="Drives, each with a motor and its encoder: 2 for a gantry.",
 )
 @json_option

@@ -52,7 +52,6 @@ bandwidth_option = click.option(
     "--bandwidth",
     type=POSITIVE,
     default=20.0,
-    show_default=True,
     help="Bandwidth of the velocity loop that is tuned to the axis, in Hz.",
 )
 

@@ -84,7 +84,11 @@ class _Wanted:
 
 
 class SafeCommand(click.Command):
-    """A command whose outputs are checked before it does anything."""
+    """A command whose help shows defaults, and whose outputs are checked before it does anything."""
+
+    def __init__(self, name: str | None, **settings: Any) -> None:
+        settings["context_settings"] = {"show_default": True, **(settings.get("context_settings") or {})}
+        super().__init__(name, **settings)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Refuse outputs that are inputs, exist as something else, or cannot be written; then do the work."""

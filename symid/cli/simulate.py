@@ -58,63 +58,39 @@ trajectory_options = shared(
     click.option(
         "--trajectory",
         default="trapezoids",
-        show_default=True,
         metavar="KIND",
         help="trapezoids, chirp, multisine, or a log whose reference is followed.",
     ),
-    click.option(
-        "--seconds", type=POSITIVE, default=10.0, show_default=True, help="Duration of a chirp or multisine."
-    ),
-    click.option(
-        "--band",
-        default="0.5,20",
-        show_default=True,
-        metavar="HZ,HZ",
-        help="Frequencies of a chirp or multisine.",
-    ),
+    click.option("--seconds", type=POSITIVE, default=10.0, help="Duration of a chirp or multisine."),
+    click.option("--band", default="0.5,20", metavar="HZ,HZ", help="Frequencies of a chirp or multisine."),
     click.option(
         "--amplitude-of",
         type=click.Choice(["position", "velocity", "acceleration"]),
         default="velocity",
-        show_default=True,
         help="Quantity of constant amplitude in a chirp; acceleration travels farthest, position least.",
     ),
     click.option(
         "--travel",
         type=POSITIVE,
         default=0.2,
-        show_default=True,
         help="Longest move, or travel of a chirp or multisine, in m or rad.",
     ),
     click.option(
         "--speed",
         type=POSITIVE,
         default=0.5,
-        show_default=True,
         help="Highest speed; trapezoids also run at a half and a fifth of it.",
     ),
-    click.option(
-        "--acceleration", type=POSITIVE, default=5.0, show_default=True, help="Highest acceleration."
-    ),
-    click.option(
-        "--jerk", type=POSITIVE, default=500.0, show_default=True, help="Highest jerk of trapezoids."
-    ),
-    click.option(
-        "--dwell",
-        type=NOT_NEGATIVE,
-        default=0.2,
-        show_default=True,
-        help="Rest between trapezoids, in seconds.",
-    ),
+    click.option("--acceleration", type=POSITIVE, default=5.0, help="Highest acceleration."),
+    click.option("--jerk", type=POSITIVE, default=500.0, help="Highest jerk of trapezoids."),
+    click.option("--dwell", type=NOT_NEGATIVE, default=0.2, help="Rest between trapezoids, in seconds."),
 )
 
 controller_options = shared(
-    click.option(
-        "--rate", type=POSITIVE, default=8000.0, show_default=True, help="Rate of the controller, in Hz."
-    ),
+    click.option("--rate", type=POSITIVE, default=8000.0, help="Rate of the controller, in Hz."),
     bandwidth_option,
     gain_option,
-    click.option("--force-limit", type=LIMIT, default=math.inf, show_default=True, help="Largest force."),
+    click.option("--force-limit", type=LIMIT, default=math.inf, help="Largest force."),
     click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
 )
 
@@ -143,7 +119,7 @@ controller_options = shared(
 @click.option(
     "--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us."
 )
-@click.option("--seed", type=click.IntRange(0, 2**63), default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=click.IntRange(0, 2**63), default=0, help="Of the noise.")
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""

@@ -70,23 +70,20 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     "--max-lowpass-error",
     type=POSITIVE,
     default=0.01,
-    show_default=True,
     help="Largest error that the low-pass filter may make [35], in percent.",
 )
 @click.option(
     "--max-sampling-error",
     type=POSITIVE,
     default=1.0,
-    show_default=True,
     help="Largest error that differences may make [37], in percent.",
 )
-@click.option("--order", type=ORDER, default=4, show_default=True, help="Order of one pass of the filter.")
+@click.option("--order", type=ORDER, default=4, help="Order of one pass of the filter.")
 @click.option(
     "--errors-of",
     "kind",
     type=click.Choice(["physical", "minimal"]),
     default="physical",
-    show_default=True,
     help="Parameters whose errors are bounded in [37].",
 )
 @click.option(
@@ -108,11 +105,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     help="As --noise-from, with white noise of this standard deviation, SI; of each signal without a log.",
 )
 @click.option(
-    "--log-rate",
-    type=POSITIVE,
-    default=4000.0,
-    show_default=True,
-    help="With --noise alone: rate of the log to be, in Hz.",
+    "--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the log to be, in Hz."
 )
 @click.option(
     "--held",
