@@ -4,7 +4,7 @@ Two axes run along jerk-limited trapezoids under the same cascade. solve_ivp is 
 controller (its force is held) and where friction sticks or breaks loose, which it locates as events: the only way in
 which it keeps its accuracy. MuJoCo runs with its default integrator and soft friction at the same step, once with the
 controller in a Python loop and once without one, in its own loop in C. It is left out where it is not installed.
-Times are medians of alternating repetitions. Then the same as whole processes, from start to
+Times are medians of alternating repetitions, processor time. Then the same as whole processes, from start to
 end, and loops that are simulated sample by sample.
 
 Usage: python -m benchmarks.simulation
@@ -13,6 +13,7 @@ Usage: python -m benchmarks.simulation
 from __future__ import annotations
 
 import importlib.util
+import resource
 import subprocess
 import sys
 import tempfile
@@ -87,16 +88,22 @@ def errors(case: Case, n_samples: int, found: dict[str, np.ndarray]) -> dict[str
 
 
 def seconds(calls: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Median time of each of some calls, run in turn; those that take long once."""
+    """Median processor time of each of some calls, run in turn; those that take long once."""
     times: dict[str, list[float]] = {name: [] for name in calls}
     for repetition in range(7):
         for name, call in calls.items():
             if repetition and times[name][0] > 2.0:
                 continue
-            begin = time.perf_counter()
+            begin = processor_time()
             call()
-            times[name].append(time.perf_counter() - begin)
+            times[name].append(processor_time() - begin)
     return {name: median(found) for name, found in times.items()}
+
+
+def processor_time() -> float:
+    """Of this process and those that it has run, s: other work on the machine does not count."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def beside_solve_ivp(case: Case) -> None:

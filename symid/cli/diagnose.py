@@ -11,7 +11,6 @@ import click
 from symid.axis import load_axis, write_axis
 from symid.cli.log_options import known_late, log_options, read_log_of
 from symid.cli.options import (
-    assignments,
     cascade_gains,
     gain_option,
     give_result,
@@ -20,7 +19,7 @@ from symid.cli.options import (
     json_option,
     late_option,
     measured_option,
-    number,
+    numbers,
     parameter_file,
     reference_file,
     write_json,
@@ -105,7 +104,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         )
     if simulated and nominal:
         raise SettingError("--nominal and --simulated both define the simulation: give one of them")
-    limits = _limits(options["limits"])
+    limits = numbers(options["limits"], "--limit", _LIMITS)
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
     if options["report"]:
         from symid.report.diagnosis_page import write_html  # jinja2 is loaded only where a page is written
@@ -137,14 +136,6 @@ def _write_axis(found: Diagnosis, file: Path) -> None:
     write_json(explained.values, str(file.with_suffix(".json")))
     for sentence in explained.left_out:
         say(sentence, err=True)
-
-
-def _limits(values: tuple[str, ...]) -> dict[str, float]:
-    """Limits of ``--limit``."""
-    given = assignments(values, "--limit")
-    if unknown := [name for name in given if name not in _LIMITS]:
-        raise SettingError(f"--limit {unknown[0]} is not known: choose from {', '.join(_LIMITS)}")
-    return {name: number(text, f"--limit {name}") for name, text in given.items()}
 
 
 def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> Diagnosis:

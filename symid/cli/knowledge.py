@@ -48,11 +48,7 @@ known_option = click.option(
 def fixed_values(values: tuple[str, ...], axis: Axis) -> dict[str, float]:
     """Values of ``--fix``, SI."""
     units = axis.parameter_units
-    given = assignments(values, "--fix")
-    if unknown := [name for name in given if name not in units]:
-        raise SettingError(
-            f"--fix {unknown[0]}: axis {axis.name!r} has no such parameter, choose from {', '.join(units)}"
-        )
+    given = assignments(values, "--fix", units)
     return {name: quantity(text, units[name], f"--fix {name}") for name, text in given.items()}
 
 
@@ -60,11 +56,7 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[st
     """Values of ``--known`` for each of some logs, SI."""
     units = axis.parameter_units
     known: list[dict[str, float]] = [{} for _ in range(logs)]
-    for name, text in assignments(values, "--known").items():
-        if name not in units:
-            raise SettingError(
-                f"--known {name}: axis {axis.name!r} has no such parameter, choose from {', '.join(units)}"
-            )
+    for name, text in assignments(values, "--known", units).items():
         parts = text.split(",")
         if len(parts) != logs:
             raise SettingError(

@@ -15,6 +15,7 @@ from symid.cli.options import (
     held_option,
     late_option,
     number,
+    numbers,
     require_signals,
     seconds_of,
     shared,
@@ -101,11 +102,11 @@ def log_settings(declared: Axis, options: dict[str, Any]) -> dict[str, Any]:
 
 def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
     """Columns of a foreign file from mapping and log options."""
-    mapping, gains = mapping_of(options), assignments(options["gain"], "--gain")
+    mapping = mapping_of(options)
     return {
         "columns": {**mapping.columns, **assignments(options["column"], "--column")},
         "units": {**mapping.units, **assignments(options["unit"], "--unit")},
-        "gains": {**mapping.gains, **{name: number(text, f"--gain {name}") for name, text in gains.items()}},
+        "gains": {**mapping.gains, **numbers(options["gain"], "--gain")},
         "layout": mapping.layout,
         "sampling_period": mapping.sampling_period,
         "resample": options.get("resample"),

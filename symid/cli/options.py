@@ -6,7 +6,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -76,10 +76,7 @@ def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     >>> cascade_gains(("Kpp=30",))
     {'position_gain': 30.0}
     """
-    given = assignments(values, "--controller-gain")
-    if unknown := [name for name in given if name not in _CASCADE]:
-        raise SettingError(f"--controller-gain {unknown[0]} is not known: choose from {', '.join(_CASCADE)}")
-    return {_CASCADE[name]: number(text, f"--controller-gain {name}") for name, text in given.items()}
+    return {_CASCADE[name]: value for name, value in numbers(values, "--controller-gain", _CASCADE).items()}
 
 
 def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
@@ -131,8 +128,14 @@ def signal_list(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-def assignments(values: tuple[str, ...], option: str) -> dict[str, str]:
-    """Mapping of options such as ``--column q2=pos_mm``, each ``NAME=VALUE`` with another name."""
+def numbers(values: tuple[str, ...], option: str, known: Collection[str] | None = None) -> dict[str, float]:
+    """Mapping of options such as ``--gain q2=-1`` to finite numbers, as `assignments`."""
+    given = assignments(values, option, known)
+    return {name: number(text, f"{option} {name}") for name, text in given.items()}
+
+
+def assignments(values: tuple[str, ...], option: str, known: Collection[str] | None = None) -> dict[str, str]:
+    """Mapping of options such as ``--column q2=pos_mm``: ``NAME=VALUE``, each name once and one of those `known`."""
     pairs: dict[str, str] = {}
     for value in values:
         name, equals, right = value.partition("=")
@@ -142,6 +145,8 @@ def assignments(values: tuple[str, ...], option: str) -> dict[str, str]:
             raise SettingError(
                 f"{option} {name.strip()} is given as {pairs[name.strip()]} and as {right.strip()}: give it once"
             )
+        if known is not None and name.strip() not in known:
+            raise SettingError(f"{option} {name.strip()} is not known: choose from {', '.join(known)}")
     return pairs
 
 

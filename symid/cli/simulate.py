@@ -20,6 +20,7 @@ from symid.cli.options import (
     gain_option,
     json_option,
     number,
+    numbers,
     parameter_file,
     require_signals,
     seconds_of,
@@ -162,16 +163,15 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
 
 def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
     """The axis with the noise, resolution and delay of the options of these names."""
-    noise, resolution, delay = (
-        assignments(options.get(name, ()), f"--{name}") for name in ("noise", "resolution", "delay")
-    )
-    signals = {**noise, **resolution, **delay}
+    noise, resolution = (numbers(options.get(name, ()), f"--{name}") for name in ("noise", "resolution"))
+    delay = assignments(options.get("delay", ()), "--delay")
+    signals = dict.fromkeys([*noise, *resolution, *delay])
     require_signals(axis, signals)
     for signal in signals:
         axis = axis.with_signal(
             signal,
-            noise=number(noise.get(signal, "0"), f"--noise {signal}"),
-            resolution=number(resolution.get(signal, "0"), f"--resolution {signal}"),
+            noise=noise.get(signal, 0.0),
+            resolution=resolution.get(signal, 0.0),
             delay=seconds_of(delay.get(signal, "0"), f"--delay {signal}"),
         )
     return axis

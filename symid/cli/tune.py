@@ -12,14 +12,13 @@ from symid.axis import Axis, load_axis
 from symid.cli.log_options import late_of, log_options, read_log_of
 from symid.cli.number_types import ORDER, POSITIVE
 from symid.cli.options import (
-    assignments,
     dark_option,
     give_result,
     held_force,
     json_option,
     late_option,
     measured_option,
-    number,
+    numbers,
     parameter_file,
     signal_list,
 )
@@ -164,10 +163,7 @@ def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, An
 
 def _total(name: str, declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> TotalTuning:
     """By the total error, with the motion of a log or along a trajectory."""
-    given = {
-        signal: number(text, f"--noise {signal}")
-        for signal, text in assignments(options["noise"], "--noise").items()
-    }
+    given = numbers(options["noise"], "--noise")
     if not options["noise_from"]:
         model = model_of(name, signal_list(options["measured"]))
         controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)

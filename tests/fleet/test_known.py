@@ -52,6 +52,6 @@ def test_what_is_not_possible_is_refused(logs: Path, capsys: pytest.CaptureFixtu
         BatchSettings(method="oe", bounds={"M": (0.0, None)})
     arguments = ("batch", "rigid_1m", str(logs), "-o", "r.csv")
     assert run(*arguments, "--fix", "Mx=1") == 2
-    assert "has no such parameter" in capsys.readouterr().err
+    assert "--fix Mx is not known: choose from M, Fv, Fs" in capsys.readouterr().err
     assert run(*arguments, "--bounds", "M=5") == 2
     assert "LOW..HIGH" in capsys.readouterr().err
