@@ -4,7 +4,8 @@ Logs of an EMPS-like axis, 40 000 samples each, differ in their noise alone. "on
 `identify_batch` with that many processes, each started before its time is taken; "unexamined" leaves out the
 examination of timing and bias, which the script does not make either. "script" reads each log and does the same
 job as one would write it down with numpy and scipy, with cutoff and decimation given instead of chosen, on one core.
-"passes" are reading and scipy's sosfiltfilt alone, as many as identification needs. Both run in a process of their own.
+"passes" are reading and scipy's sosfiltfilt alone, as many as identification needs. symid on one core has a process of
+its own, script and passes have another.
 "cluster" is a Dask LocalCluster of two workers, if Dask is installed. All runs alternate; ratios are medians over the
 rounds. What runs on one core is compared by processor time, which other work on the machine changes little; speed on
 two cores by the clock.
@@ -79,11 +80,15 @@ def chosen(path: Path) -> dict[str, float | int]:
 
 def runs(stack: ExitStack, settings: dict[str, float | int]) -> dict[str, Callable[[list[Path]], float]]:
     """What is compared, by name."""
-    other = stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn")))
+    own, other = (
+        stack.enter_context(ProcessPoolExecutor(1, mp_context=get_context("spawn"))) for _ in range(2)
+    )
     found: dict[str, Callable[[list[Path]], float]] = {
-        "one core": lambda paths: processor_time(batch, paths, 1),
+        "one core": lambda paths: own.submit(processor_time, batch, paths, 1).result(),
         "two cores": lambda paths: processor_time(batch, paths, 2),
-        "unexamined, one core": lambda paths: processor_time(batch, paths, 1, None, False),
+        "unexamined, one core": lambda paths: own.submit(
+            processor_time, batch, paths, 1, None, False
+        ).result(),
         "script": lambda paths: other.submit(processor_time, plain, paths, "script", settings).result(),
         "passes": lambda paths: other.submit(
             processor_time, plain, paths, "passes, 1 thread", settings

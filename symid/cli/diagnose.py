@@ -106,6 +106,8 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         raise SettingError("--nominal and --simulated both define the simulation: give one of them")
     limits = numbers(options["limits"], "--limit", _LIMITS)
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
+    if experiment:
+        declared.require_one_drive()  # before the diagnosis takes its time
     if options["report"]:
         from symid.report.diagnosis_page import write_html  # jinja2 is loaded only where a page is written
         from symid.report.pages import html_path

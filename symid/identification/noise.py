@@ -156,8 +156,7 @@ def _signal_gains(
     """Gain from each recorded signal to its flat name as it enters the rows, of shape (n_signals, n_frequencies)."""
     assert chosen.cutoff_hz is not None
     angle = 2 * np.pi * frequency * period
-    share = central_difference_gain(frequency, period, order=chosen.difference_order)
-    difference = 1j * angle / period * share
+    difference = 1j * angle / period * _difference_gain(chosen.difference_order)
     low_pass = LowPass(chosen.cutoff_hz, chosen.order).sampled_gain(frequency, 1 / period)
     thinned = np.ones_like(frequency)
     if chosen.decimation is not None and chosen.decimation > 1:
@@ -168,6 +167,12 @@ def _signal_gains(
         filtered = chosen.filter_force or name not in model.forces
         gains[i] = difference**order * thinned * (low_pass if filtered else 1.0)
     return gains
+
+
+@lru_cache(maxsize=16)
+def _difference_gain(order: int) -> FloatArray:
+    """Share of the derivative that differences keep at the frequencies of `noise_of_rows`."""
+    return np.asarray(central_difference_gain((np.arange(_LINES) + 0.5) / (2 * _LINES), 1.0, order=order))
 
 
 @lru_cache(maxsize=16)
