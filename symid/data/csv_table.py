@@ -63,7 +63,7 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         try:
-            text = _one_kind_of_line_ends(content().decode(layout.encoding))
+            text = content().decode(layout.encoding).replace("\r\n", "\n").replace("\r", "\n")
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
         text = text.split("\n", skipped)[-1]
@@ -77,10 +77,6 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
         return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
 
     return Table(headers, read)
-
-
-def _one_kind_of_line_ends(text: str) -> str:
-    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _first_lines(path: Path) -> tuple[str, str]:
