@@ -38,6 +38,13 @@ class Criteria:
         off by 5 % from about there on, since dampers and modes hang on what is fast.
     gain_drift : float
         Relative change of a force's gain from begin to end of a log: well above what 10 % of warm friction make of it.
+    sensor_gain : float
+        Relative error of a sensor's gain: far above what noise in W makes of it, below g for m/s^2.
+    clock_drift : float
+        Samples by which a delay grows over a log.
+    clock_certain, clock_explains : float
+        Standard deviations of that growth, and part of the residual's power that it takes away: a drift that is less is
+        within the interval.
     lagging : float
         Residual that is left without a lag of first order, as part of that with it: 0.9 to 1 on undamaged random logs.
     worst_fit : float
@@ -70,6 +77,10 @@ class Criteria:
     smoothed_output: float = 0.03
     averaged: float = 0.01
     gain_drift: float = 0.15
+    sensor_gain: float = 0.3
+    clock_drift: float = 0.5
+    clock_certain: float = 3.5
+    clock_explains: float = 0.1
     lagging: float = 0.5
     worst_fit: float = 0.3
     cutoff_fit: float = 0.1

@@ -56,10 +56,10 @@ class Excerpt:
         """Covariance of the noise of one row, as `noise_of_rows`."""
         return noise_of_rows(self.model, self.log, self.observation.preparation, self.levels)
 
-    def moved(self, name: str) -> SignalRows:
-        """The part of the rows that one signal makes."""
+    def moved(self, *names: str) -> SignalRows:
+        """The part of the rows that some signals make."""
         return self.kept(
-            name, lambda: SignalRows.of(self.model, self.log, self.observation.preparation, name)
+            names, lambda: SignalRows.of(self.model, self.log, self.observation.preparation, *names)
         )
 
     def kept(self, key: object, computed: Callable[[], Kept]) -> Kept:

@@ -62,6 +62,13 @@ def shiftable(model: GeneratedModel) -> tuple[str, ...]:
     return tuple(free) if len(free) < len(names) else tuple(free[:-1])
 
 
+def delayed_together(model: GeneratedModel) -> list[tuple[str, ...]]:
+    """Signals that can be moved alone; and all of them together, which is the one that laws depend on the other way."""
+    free = shiftable(model)
+    resting = [name for name in model.measured if name not in free]
+    return [*((name,) for name in free), *([free] if len(free) > 1 and len(resting) == 1 else [])]
+
+
 def _has_law(model: GeneratedModel, name: str) -> bool:
     """Whether a nonlinear law depends on a signal: W of twice the signal is then not twice W."""
     generator = np.random.default_rng(0)
@@ -75,9 +82,9 @@ def _has_law(model: GeneratedModel, name: str) -> bool:
 
 
 def scan(
-    parts: Sequence[Excerpt], fit: LeastSquares, signal: str, thirds: Sequence[int] = range(3)
+    parts: Sequence[Excerpt], fit: LeastSquares, names: tuple[str, ...], thirds: Sequence[int] = range(3)
 ) -> LagScan:
-    """Residual at every lag of a signal, in steps of a row, over the given thirds of each part.
+    """Residual at every lag of some signals together, in steps of a row, over the given thirds of each part.
 
     The fit gives the weights of the equations.
     """
@@ -88,7 +95,7 @@ def scan(
     total, rows = np.zeros((2 * most + 1, p + 1, p + 1)), np.zeros(2 * most + 1)
     for part in parts:
         n_equations = len(part.observation.y)
-        sums = part.kept((signal, most), partial(_sums_of, part, signal, most))
+        sums = part.kept((names, most), partial(_sums_of, part, names, most))
         for j, (grams, counts) in enumerate(sums):
             total += fit.weights[part.of * n_equations + j] ** 2 * grams[list(thirds)].sum(axis=0)
             rows += counts[list(thirds)].sum(axis=0)
@@ -97,9 +104,9 @@ def scan(
     return LagScan(np.asarray(late, dtype=float), np.where(few, 1.0, _residuals(total)))
 
 
-def _sums_of(part: Excerpt, signal: str, most: int) -> list[tuple[FloatArray, FloatArray]]:
+def _sums_of(part: Excerpt, names: tuple[str, ...], most: int) -> list[tuple[FloatArray, FloatArray]]:
     """Products of the columns of each equation and numbers of rows, of each third of a part at each lag."""
-    seen, (W, y) = part.observation, part.moved(signal).rows
+    seen, (W, y) = part.observation, part.moved(*names).rows
     n = seen.y.shape[1]
     inside = np.arange(n) * 3 // n == np.arange(3)[:, None]
     found = []

@@ -17,6 +17,7 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.lag_scan import delayed_together, shiftable
 from symid.identification.misfit import unexplained
 from symid.identification.whitened import WhitenedRows
 
@@ -77,7 +78,8 @@ def drift_of_gain(
         if force not in model.forces:
             continue
         rows, Z, rest, y = _of_equation(every, j)
-        drift = _Column.of(Z, rest, np.concatenate([_growing(parts, fit, r, force) for r in rows]), y)
+        grown = [_growing(parts, fit, r, parts[r.part].moved(force).rows) for r in rows]
+        drift = _Column.of(Z, rest, np.concatenate(grown), y)
         if drift.share > _certain(rest, inflation, criteria) and abs(drift.factor) > criteria.gain_drift:
             return (
                 f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the same "
@@ -86,20 +88,78 @@ def drift_of_gain(
     return ""
 
 
+def gain_of_sensors(
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    every: Sequence[WhitenedRows],
+    inflation: float,
+    criteria: Criteria = CRITERIA,
+) -> str:
+    """Whether a sensor's gain contradicts the other signals, in words; empty if none does.
+
+    Equations tie signals together: a body's mass takes the second derivative of a scale as it takes an accelerometer.
+    """
+    Z, rest, y = _of_all(every)
+    for name in shiftable(model):
+        if name in model.forces:
+            continue
+        own = [_of_rows(parts, fit, r, parts[r.part].moved(name).rows) for r in every]
+        gain = _Column.of(Z, rest, np.concatenate(own), y)
+        if gain.share > _certain(rest, inflation, criteria) and abs(gain.factor) > criteria.sensor_gain:
+            return (
+                f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
+                "correct its unit, sign or gain (--unit, --gain)"
+            )
+    return ""
+
+
+def drift_of_clocks(
+    model: GeneratedModel,
+    parts: Sequence[Excerpt],
+    fit: LeastSquares,
+    every: Sequence[WhitenedRows],
+    inflation: float,
+    criteria: Criteria = CRITERIA,
+) -> str:
+    """Whether a delay grows along the logs by less than a row, in words; empty if none does."""
+    Z, rest, y = _of_all(every)
+    period = parts[0].log.sampling_period
+    for names in delayed_together(model):
+        grown = [_growing(parts, fit, r, parts[r.part].moved(*names).slope) for r in every]
+        drift = _Column.of(Z, rest, np.concatenate(grown), y)
+        certain = drift.share > max(
+            criteria.clock_explains, _certain(rest, inflation, criteria, criteria.clock_certain)
+        )
+        if certain and abs(drift.factor) > criteria.clock_drift * period:
+            return (
+                f"the time of {' and '.join(names)} drifts by {drift.factor / period:+.2g} samples from begin to end "
+                "of the log against the other signals: clocks run at different rates; resample by their own time stamps"
+            )
+    return ""
+
+
+def _of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Columns, residual and prediction of all equations and parts."""
+    Z, rest, y = (
+        np.concatenate([getattr(r, name) for r in every]) for name in ("Z", "residual", "prediction")
+    )
+    return Z, rest, y
+
+
 def _of_equation(
     every: Sequence[WhitenedRows], equation: int
 ) -> tuple[list[WhitenedRows], FloatArray, FloatArray, FloatArray]:
     """Rows of an equation by part, and of all parts together columns, residual and prediction."""
     rows = [r for r in every if r.equation == equation]
-    Z, rest, y = (
-        np.concatenate([getattr(r, name) for r in rows]) for name in ("Z", "residual", "prediction")
-    )
-    return rows, Z, rest, y
+    return rows, *_of_all(rows)
 
 
-def _certain(residual: FloatArray, inflation: float, criteria: Criteria) -> float:
+def _certain(
+    residual: FloatArray, inflation: float, criteria: Criteria, deviations: float | None = None
+) -> float:
     """Part of the residual's power that a column which is certain takes away."""
-    ratio = criteria.gain_certain**2 * inflation / residual.size
+    ratio = (deviations or criteria.gain_certain) ** 2 * inflation / residual.size
     return ratio / (1.0 + ratio)
 
 
@@ -112,14 +172,23 @@ def _bent(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
     return np.asarray(bent[seen.valid[equation]])
 
 
-def _growing(parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, force: str) -> FloatArray:
-    """What the force makes of the residual, times the time within its log from -0.5 to 0.5."""
-    part, j = parts[rows.part], rows.equation
-    used, (W, y) = part.observation.valid[j], part.moved(force).rows
+def _growing(
+    parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]
+) -> FloatArray:
+    """What W and y make of the residual, times the time within its log from -0.5 to 0.5."""
+    part = parts[rows.part]
     times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
     course = (part.observation.time - times.min()) / np.ptp(times) - 0.5
+    return np.asarray(_of_rows(parts, fit, rows, made) * course[part.observation.valid[rows.equation]])
+
+
+def _of_rows(
+    parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]
+) -> FloatArray:
+    """What W and y that some signals make are of the residual, in the rows used."""
+    part, j, (W, y) = parts[rows.part], rows.equation, made
     weight = fit.weights[part.of * len(part.observation.valid) + j]
-    return np.asarray(weight * ((y[j] - W[j] @ fit.solution) * course)[used])
+    return np.asarray(weight * (y[j] - W[j] @ fit.solution)[part.observation.valid[j]])
 
 
 @dataclass(frozen=True)

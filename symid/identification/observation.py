@@ -36,6 +36,8 @@ from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
 from symid.signals import split_derivative
 
+_RESTS = 3
+"""Margins beside a rest: 0.6 % of a step of friction is left there by filters of order 4, 2 % at two margins."""
 _STEP = 0.25
 """Half the shift between the signals whose difference is the derivative by their time, in samples."""
 
@@ -183,7 +185,9 @@ def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[
     if chosen.late:
         signals += QuinticSpline.reach(max(abs(late) for late in chosen.late.values()) / period)
     rows = Sampling(model, chosen, scheme, period, {}, {}, 0, 0).reach
-    return signals, rows + (2 * _standstill_margin(chosen, period) + 1 if any(model.sliding) else 0)
+    return signals, rows + (
+        (_RESTS + 1) * _standstill_margin(chosen, period) + 1 if any(model.sliding) else 0
+    )
 
 
 def _standstill_margin(chosen: Preparation, period: float) -> int:
@@ -195,68 +199,68 @@ def _standstill_margin(chosen: Preparation, period: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class SignalRows:
-    """The part of the rows of a log that one signal makes, and how it changes with its time: rows are linear in it.
+    """The part of the rows of a log that some signals make, and how it changes with their time: rows are linear in it.
 
     Parameters
     ----------
     sampling : Sampling
-        Of the part of the model that is linear in the signals, of which all but this one are still.
-    name : str
-        The signal.
+        Of the part of the model that is linear in the signals, of which all but these are still.
     columns : tuple of int
-        Columns of W that it is in, those of the part of the model.
+        Columns of W that they are in, those of the part of the model.
     n_columns : int
         Columns of W.
     """
 
     sampling: Sampling
-    name: str
     columns: tuple[int, ...]
     n_columns: int
 
     @classmethod
-    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, name: str) -> SignalRows:
-        """Filtered log, with the complete preparation of its observation."""
+    def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, *names: str) -> SignalRows:
+        """Of filtered signals of a log, with the complete preparation of its observation."""
         before, after = chosen.trim or (0, 0)
         scheme = Scheme(chosen.difference_order)
-        own = filtered(model, log, chosen, 1.0, (name,))[name][:]
+        own = {name: x[:] for name, x in filtered(model, log, chosen, 1.0, names).items()}
         rest = log.n_samples - before - after
         period = log.sampling_period
-        mine = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] == name]
+        mine = [i for i, flat in enumerate(model.signals) if split_derivative(flat)[0] in names]
         factors = coefficients(model)[:, :-1, mine]
         columns = tuple(np.flatnonzero(np.any(factors, axis=(0, 2))).tolist())
         part = linear_part(model, columns)
-        sampling = Sampling(part, chosen, scheme, period, {name: own}, {}, before, rest)
-        return cls(sampling, name, columns, factors.shape[1])
+        sampling = Sampling(part, chosen, scheme, period, own, {}, before, rest)
+        return cls(sampling, columns, factors.shape[1])
 
     @cached_property
     def rows(self) -> tuple[FloatArray, FloatArray]:
         """Rows of W and y of the window."""
-        return self._rows(self._recorded)
+        return self._rows({name: x[:] for name, x in self.sampling.signals.items()})
 
     def change(self, late: float) -> tuple[FloatArray, FloatArray]:
-        """Of W and y, by a signal that is moved `late` seconds to an earlier time."""
-        return self._rows(self._earlier(late) - self._recorded)
+        """Of W and y, by signals that are moved `late` seconds to an earlier time."""
+        return self._rows(
+            {name: self._earlier(name, late) - x[:] for name, x in self.sampling.signals.items()}
+        )
 
     @cached_property
     def slope(self) -> tuple[FloatArray, FloatArray]:
         """Of W and y by second, from signals that are moved a part of a sample to either side."""
         step = _STEP * self.sampling.period
-        return self._rows((self._earlier(step) - self._earlier(-step)) / (2 * step))
-
-    @property
-    def _recorded(self) -> FloatArray:
-        return self.sampling.signals[self.name][:]
+        return self._rows(
+            {
+                name: (self._earlier(name, step) - self._earlier(name, -step)) / (2 * step)
+                for name in self.sampling.signals
+            }
+        )
 
     @cached_property
-    def _spline(self) -> QuinticSpline:
-        return QuinticSpline(self._recorded)
+    def _splines(self) -> dict[str, QuinticSpline]:
+        return {name: QuinticSpline(x[:]) for name, x in self.sampling.signals.items()}
 
-    def _earlier(self, late: float) -> FloatArray:
-        return self._spline.earlier(late / self.sampling.period)
+    def _earlier(self, name: str, late: float) -> FloatArray:
+        return self._splines[name].earlier(late / self.sampling.period)
 
-    def _rows(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        moved, y = sampled(replace(self.sampling, signals={self.name: values}))
+    def _rows(self, signals: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+        moved, y = sampled(replace(self.sampling, signals=signals))
         W = np.zeros((*y.shape, self.n_columns))
         W[..., self.columns] = moved.transpose(0, 2, 1)
         return W, y
@@ -267,7 +271,7 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
 
     Besides the slow samples, those within half a period of the cutoff frequency and within one decimated sample of
     them are left out: there filtered velocity and filtered friction have different signs. Of rests, in which friction
-    is any part of its level, filters carry that twice as far.
+    is any part of its level, filters carry that three times as far.
     """
     chosen, factor = sampling.chosen, sampling.factor
     usable = np.ones((len(sampling.model.sliding), sampling.n_rows), dtype=bool)
@@ -287,7 +291,7 @@ def _usable_rows(sampling: Sampling, velocities: FloatArray, highest: FloatArray
         held = [usable[j] for j in concerned if not taken_off or j in jumping]
         free = [usable[j] for j in concerned if taken_off and j not in jumping]
         core = margin // 3
-        for rows, reach, rest in ((held, margin, 0), (held + free, 2 * margin, core)):
+        for rows, reach, rest in ((held, margin, 0), (held + free, _RESTS * margin, core)):
             mark = partial(_leave_out, velocity, threshold, reach, (offset, factor), rows, rest)
             if rows:
                 in_pieces(mark, sampling.n_samples, reach + 2 * rest + 1, WORKERS)

@@ -19,6 +19,14 @@ from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 
+_SPAN = 8
+"""Samples from which on a value that is kept is a held span."""
+_ALIKE, _MOSTLY = 0.01, 0.5
+"""Share of samples outside held spans that may repeat the last one, and share that held spans may be."""
+_ROUGH, _ROUNDING = 0.6, 1e-9
+"""Share of fourth differences that change sign, 0.8 of white noise; and their part of the signal by rounding."""
+_JUMP = 2.0
+"""Times the usual steps that a reading catches up with at the end of a held span."""
 _WRAPPED = 0.8
 """Of the range, in one sample: a force that reverses and a friction that does make half of it at most together."""
 _USUAL_STEP = 0.2
@@ -37,9 +45,16 @@ def fault_of(
 ) -> str:
     """Fault of a channel, in words; empty without one. Friction in the fit says which steps of the force are coarse."""
     for part in parts:
+        mover = part.log[model.most_differentiated]
         for name in model.highest_derivatives:
-            if said := channel_fault(part.log[name], name, criteria, is_force=name in model.forces):
+            x, is_force = part.log[name], name in model.forces
+            if said := channel_fault(x, name, criteria, is_force=is_force):
                 return said
+            if held := _held(x, mover if is_force else None):
+                return (
+                    f"{name} keeps exactly one value over {held} spans of {_SPAN} samples and more while the axis "
+                    "moves: samples were lost and held or set to a value; cut those parts out"
+                )
     return _coarse_force(model, [part.log for part in parts], fit, criteria)
 
 
@@ -68,6 +83,38 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
         share = f"{100 * limited:.2g} %"
         return f"{name} changes by exactly its largest step in {share} of the samples: its slope is limited"
     return ""
+
+
+def _held(x: FloatArray, mover: FloatArray | None) -> int:
+    """Spans in which a channel keeps one value, inside its range, though others of its values are hardly ever alike.
+
+    A force counts if it is noisy, and while the mover moves as usual; a reading without a mover if it jumps at the end
+    of the span as it never does else.
+    """
+    step = np.diff(x)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], step == 0.0, [False]]).astype(np.int8)))
+    spans = edges.reshape(-1, 2)
+    spans = spans[(spans[:, 1] - spans[:, 0] >= _SPAN - 1) & (spans[:, 1] < step.size)]
+    length = spans[:, 1] - spans[:, 0]
+    alike = np.count_nonzero(step == 0.0) - int(length.sum())
+    if len(spans) < FEWEST or alike > _ALIKE * x.size or length.sum() > _MOSTLY * x.size:
+        return 0
+    inside = (x[spans[:, 0]] > x.min()) & (x[spans[:, 0]] < x.max())
+    free = np.ones(step.size, dtype=bool)
+    for start, stop in spans:
+        free[start : stop + 1] = False
+    usual = step[free]
+    if mover is None:
+        odd = np.abs(step[spans[:, 1]]) > _JUMP * np.quantile(np.abs(usual), 0.99)
+    else:
+        rough = np.diff(x, 4)[free[3:]]
+        is_noise = np.median(np.abs(rough)) > _ROUNDING * np.sqrt(np.mean(x**2))
+        if not is_noise or np.mean(rough[1:] * rough[:-1] < 0.0) < _ROUGH:
+            return 0
+        pace = np.array([np.sqrt(np.mean((mover[k:] - mover[:-k]) ** 2)) for k in length])
+        odd = np.abs(mover[spans[:, 1]] - mover[spans[:, 0]]) > 0.25 * pace
+    found = int(np.count_nonzero(inside & odd))
+    return found if found >= FEWEST else 0
 
 
 def _wrapped(x: FloatArray) -> int:

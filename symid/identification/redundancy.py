@@ -15,25 +15,32 @@ from symid.identification.sampling import filtered
 
 
 def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Criteria = CRITERIA) -> str:
-    """Which sensors differ in their gain, in words; empty if none does.
+    """Which sensors differ in their gain or their course, in words; empty if none does.
 
     The gain of one signal against another lies between its two regressions, whatever noise each has (R. Frisch,
-    Statistical Confluence Analysis, Oslo 1934): sensors disagree if 1 is not within these bounds.
+    Statistical Confluence Analysis, Oslo 1934): sensors disagree if 1 is not within these bounds. They disagree too if
+    they differ by more than their noise, as they do where one is late.
     """
     for name, terms in model.redundant:
-        if not all(signal in part.log.signals for part in parts for signal in (name, *(t[0] for t in terms))):
+        used = [name, *(signal for signal, _, _ in terms)]
+        if not all(signal in part.log.signals for part in parts for signal in used):
             continue
         pairs = [_compared(model, part, name, terms) for part in parts]
         own, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
-        crossed = float(own @ other)
-        low, high = sorted(
-            (crossed / max(float(other @ other), 1e-300), float(own @ own) / (crossed or 1e-300))
-        )
+        crossed, power = float(own @ other), max(float(own @ own), 1e-300)
+        low, high = sorted((crossed / max(float(other @ other), 1e-300), power / (crossed or 1e-300)))
+        what = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
         if low > 1.0 + criteria.gain or high < 1.0 - criteria.gain or crossed <= 0.0:
-            what = " + ".join(f"derivative {order} of {signal}" for signal, order, _ in terms)
             return (
                 f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
                 f"({what}): correct its unit, sign or gain (--unit, --gain)"
+            )
+        differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
+        noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)
+        if differs > max(criteria.worst_fit, criteria.noise_explains * float(noise)):
+            return (
+                f"{name} differs from what other sensors say ({what}) by {100 * differs:.3g} %, more than noise does: "
+                "one of them is late or damaged; correct its time (--late), or leave it out of --measured"
             )
     return ""
 
@@ -43,7 +50,6 @@ def _compared(
 ) -> tuple[FloatArray, FloatArray]:
     """A signal and what it should be, both low-passed as for the estimate, between the trimmed ends."""
     chosen, log = part.observation.preparation, part.log
-    assert chosen.cutoff_hz is not None
     used = [name, *(signal for signal, _, _ in terms)]
     moved = {key: x[:] for key, x in filtered(model, log, chosen, 1.0, used).items()}
     before, after = chosen.trim or (0, 0)
@@ -55,3 +61,14 @@ def _compared(
             factor * ([x, *derivatives(x, log.sampling_period, order, accuracy=chosen.difference_order)])[-1]
         )
     return moved[name][inside], expected[inside]
+
+
+def _noise(part: Excerpt, name: str, terms: Sequence[tuple[str, int, float]]) -> float:
+    """Variance of the difference of a signal and what it should be, by white noise up to the cutoff."""
+    cutoff = part.observation.preparation.cutoff_hz
+    assert cutoff is not None
+    return sum(
+        factor**2 * part.levels[signal] * (2 * np.pi * cutoff) ** (2 * order) * cutoff / (2 * order + 1)
+        for signal, order, factor in ((name, 0, 1.0), *terms)
+        if signal in part.levels
+    )

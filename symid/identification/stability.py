@@ -77,16 +77,18 @@ def scatter(parts: Sequence[Segment], fit: LeastSquares) -> FloatArray:
     return np.asarray(root @ (slopes.T @ slopes) @ root.T * n / (n - 1))
 
 
-def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: float) -> Change | None:
+def greatest_change(parts: Sequence[Segment], fit: LeastSquares) -> Change | None:
     """The span of segments, in time order, whose own parameters take most from the residual; None if there are too few.
 
-    `inflation` is the number of rows for each independent one of the residual.
+    How many rows are worth an independent one is read from the segments as they scatter about both parameters: that of
+    the whole residual is correlated by the change itself.
     """
-    n = len(parts)
+    n, p = len(parts), fit.solution.size
     if n < _FEWEST:
         return None
-    normal = np.cumsum([np.zeros_like(parts[0].normal), *(s.normal for s in parts)], axis=0)
-    slope = np.cumsum([np.zeros_like(parts[0].slope), *(s.slope for s in parts)], axis=0)
+    normals, slopes = np.stack([s.normal for s in parts]), np.stack([s.slope for s in parts])
+    normal = np.concatenate([np.zeros((1, p, p)), np.cumsum(normals, axis=0)])
+    slope = np.concatenate([np.zeros((1, p)), np.cumsum(slopes, axis=0)])
     whole = sum(s.square for s in parts)
     spans = [(i, j) for i in range(n) for j in range(i + 1, n + 1) if j - i <= n // 2 + 1 and j - i < n]
     begins, ends = np.transpose(spans)
@@ -94,13 +96,16 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares, inflation: floa
         normal[ends] - normal[begins], slope[ends] - slope[begins], normal[-1], slope[-1]
     )
     best = int(np.argmax(compared.gain))
-    gain, i = float(compared.gain[best]), int(begins[best])
+    gain, i, j = float(compared.gain[best]), int(begins[best]), int(ends[best])
     if not whole > 0.0 or gain <= 0.0:
         return None
     inside, outside, spread = compared.inside[best], compared.outside[best], compared.spread(best)
     root, rows = fit.rank.inverse_root, sum(s.rows for s in parts)
-    sigma2 = max(whole - gain, 0.0) / max(rows - 2 * fit.solution.size, 1) * max(inflation, 1.0)
-    deviations = np.sqrt(np.diag(root @ spread @ root.T) * sigma2)
+    sigma2 = max(whole - gain, np.finfo(float).eps * whole) / max(rows - 2 * p, 1)
+    is_inside = (np.arange(n) >= i) & (np.arange(n) < j)
+    rest = slopes - np.einsum("bij,bj->bi", normals, np.where(is_inside[:, None], inside, outside))
+    inflation = np.sum(rest**2) / (sigma2 * np.trace(normal[-1])) * n / (n - 2)
+    deviations = np.sqrt(np.diag(root @ spread @ root.T) * sigma2 * max(float(inflation), 1.0))
     return Change(
         parts[i].time, fit.solution + root @ inside, fit.solution + root @ outside, deviations, gain / whole
     )

@@ -19,7 +19,7 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estimate, triangular_factors
 from symid.identification.excerpts import Excerpt, blocks_of
-from symid.identification.lag_scan import LagScan, scan, shiftable
+from symid.identification.lag_scan import delayed_together, scan
 from symid.identification.observation import Observation
 
 _SETTLED = 0.01
@@ -144,7 +144,11 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     Timing or None
         None if the rows do not determine a delay.
     """
-    found = [timing for name in shiftable(model) if (timing := _timing_of_signal(model, parts, fit, name))]
+    found = []
+    for names in delayed_together(model):  # all others early is the one late that laws depend on
+        signal = names[0] if len(names) == 1 else next(name for name in model.measured if name not in names)
+        if timing := _timing_of(model, parts, fit, names, signal):
+            found.append(timing)
     certain = [timing for timing in found if timing.is_significant]
     of_force = [timing for timing in found if timing.is_force]
     if certain:
@@ -153,52 +157,55 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     return of_force[0] if of_force else None
 
 
-def _timing_of_signal(
-    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, name: str
+def _timing_of(
+    model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares, names: tuple[str, ...], signal: str
 ) -> Timing | None:
-    scanned = scan(parts, fit, name)
+    """Delay of a signal: of itself, or of all others, which are then early by it."""
+    scanned = scan(parts, fit, names)
     late, left = scanned.best
-    shifting = [_Shifting(part, name) for part in parts]
-    near = _refined(model, parts, shifting, fit, 0.0)
+    shifting = [_Shifting(part, names) for part in parts]
+    near = _refined(parts, shifting, fit, 0.0)
+    found: _Delay | None
     # motion that repeats itself fits as well a period later: a delay near zero that explains as much comes first
     if left >= _WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
-        return near
-    refined = _refined(model, parts, shifting, fit, late)
-    if refined is None:
-        return _coarse(parts, fit, name, scanned, is_force=name in model.forces)
-    return refined
-
-
-def _coarse(
-    parts: Sequence[Excerpt], fit: LeastSquares, name: str, scanned: LagScan, *, is_force: bool
-) -> Timing:
-    """The delay of the scan, to a row, where it cannot be refined."""
-    late, left = scanned.best
-    chosen, period = parts[0].observation.preparation, parts[0].log.sampling_period
+        found = near
+    else:  # to a row, where it cannot be refined
+        chosen = parts[0].observation.preparation
+        row = parts[0].log.sampling_period * (chosen.decimation or 1)
+        found = _refined(parts, shifting, fit, late) or _Delay(
+            late, row / _ROWS_A_DEVIATION, float(np.sqrt(left)), fit.solution
+        )
+    if found is None:
+        return None
     return Timing(
-        signal=name,
-        late=late,
-        deviation=period * (chosen.decimation or 1) / _ROWS_A_DEVIATION,
-        sampling_period=period,
-        declared=chosen.late.get(name, 0.0),
-        remaining=float(np.sqrt(left)),
-        parameters=fit.solution,
-        is_force=is_force,
+        signal=signal,
+        late=found.late if signal in names else -found.late,
+        deviation=found.deviation,
+        sampling_period=parts[0].log.sampling_period,
+        declared=parts[0].observation.preparation.late.get(signal, 0.0),
+        remaining=found.remaining,
+        parameters=found.parameters,
+        is_force=signal in model.forces,
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _Delay:
+    """Delay of signals, its deviation, and residual and parameters with it, as in `Timing`."""
+
+    late: float
+    deviation: float
+    remaining: float
+    parameters: FloatArray
+
+
 def _refined(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    shifting: Sequence[_Shifting],
-    fit: LeastSquares,
-    start: float,
-) -> Timing | None:
+    parts: Sequence[Excerpt], shifting: Sequence[_Shifting], fit: LeastSquares, start: float
+) -> _Delay | None:
     """The delay near a start, by Gauss and Newton; None if it runs away."""
     period = parts[0].log.sampling_period
     cutoff = parts[0].observation.preparation.cutoff_hz
     assert cutoff is not None
-    name = shifting[0].name
     late, X = start, fit.solution
     for _ in range(_MOST_ROUNDS):
         extended = [shifted.with_tangent(late, X) for shifted in shifting]
@@ -215,18 +222,12 @@ def _refined(
     else:
         return None
     correlated = corrected_covariance_of_blocks(lambda: blocks, found)
-    before = [np.linalg.norm(_residual(part.observation, fit.solution)) for part in parts]
-    after = float(np.linalg.norm(found.residual_norm))
-    return Timing(
-        signal=name,
-        late=late,
-        deviation=float(correlated.standard_deviations[-1]),
-        sampling_period=period,
-        declared=parts[0].observation.preparation.late.get(name, 0.0),
-        remaining=after / float(np.linalg.norm(before)),
-        parameters=X,
-        is_force=name in model.forces,
-    )
+    equations = len(parts[0].observation.y)
+    before = np.sum([_squares(part.observation, fit.solution) for part in parts], axis=0)
+    after = np.sum(np.reshape(found.residual_norm**2, (-1, equations)), axis=0)
+    # each equation has its own unit: the mean of what is left of each
+    remaining = float(np.sqrt(np.mean(after / np.maximum(before, np.finfo(float).tiny))))
+    return _Delay(late, float(correlated.standard_deviations[-1]), remaining, X)
 
 
 def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
@@ -235,7 +236,7 @@ def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
 
 
 def _drift_of_force(parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> str:
-    thirds = [scan(parts, fit, force, (k,)).best for k in range(3)]
+    thirds = [scan(parts, fit, (force,), (k,)).best for k in range(3)]
     (first, left_first), (middle, left_middle), (last, left_last) = thirds
     row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     grows = abs(first - last) >= _DRIFTED_ROWS * row
@@ -251,11 +252,11 @@ def _drift_of_force(parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> 
 
 
 class _Shifting:
-    """Rows of a log of which one signal is moved in time."""
+    """Rows of a log of which some signals are moved in time."""
 
-    def __init__(self, part: Excerpt, name: str) -> None:
-        self.name, self.observation = name, part.observation
-        self._rows = part.moved(name)
+    def __init__(self, part: Excerpt, names: tuple[str, ...]) -> None:
+        self.observation = part.observation
+        self._rows = part.moved(*names)
         self._slope = self._rows.slope
 
     def with_tangent(self, late: float, X: FloatArray) -> Observation:
@@ -268,6 +269,7 @@ class _Shifting:
         return replace(self.observation, W=np.concatenate([W, tangent[..., None]], axis=2), y=y)
 
 
-def _residual(observation: Observation, X: FloatArray) -> FloatArray:
-    rest: FloatArray = (observation.y - observation.W @ X)[observation.valid]
-    return rest
+def _squares(observation: Observation, X: FloatArray) -> FloatArray:
+    """Sum of squares of the residual of each equation."""
+    rest = observation.y - observation.W @ X
+    return np.asarray(np.sum(np.where(observation.valid, rest, 0.0) ** 2, axis=1))

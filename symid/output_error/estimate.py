@@ -85,7 +85,7 @@ class LikelihoodFit:
     @cached_property
     def change(self) -> Change | None:
         """The span of the logs whose own parameters take most from the innovations."""
-        return greatest_change(self.parts, self.linear, self.inflation**2)
+        return greatest_change(self.parts, self.linear)
 
     @property
     def noise(self) -> dict[str, float]:
