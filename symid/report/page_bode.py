@@ -67,7 +67,10 @@ def _explained(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
     for effect in found.effects:
         if effect.effect in ("delay", "actuator_lag"):
             turned = 2j * np.pi * of.frequency * effect.parameters["T"].value
-            drive *= np.exp(-turned) if effect.effect == "delay" else 1 / (1 + turned)
+            if effect.effect == "delay":
+                drive *= np.exp(-turned)
+            else:  # below 0 the record lags, not the force
+                drive *= 1 / (1 + turned) if effect.parameters["T"].value > 0 else 1 - turned
     return np.asarray(drive * identified_response(axis, values, of.signal, of.frequency, of.order))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+import scipy
 from command_line import run
 from hand_made import RIGID, rigid_log
 
@@ -74,6 +75,16 @@ def test_a_coarse_encoder_is_no_machine() -> None:
     log = recorded(with_drag(), lambda x: np.round(x / step) * step, "q")
     found = diagnose(load_axis("rigid_1m"), log, nominal=RIGID)
     assert (found.verdict, found.effects[0].effect) == ("effect", "quadratic_drag")
+
+
+def test_a_filtered_force_is_no_flexible_machine() -> None:
+    b, a = scipy.signal.butter(1, 1 / (2 * np.pi * 0.0005), fs=2000)
+    slow = recorded(with_drag(), lambda x: scipy.signal.lfilter(b, a, x), "F")
+    found = diagnose(load_axis("rigid_1m"), slow, nominal=RIGID)
+    effects = {one.effect: one for one in found.effects}
+    assert set(effects) == {"quadratic_drag", "actuator_lag"}
+    assert effects["actuator_lag"].parameters["T"].value == pytest.approx(-0.0005, rel=0.1)
+    assert any("recorded through a first-order filter" in fault for fault in found.faults)
 
 
 def test_a_sound_log_is_left_as_it_is() -> None:

@@ -132,6 +132,30 @@ class ActuatorLag(TransferEffect, DriveEffect):
         return ("s",)
 
 
+class RecordedLag(TransferEffect, DriveEffect):
+    """The force is recorded through a first-order filter, as filtered currents are: it acts T before, with T < 0."""
+
+    name = "actuator_lag"
+    amplitudes = ("share",)
+    shape_names = ("T",)
+    fixed = True
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        return -_LONGEST_DELAY < placed.shape[0] < 0.0
+
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        return [(float(-x * prediction.record.log.sampling_period),) for x in _STEPS]
+
+    def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
+        return (float(np.clip(shape[0], -_LONGEST_DELAY, 0.0)),)
+
+    def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
+        return np.asarray(1 / (1 - 1j * prediction.record.omega * shape[0]) - 1, dtype=np.complex128)
+
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return "1", "s"
+
+
 class Saturation(DriveEffect):
     """The force does not exceed a limit."""
 

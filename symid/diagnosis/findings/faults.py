@@ -116,7 +116,7 @@ def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
 
 
 def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
-    """Delays found that may be shifts of channels.
+    """Delays found that may be shifts of channels, and filters through which a force was recorded.
 
     Parameters
     ----------
@@ -137,4 +137,9 @@ def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[Selecti
             side = "after" if samples > 0 else "before"
             text = f"{force} acts {abs(samples):.2f} samples {side} its record"
             found.append(text + (": a whole number, so channels may be shifted." if whole else "."))
+        if item.effect.name == "actuator_lag" and item.shape:
+            force = force_at(forces, item.at)
+            found.append(
+                f"{force} is recorded through a first-order filter of {-1e3 * item.shape[0]:.3g} ms."
+            )
     return tuple(found)
