@@ -16,7 +16,7 @@ import numpy as np
 
 from symid.axis import load_axis
 from symid.codegen import model_of
-from symid.excitation import IdentificationTrial, design
+from symid.excitation import Expectation, IdentificationTrial, design
 from symid.simulation import Limits, plant_of, simulate, tuned_cascade
 
 VALUES = {
@@ -36,16 +36,20 @@ def experiment_of(name: str, method: Literal["wls", "iv"]) -> IdentificationTria
 
 
 def spread(
-    experiment: IdentificationTrial, found: dict[int, tuple[dict[str, float], dict[str, float]]]
+    experiment: IdentificationTrial,
+    best: Expectation,
+    found: dict[int, tuple[dict[str, float], dict[str, float]]],
 ) -> None:
-    """Print the standard deviation and the rms error of estimates over their expected deviation, and their bias."""
+    """Print spread, bias and rms error of estimates over what is expected; the last with systematic errors."""
     for name, truth in experiment.parameters.items():
         values = np.array([one[0][name] for one in found.values()])
         error = np.sqrt(np.mean((values - truth) ** 2))
         expected = np.sqrt(np.mean([one[1][name] ** 2 for one in found.values()]))
         ratio, bias = values.std(ddof=1) / expected, (values.mean() - truth) / expected
         told = f"spread {ratio:.2f} of the expected deviation, mean {bias:+.2f} of it off the truth"
-        print(f"  {name:>4}: {told}, rms error {error / expected:.2f}")
+        print(
+            f"  {name:>4}: {told}; rms error {error / (best.relative[name] * abs(truth)):.2f} of the expected one"
+        )
 
 
 def main(names: list[str], method: Literal["wls", "iv"], runs: int) -> None:
@@ -61,7 +65,7 @@ def main(names: list[str], method: Literal["wls", "iv"], runs: int) -> None:
             run = simulate(experiment.axis, experiment.parameters, paths, experiment.controller, seed=seed)
             if one := experiment.identified(run):
                 found[seed] = one
-        spread(experiment, found)
+        spread(experiment, best.best, found)
         own = [
             found[seed][1][key] / best.best.deviations[key] for seed in found for key in experiment.parameters
         ]
