@@ -39,6 +39,8 @@ _DRIFTED_ROWS = 2
 """Rows by which the delays of two thirds must differ: noise moves them by one."""
 _UNEVEN = 0.2
 """Part of their difference by which the delay of the middle third may differ from the mean of the others."""
+_TOGETHER = 0.9
+"""Residual that must be left at most where all signals but one are moved: noise in W makes 0.97 of it."""
 _SIGNIFICANT = 5.0
 """Standard deviations from which a delay is reported."""
 _NOTICEABLE = 0.2
@@ -147,7 +149,8 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
     found = []
     for names in delayed_together(model):  # all others early is the one late that laws depend on
         signal = names[0] if len(names) == 1 else next(name for name in model.measured if name not in names)
-        if timing := _timing_of(model, parts, fit, names, signal):
+        timing = _timing_of(model, parts, fit, names, signal)
+        if timing and (len(names) == 1 or timing.remaining < _TOGETHER):
             found.append(timing)
     certain = [timing for timing in found if timing.is_significant]
     of_force = [timing for timing in found if timing.is_force]
