@@ -17,7 +17,7 @@ from symid.diagnosis.fitting.sensitivity import derivatives
 from symid.diagnosis.fitting.state import State, evaluated, leveled
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts
 from symid.diagnosis.thresholds import THRESHOLDS
-from symid.errors import SettingError
+from symid.errors import SettingError, SymidError
 
 _LARGEST_SHAPE_STEP = 0.3
 _LARGEST_MOMENT_STEP = 0.01
@@ -31,6 +31,8 @@ _SETTLED = 1e-5
 _RANK = 1e-10
 ITERATIONS = 10
 """Of a fit that may begin far off, at most."""
+_MOST_FITS, _FALLS = 6, 0.98
+"""Fits in which what was found is fitted on, while each leaves less than this share of the one before."""
 _ALLOWED_ERROR = 0.1
 """Share of the error left that the weights take for error of the model."""
 
@@ -182,6 +184,24 @@ def converged(state: State, weighting: Weighting) -> Fit:
         again = refitted(settled(first))
     kept = keeps_inertia(again.state, state.inertia)
     return replace(again if kept else first, begun=state.inertia)
+
+
+def fitted_on(fit: Fit) -> Fit:
+    """A fit continued under weights that belong to it, until its error hardly falls any more.
+
+    A search fits no model longer than it takes to choose.
+    """
+    for _ in range(_MOST_FITS):
+        try:
+            after = converged(fit.state, fit.weighting).after(fit)
+        except (SymidError, ArithmeticError, np.linalg.LinAlgError):
+            return fit
+        if not after.mean_square < fit.mean_square:
+            return fit
+        before, fit = fit, after
+        if not after.mean_square < _FALLS * before.mean_square:
+            break
+    return fit
 
 
 def settled(fit: Fit) -> Fit:

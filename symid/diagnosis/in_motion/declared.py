@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-import numpy as np
-
 from symid.axis import (
     Axis,
     Between,
@@ -18,15 +16,13 @@ from symid.axis import (
 )
 from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of
 from symid.diagnosis.findings.result import Diagnosis
-from symid.diagnosis.fitting.fit import Fit, converged, masses_and_stiffnesses
+from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.prediction import Prediction, place_named
-from symid.errors import SettingError, SymidError
+from symid.errors import SettingError
 
 Values: TypeAlias = dict[str, float]
 """Value of each new parameter, SI."""
-_MOST_FITS, _FALLS = 6, 0.98
-"""Fits in which what was found is fitted on, while each leaves less than this share of the one before."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +48,6 @@ class ExplainedAxis:
 def explained_axis(found: Diagnosis) -> ExplainedAxis:
     """The axis with the effects of a diagnosis added, and the values of its parameters.
 
-    A search fits no model longer than it takes to choose: what it has found is fitted on here until nothing falls.
-
     Parameters
     ----------
     found : Diagnosis
@@ -67,26 +61,11 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     accepted = [step for step in found.search if step.accepts] if found.effects else []
     if not accepted:
         raise SettingError("no effect was found: the axis stays as it is declared")
-    explained = axis_of(_fitted_on(accepted[len(found.effects) - 1].confirmed[0].fit).state)
+    explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
     if explained.axis == found.axis.without(*found.axis.imperfections):
         raise SettingError("; ".join(explained.left_out))
     impossible = impossible_values(explained.axis, explained.values)
     return replace(explained, left_out=(*explained.left_out, *impossible))
-
-
-def _fitted_on(fit: Fit) -> Fit:
-    """A fit continued under weights that belong to it, until its error hardly falls any more."""
-    for _ in range(_MOST_FITS):
-        try:
-            after = converged(fit.state, fit.weighting)
-        except (SymidError, ArithmeticError, np.linalg.LinAlgError):
-            return fit
-        if not np.isfinite(after.mean_square):
-            return fit
-        before, fit = fit, after
-        if not after.mean_square < _FALLS * before.mean_square:
-            break
-    return fit
 
 
 def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
