@@ -1,0 +1,148 @@
+"""Effects that a recorder must not hide: python -m benchmarks.diagnosis.recorders
+
+Machines of `benchmarks.diagnosis.machines` with one clear effect, or none, whose logs a recorder then changes: samples
+lost, channels that are slower than the log, late or filtered, few digits. Right is the effect named first or in a
+stated tie, or after the lateness that the recorder made; without an effect nothing but that lateness. Names of a
+probability of at least a half that are neither the effect nor the recorder's lateness are counted as false.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import count, islice
+
+import numpy as np
+import scipy.signal
+
+from benchmarks.diagnosis.machines import Case, drawn, names, sizes, sought
+from symid import Log
+from symid.arrays import FloatArray
+from symid.diagnosis import FoundEffect, diagnose
+
+_SLOW, _LATE, _STEPS = 4, 3, 1500
+_LAG, _FORCE_LAG = 10, 20
+"""Cutoff frequencies of first-order filters, as parts of the sampling frequency."""
+_LATENESS = {"delay", "actuator_lag"}
+
+
+@dataclass(frozen=True)
+class Recorder:
+    """What a recorder does to the channels of a log.
+
+    Parameters
+    ----------
+    change : callable
+        A channel from a channel and the samples that are lost.
+    of_force, of_positions : bool
+        What it is done to.
+    late : bool
+        Whether force and positions no longer belong together.
+    """
+
+    change: Callable[[FloatArray, FloatArray], FloatArray]
+    of_force: bool = True
+    of_positions: bool = True
+    late: bool = False
+
+    def log(self, log: Log) -> Log:
+        """The log recorded."""
+        lost = np.random.default_rng(5).random(log.n_samples)
+        signals = dict(log.signals)
+        for name, x in log.signals.items():
+            if name != "reference" and (self.of_force if name == "F" else self.of_positions):
+                signals[name] = self.change(x, lost)
+        return Log.from_arrays(signals, sampling_period=log.sampling_period)
+
+
+def _slow(x: FloatArray, lost: FloatArray) -> FloatArray:
+    return x[np.arange(x.size) // _SLOW * _SLOW]
+
+
+def _interpolated(x: FloatArray, lost: FloatArray) -> FloatArray:
+    at = np.arange(x.size)
+    return np.interp(at, at[::_SLOW], x[::_SLOW])
+
+
+def _shifted(x: FloatArray, lost: FloatArray) -> FloatArray:
+    return np.concatenate([np.full(_LATE, x[0]), x[:-_LATE]])
+
+
+def _coarse(x: FloatArray, lost: FloatArray) -> FloatArray:
+    step = float(np.ptp(x)) / _STEPS
+    return np.asarray(np.round(x / step) * step)
+
+
+def _filtered(part: int) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    pole = np.exp(-2 * np.pi / part)
+
+    def change(x: FloatArray, lost: FloatArray) -> FloatArray:
+        return np.asarray(scipy.signal.lfilter([1 - pole], [1, -pole], x, zi=[x[0] * pole])[0])
+
+    return change
+
+
+def _repeated(x: FloatArray, lost: FloatArray) -> FloatArray:
+    return x[np.maximum.accumulate(np.where(lost < 0.03, 0, np.arange(x.size)))]
+
+
+RECORDERS = {
+    "sound": Recorder(lambda x, lost: x),
+    "0.5 % of rows 0": Recorder(lambda x, lost: np.where(lost < 0.005, 0.0, x)),
+    "3 % of rows repeated": Recorder(_repeated),
+    "slow position": Recorder(_slow, of_force=False),
+    "all interpolated": Recorder(_interpolated),
+    "coarse position": Recorder(_coarse, of_force=False),
+    "late position": Recorder(_shifted, of_force=False, late=True),
+    "filtered position": Recorder(_filtered(_LAG), of_force=False, late=True),
+    "filtered force": Recorder(_filtered(_FORCE_LAG), of_positions=False, late=True),
+}
+"""Of what is done: 4 samples for one, 3 samples late, 1500 steps in the travel, filters of first order."""
+
+
+def outcome(case: Case, recorder: Recorder, wanted: tuple[str, ...]) -> tuple[bool, int, str]:
+    """Whether a diagnosis of what was recorded is right, effects named that are not there, and what it says."""
+    logs = [recorder.log(log) for log in case.logs]
+    found = diagnose(case.machine.axis, logs[0], validation=logs[1], nominal=case.nominal)
+    others = [one for one in found.effects if not (recorder.late and _LATENESS & names(one))]
+    false = [one for one in others if one.probability >= 0.5 and not names(one).intersection(case.effects)]
+    right = bool(names(others[0]).intersection(wanted)) if others and wanted else not (others or wanted)
+    return right, len(false), f"{found.verdict:11} {', '.join(map(_said, found.effects))}"
+
+
+def _said(effect: FoundEffect) -> str:
+    return f"{effect.effect} ({effect.probability:.2f})"
+
+
+def clear_cases(first: int) -> Iterator[tuple[int, Case, tuple[str, ...]]]:
+    """Seeds, cases and effects wanted, from a seed on: a clear effect, or none."""
+    for seed in count(first):
+        if (case := drawn(seed)) is not None:
+            least, *alone = sizes(case)
+            if (wanted := sought(case, least, alone)) or not case.effects:
+                yield seed, case, wanted
+
+
+def main() -> None:
+    """Print each diagnosis, then the sums by recorder."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cases", type=int, default=15)
+    given = parser.parse_args()
+    sums: dict[str, list[tuple[bool, int]]] = {name: [] for name in RECORDERS}
+    for seed, case, wanted in islice(clear_cases(given.seed), given.cases):
+        print(f"{seed} {case.machine.kind}, {', '.join(wanted) or 'no effect'}", flush=True)
+        for name, recorder in RECORDERS.items():
+            right, false, said = outcome(case, recorder, wanted)
+            sums[name].append((right, false))
+            print(f"    {name:20} {said} {'' if right else 'WRONG'} {'FALSE' if false else ''}", flush=True)
+    for name, found in sums.items():
+        rights, false = sum(r for r, _ in found), sum(f for _, f in found)
+        print(f"{name}: {rights} of {len(found)} right, {false} named that are not there")
+
+
+if __name__ == "__main__":
+    main()
