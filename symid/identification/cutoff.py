@@ -207,7 +207,9 @@ def _upward(highest: float) -> list[float]:
 
 
 def _gauge(sizes: FloatArray) -> float:
-    """Geometric mean of relative deviations: none is bought with larger ones of what was known well."""
+    """Geometric mean of relative deviations, 1 of none: none is bought with larger ones of what was known well."""
+    if not sizes.size:
+        return 1.0
     return float(np.exp(np.mean(np.log(np.maximum(sizes, _KNOWN)))))
 
 
