@@ -16,7 +16,7 @@ from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.faults import damage
 from symid.diagnosis.findings.result import Diagnosis
-from symid.diagnosis.fitting.fit import Fit, fitted_on
+from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
@@ -206,7 +206,7 @@ def _diagnosed(
     if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
     declared = state if nominal else None
-    steps = [_fitted_on(step) if step.accepts else step for step in steps]
+    steps = [step.fitted_on() if step.accepts else step for step in steps]
     steps, comparison = _on_held_out(base, steps, declared, data)
     steps, comparison = _largest_first(base, steps, declared, data, comparison)
     fits = fits_of(base, steps)
@@ -214,12 +214,6 @@ def _diagnosed(
     parts = [part for run in runs if run is not None for part in run.parts]
     found = concluded(comparison, steps, fits, nominal, logs, damage(parts, state, weighting))
     return with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
-
-
-def _fitted_on(step: SelectionStep) -> SelectionStep:
-    """A step whose best model is fitted until its error hardly falls any more."""
-    best, *others = step.confirmed
-    return replace(step, confirmed=(replace(best, fit=fitted_on(best.fit)), *others))
 
 
 def _on_held_out(
@@ -252,7 +246,8 @@ def _largest_first(
         return steps, comparison
     ordered = brought_first(accepted, at)
     other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
-    holds = other.upheld == len(ordered) and other.removed(1, 2).share > shares[0]
+    as_good = other.misfit**2 < THRESHOLDS.as_good * comparison.misfit**2
+    holds = other.upheld > 0 and as_good and other.removed(1, 2).share > shares[0]
     return (ordered, other) if holds else (steps, comparison)
 
 

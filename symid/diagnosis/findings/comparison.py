@@ -97,6 +97,11 @@ class Comparison:
         grows = (n for n in range(n_effects) if self.removed(n + 1, n + 2).high < 0)
         return next(grows, None) if n_effects > 1 else None
 
+    @property
+    def misfit(self) -> float:
+        """That of the effects that hold, relative to the re-identified model."""
+        return self._misfit(1 + self.upheld)
+
     def _misfit(self, model: int) -> float:
         """Root mean square of the errors of all outputs, each relative to that of the re-identified model."""
         outputs = range(len(self.weighting.density))

@@ -121,8 +121,10 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
     """
     members, whole = _members(steps), steps[-1].confirmed[0].fit
     order = [members[at], *members[:at], *members[at + 1 :]]
-    most = THRESHOLDS.as_good * whole.mean_square
-    return _chain(order, steps[0].before, most, justified=True) or tuple(steps)
+    chain = _chain(order, steps[0].before, math.inf, justified=True) or ()
+    other = tuple(step.fitted_on() for step in chain)
+    as_good = other and other[-1].confirmed[0].fit.mean_square < THRESHOLDS.as_good * whole.mean_square
+    return other if as_good else tuple(steps)
 
 
 def _members(steps: Sequence[SelectionStep]) -> list[Member]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
-from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.fit import Fit, fitted_on
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -104,6 +104,11 @@ class SelectionStep:
             return self
         others = (own for own in self.confirmed if own is not found[0])
         return replace(self, confirmed=(found[0], *others))
+
+    def fitted_on(self) -> SelectionStep:
+        """The same with its best model fitted until its error hardly falls any more."""
+        best, *others = self.confirmed
+        return replace(self, confirmed=(replace(best, fit=fitted_on(best.fit)), *others))
 
     def other_timing(self) -> tuple[SelectionStep, ...]:
         """The same with the lag accepted in place of the delay, or the other way round, if it explains as much or less.
