@@ -20,6 +20,8 @@ _NOISE = 5.0
 """Times the usual second difference of a signal, by which it must differ too: noise makes zeros of coarse values."""
 _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
 """Share of repeated rows from which on some were lost, and beyond which a channel is slow rather than lossy."""
+_COARSE = 0.4
+"""Share of different values below which a channel is one of steps."""
 _STEPS = 12.0
 """Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
 _SPAN = 8
@@ -174,4 +176,7 @@ def _filled(x: FloatArray, sound: BoolArray, *, smooth: bool) -> FloatArray:
         between = scipy.interpolate.CubicSpline(places[sound], x[sound])(places)
     else:
         between = np.interp(places, places[sound], x[sound])
+    values = np.unique(x[sound])
+    if values.size < _COARSE * x.size:  # a coarse channel stays one of its steps
+        between = values[np.searchsorted((values[1:] + values[:-1]) / 2, between)]
     return np.where(sound, x, between)

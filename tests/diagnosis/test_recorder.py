@@ -68,6 +68,13 @@ def test_rows_that_a_recorder_repeats_are_interpolated() -> None:
     assert any("rows repeated the one before" in fault for fault in found.faults)
 
 
+def test_what_is_restored_of_a_coarse_channel_lies_on_its_steps() -> None:
+    q = 5.0 + np.round(100 * np.sin(np.arange(4000) / 300)) / 100
+    values, _ = restored({"q": zeroed(q)}, ["q"])
+    assert np.isin(values["q"], q).all()
+    assert np.abs(values["q"] - q).max() < 0.011
+
+
 def test_a_coarse_encoder_is_no_machine() -> None:
     step = 5e-5
     coarse = recorded(rigid_log(), lambda x: np.round(x / step) * step, "q")
