@@ -166,7 +166,7 @@ def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
 
 
 def refitted(fit: Fit, iterations: int = 3) -> Fit:
-    """The same with unknown states after each standstill, of which an axis that is seen whole has none."""
+    """Fitted again, with unknown states after each standstill; an axis that is seen whole has none of these."""
     weighting = with_restarts(fit.weighting, fit.state.prediction.hidden)
     return fitted(fit.state.weighted(weighting), weighting, iterations)
 

@@ -24,14 +24,16 @@ _FEWEST_STEPS = 200
 
 
 def quantisation_lines(
-    x: FloatArray, motion: FloatArray, sampling_frequency: float, noise: float, frequency: FloatArray
+    step: float, motion: FloatArray, sampling_frequency: float, noise: float, frequency: FloatArray
 ) -> FloatArray:
     """Density of the noise of a reading relative to white noise, of shape (n_frequencies,): 1 where it is as flat.
 
     Parameters
     ----------
-    x, motion : array of shape (n_samples,)
-        The reading, and its part in the band of the motion.
+    step : float
+        Of the reading.
+    motion : array of shape (n_samples,)
+        The part of the reading in the band of the motion.
     sampling_frequency : float
         Hz.
     noise : float
@@ -43,16 +45,13 @@ def quantisation_lines(
     --------
     >>> t = np.arange(8000) / 1000
     >>> path = 0.3 * t  # 30 steps a second
-    >>> lines = quantisation_lines(np.round(path / 0.01) * 0.01, path, 1000.0, 1e-4, np.array([30.0, 45.0]))
+    >>> lines = quantisation_lines(0.01, path, 1000.0, 1e-4, np.array([30.0, 45.0]))
     >>> bool(lines[0] > 100.0 * lines[1])
     True
     """
-    step = step_of(x)
-    if step == 0.0:
-        return np.ones(frequency.size)
     # What rounding alone would not leave is noise of the sensor, which blurs the lines.
-    blur = np.sqrt(max(noise**2 - step**2 / 12, 0.0)) * np.random.default_rng(0).standard_normal(x.size)
-    segment = min(_SEGMENT, x.size // _SEGMENTS)
+    blur = np.sqrt(max(noise**2 - step**2 / 12, 0.0)) * np.random.default_rng(0).standard_normal(motion.size)
+    segment = min(_SEGMENT, motion.size // _SEGMENTS)
     densities = []
     for place in _PLACES:
         course = motion + place * step

@@ -27,6 +27,7 @@ from symid.diagnosis.prediction.joined import bridge
 from symid.diagnosis.prediction.motion_band import WIDEST, force_noise, motion_band, noise_beyond
 from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
+from symid.identification.recording import step_of
 from symid.simulation import ForwardDynamics
 
 _CONTINUATION = 0.5
@@ -236,10 +237,10 @@ class Record:
         spread = np.ones((self.noise.size, self.n_bins))
         rate, frequency = self.log.sampling_frequency, self.omega / (2 * np.pi)
         for i, name in enumerate((*self.driven, *self.outputs)):
-            if name not in self.forces:
+            if name not in self.forces and (step := step_of(self.log[name])) > 0.0:
                 motion = self.grid([*self.motions, *self.measured][i] * self.taper, self.n_extended)
-                x, noise = self.log[name], float(self.noise[i])
-                spread[i] = quantisation_lines(x, motion[: x.size], rate, noise, frequency)
+                noise = float(self.noise[i])
+                spread[i] = quantisation_lines(step, motion[: self.log.n_samples], rate, noise, frequency)
         return spread
 
     @property
