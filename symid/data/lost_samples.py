@@ -22,6 +22,8 @@ _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
 """Share of repeated rows from which on some were lost, and beyond which a channel is slow rather than lossy."""
 _COARSE = 0.4
 """Share of different values below which a channel is one of steps."""
+_EVERY, _MANY = 16, 10_000
+"""Every which sample shows first whether values repeat, and of how many samples."""
 _STEPS = 12.0
 """Steps of a coarse channel that its neighbours must move for a repeated value to be odd."""
 _SPAN = 8
@@ -80,6 +82,18 @@ def repeated(x: FloatArray) -> BoolArray:
     odd &= (x[n : -n - 1] < x.max()) & (x[n : -n - 1] > x.min())
     found[n + 1 : -n] = odd
     return found
+
+
+def step_of(x: FloatArray) -> float:
+    """Smallest step of a channel of few values; 0 for one whose values are all its own.
+
+    Of few values, some come again among every sixteenth sample too: only then are all of them sorted.
+    """
+    some = x[::_EVERY]
+    if x.size > _MANY and np.unique(some).size == some.size:
+        return 0.0
+    values = np.unique(x)
+    return float(np.diff(values).min()) if 1 < values.size < _COARSE * x.size else 0.0
 
 
 def restored(

@@ -20,7 +20,6 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
-from symid.diagnosis.prediction.dead_channels import require_live_channels
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
@@ -30,6 +29,7 @@ from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
+from symid.identification.axis_logs import require_changing
 from symid.identification.settings import with_hold
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
@@ -138,7 +138,8 @@ def diagnose(
     others = [validation] if isinstance(validation, Log) else list(validation or ())
     if not others and len(logs) > 1:
         others = [logs.pop()]
-    require_live_channels(axis, [*logs, *others])
+    for each in (*logs, *others):
+        require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
     whole = recovered(axis, [*logs, *others])
     logs, others = list(whole.logs[: len(logs)]), list(whole.logs[len(logs) :])
     runs = _one_run(axis, logs), _one_run(axis, others) if others else None

@@ -126,8 +126,19 @@ def measured_signals(
 
 
 def require_changing(log: AnyLog, names: Iterable[str]) -> None:
-    """LogError if one of the signals is constant; a long log was looked through when it was opened."""
-    if isinstance(log, Log):
-        for name in names:
+    """LogError if one of the signals that the log holds is constant; a long log was checked when it was opened.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> log = Log.from_arrays({"F": np.cos(np.arange(100.0)), "q": np.zeros(100)}, sampling_period=0.01)
+    >>> try:
+    ...     require_changing(log, ["F", "q"])
+    ... except LogError as error:
+    ...     print(str(error)[:44])
+    arrays: 'q' is constant (0) over the whole l
+    """
+    if isinstance(log, Log) and log.n_samples:
+        for name in (name for name in names if name in log.signals):
             if fault := said_range(name, float(log[name].min()), float(log[name].max())):
                 raise LogError(f"{log.source}: {fault}")

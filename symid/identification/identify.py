@@ -32,12 +32,7 @@ from symid.identification.cutoff import Estimation, Trial, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.lagging import lag_of
 from symid.identification.misfit import misfit_of, noiseless_misfit
-from symid.identification.nonlinearity import (
-    drift_of_clocks,
-    drift_of_gain,
-    gain_of_sensors,
-    nonlinearity_of,
-)
+from symid.identification.nonlinearity import ColumnTests
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.recording import fault_of
@@ -241,21 +236,18 @@ def _faults(
     """Contradictions to the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
     model = found.model
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
-    change, rows = greatest_change(sums, fit), list(whitened(parts, fit))
-    drift = (
-        drift_of(model, parts, fit)
-        or lag_of(model, parts, fit, found.timing)
-        or drift_of_clocks(model, parts, fit, rows, inflation)
-    )
+    change = greatest_change(sums, fit)
+    more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
+    drift = drift_of(model, parts, fit) or lag_of(model, parts, fit, found.timing) or more.clock_drift()
     return Faults(
         recording=fault_of(model, parts, fit)
         or smoothing_of(model, parts)
         or disagreement_of(model, parts)
-        or ("" if drift else gain_of_sensors(model, parts, fit, rows, inflation)),  # a lag changes gains too
+        or ("" if drift else more.sensor_gain()),  # a lag changes gains too
         misfit=misfit_of(model, parts, fit)
-        or nonlinearity_of(model, parts, fit, rows, inflation)
+        or more.force_nonlinearity()
         or (change.statement(model) if change else "")
-        or drift_of_gain(model, parts, fit, rows, inflation)
+        or more.gain_drift()
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift,
     )

@@ -27,116 +27,134 @@ _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
 
-def nonlinearity_of(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    every: Sequence[WhitenedRows],
-    inflation: float,
-    criteria: Criteria = CRITERIA,
-) -> str:
-    """Compression of the force where it is large, in words; empty if it is in proportion."""
-    of_force = [(j, name) for j, name in enumerate(model.output_names) if name in model.forces]
-    beyond_noise = unexplained(model, parts, fit, replace(criteria, noise_explains=_NOISE_EXPLAINS))
-    for j, force in of_force:
-        rows, Z, rest, y = _of_equation(every, j)
-        scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
-        cubic = _Column.of(Z, rest, (y / scale) ** 3, y)
-        is_bent = cubic.share > min(criteria.nonlinear, _certain(rest, inflation, criteria))
-        if is_bent and abs(cubic.size) > criteria.nonlinear_output:
-            less = "less" if cubic.factor < 0 else "more"
-            return (
-                f"where {force} is large it is {less} than in proportion to the motion (a cubic takes away "
-                f"{100 * cubic.share:.2g} % of the residual's power): it is clipped, limited, or its gain changes with "
-                "it; record with a wider range"
-            )
-        if any(name.startswith(f"{force}_d") for name in model.signals):
-            continue  # flexible bodies make the same difference
-        if not beyond_noise[j]:
-            continue  # noise in W does too
-        bent = np.concatenate([_bent(parts[r.part], fit, j) for r in rows])
-        missing = _Column.of(Z, rest, bent, y)
-        if missing.share > criteria.nonlinear and missing.size > criteria.smoothed_output:
-            return (
-                f"{force} lacks what is fast in the motion (its second derivative takes away "
-                f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
-                "--cutoff"
-            )
-    return ""
+@dataclass(frozen=True, eq=False)
+class ColumnTests:
+    """Tests whether one more column takes away part of the residual; each returns a fault in words, or none.
 
-
-def drift_of_gain(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    every: Sequence[WhitenedRows],
-    inflation: float,
-    criteria: Criteria = CRITERIA,
-) -> str:
-    """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
-    for j, force in enumerate(model.output_names):
-        if force not in model.forces:
-            continue
-        rows, Z, rest, y = _of_equation(every, j)
-        grown = [_growing(parts, fit, r, parts[r.part].moved(force).rows) for r in rows]
-        drift = _Column.of(Z, rest, np.concatenate(grown), y)
-        if drift.share > _certain(rest, inflation, criteria) and abs(drift.factor) > criteria.gain_drift:
-            return (
-                f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the same "
-                "motion takes: its gain drifts, or the machine changes; identify the parts apart (--trim)"
-            )
-    return ""
-
-
-def gain_of_sensors(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    every: Sequence[WhitenedRows],
-    inflation: float,
-    criteria: Criteria = CRITERIA,
-) -> str:
-    """Whether a sensor's gain contradicts the other signals, in words; empty if none does.
-
-    Equations tie signals together: a body's mass takes the second derivative of a scale as it takes an accelerometer.
+    Parameters
+    ----------
+    rows : sequence of WhitenedRows
+        All rows of the estimate, with white residuals.
+    inflation : float
+        Rows for each one that is independent of the others.
     """
-    Z, rest, y = _of_all(every)
-    for name in shiftable(model):
-        if name in model.forces:
-            continue
-        own = [_of_rows(parts, fit, r, parts[r.part].moved(name).rows) for r in every]
-        gain = _Column.of(Z, rest, np.concatenate(own), y)
-        if gain.share > _certain(rest, inflation, criteria) and abs(gain.factor) > criteria.sensor_gain:
-            return (
-                f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
-                "correct its unit, sign or gain (--unit, --gain)"
-            )
-    return ""
 
+    model: GeneratedModel
+    parts: Sequence[Excerpt]
+    fit: LeastSquares
+    rows: Sequence[WhitenedRows]
+    inflation: float
+    criteria: Criteria = CRITERIA
 
-def drift_of_clocks(
-    model: GeneratedModel,
-    parts: Sequence[Excerpt],
-    fit: LeastSquares,
-    every: Sequence[WhitenedRows],
-    inflation: float,
-    criteria: Criteria = CRITERIA,
-) -> str:
-    """Whether a delay grows along the logs by less than a row, in words; empty if none does."""
-    Z, rest, y = _of_all(every)
-    period = parts[0].log.sampling_period
-    for names in delayed_together(model):
-        grown = [_growing(parts, fit, r, parts[r.part].moved(*names).slope) for r in every]
-        drift = _Column.of(Z, rest, np.concatenate(grown), y)
-        certain = drift.share > max(
-            criteria.clock_explains, _certain(rest, inflation, criteria, criteria.clock_certain)
-        )
-        if certain and abs(drift.factor) > criteria.clock_drift * period:
-            return (
-                f"the time of {' and '.join(names)} drifts by {drift.factor / period:+.2g} samples from begin to end "
-                "of the log against the other signals: clocks run at different rates; resample by their own time stamps"
-            )
-    return ""
+    def force_nonlinearity(self) -> str:
+        """Compression of the force where it is large, in words; empty if it is in proportion."""
+        noisy = replace(self.criteria, noise_explains=_NOISE_EXPLAINS)
+        beyond_noise = unexplained(self.model, self.parts, self.fit, noisy)
+        for j, force in enumerate(self.model.output_names):
+            if force not in self.model.forces:
+                continue
+            rows, Z, rest, y = _of_equation(self.rows, j)
+            scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
+            cubic = _Column.of(Z, rest, (y / scale) ** 3, y)
+            certain = self._certain(rest, self.criteria.gain_certain)
+            is_bent = cubic.share > min(self.criteria.nonlinear, certain)
+            if is_bent and abs(cubic.size) > self.criteria.nonlinear_output:
+                less = "less" if cubic.factor < 0 else "more"
+                return (
+                    f"where {force} is large it is {less} than in proportion to the motion (a cubic takes away "
+                    f"{100 * cubic.share:.2g} % of the residual's power): it is clipped, limited, or its gain changes "
+                    "with it; record with a wider range"
+                )
+            if any(name.startswith(f"{force}_d") for name in self.model.signals):
+                continue  # flexible bodies make the same difference
+            if not beyond_noise[j]:
+                continue  # noise in W does too
+            bent = np.concatenate([self._second_difference(r.part, j) for r in rows])
+            missing = _Column.of(Z, rest, bent, y)
+            if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
+                return (
+                    f"{force} lacks what is fast in the motion (its second derivative takes away "
+                    f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
+                    "--cutoff"
+                )
+        return ""
+
+    def gain_drift(self) -> str:
+        """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
+        for j, force in enumerate(self.model.output_names):
+            if force not in self.model.forces:
+                continue
+            rows, Z, rest, y = _of_equation(self.rows, j)
+            grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
+            drift = _Column.of(Z, rest, np.concatenate(grown), y)
+            certain = self._certain(rest, self.criteria.gain_certain)
+            if drift.share > certain and abs(drift.factor) > self.criteria.gain_drift:
+                return (
+                    f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the "
+                    "same motion takes: its gain drifts, or the machine changes; identify the parts apart (--trim)"
+                )
+        return ""
+
+    def sensor_gain(self) -> str:
+        """Whether a sensor's gain contradicts the other signals, in words; empty if none does.
+
+        Equations tie signals together: a mass multiplies the second derivative of a scale as it does an acceleration.
+        """
+        Z, rest, y = _of_all(self.rows)
+        for name in shiftable(self.model):
+            if name in self.model.forces:
+                continue
+            own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
+            gain = _Column.of(Z, rest, np.concatenate(own), y)
+            certain = self._certain(rest, self.criteria.gain_certain)
+            if gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain:
+                return (
+                    f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
+                    "correct its unit, sign or gain (--unit, --gain)"
+                )
+        return ""
+
+    def clock_drift(self) -> str:
+        """Whether a delay grows along the logs by less than a row, in words; empty if none does."""
+        Z, rest, y = _of_all(self.rows)
+        period = self.parts[0].log.sampling_period
+        for names in delayed_together(self.model):
+            grown = [self._growing(r, self.parts[r.part].moved(*names).slope) for r in self.rows]
+            drift = _Column.of(Z, rest, np.concatenate(grown), y)
+            certain = max(self.criteria.clock_explains, self._certain(rest, self.criteria.clock_certain))
+            if drift.share > certain and abs(drift.factor) > self.criteria.clock_drift * period:
+                return (
+                    f"the time of {' and '.join(names)} drifts by {drift.factor / period:+.2g} samples from begin to "
+                    "end of the log against the other signals: clocks run at different rates; resample by their own "
+                    "time stamps"
+                )
+        return ""
+
+    def _certain(self, residual: FloatArray, deviations: float) -> float:
+        """Part of the residual's power that a column takes away whose parameter is so many deviations from 0."""
+        ratio = deviations**2 * self.inflation / residual.size
+        return ratio / (1.0 + ratio)
+
+    def _second_difference(self, part: int, equation: int) -> FloatArray:
+        """Second difference of the predicted output at the used rows of a part."""
+        seen = self.parts[part].observation
+        predicted = seen.W[equation] @ self.fit.solution
+        bent = np.zeros_like(predicted)
+        bent[1:-1] = predicted[2:] - 2 * predicted[1:-1] + predicted[:-2]
+        return np.asarray(bent[seen.valid[equation]])
+
+    def _growing(self, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """The part of the residual that W and y make, times the time within its log from -0.5 to 0.5."""
+        part = self.parts[rows.part]
+        times = np.concatenate([other.observation.time for other in self.parts if other.of == part.of])
+        course = (part.observation.time - times.min()) / np.ptp(times) - 0.5
+        return np.asarray(self._residual_of(rows, made) * course[part.observation.valid[rows.equation]])
+
+    def _residual_of(self, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """The part of the residual that W and y of some signals make, in the rows used."""
+        part, j, (W, y) = self.parts[rows.part], rows.equation, made
+        weight = self.fit.weights[part.of * len(part.observation.valid) + j]
+        return np.asarray(weight * (y[j] - W[j] @ self.fit.solution)[part.observation.valid[j]])
 
 
 def _of_all(every: Sequence[WhitenedRows]) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -153,42 +171,6 @@ def _of_equation(
     """Rows of an equation by part, and of all parts together columns, residual and prediction."""
     rows = [r for r in every if r.equation == equation]
     return rows, *_of_all(rows)
-
-
-def _certain(
-    residual: FloatArray, inflation: float, criteria: Criteria, deviations: float | None = None
-) -> float:
-    """Part of the residual's power that a column which is certain takes away."""
-    ratio = (deviations or criteria.gain_certain) ** 2 * inflation / residual.size
-    return ratio / (1.0 + ratio)
-
-
-def _bent(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
-    """Second difference of the predicted output at the used rows of a part."""
-    seen = part.observation
-    predicted = seen.W[equation] @ fit.solution
-    bent = np.zeros_like(predicted)
-    bent[1:-1] = predicted[2:] - 2 * predicted[1:-1] + predicted[:-2]
-    return np.asarray(bent[seen.valid[equation]])
-
-
-def _growing(
-    parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]
-) -> FloatArray:
-    """What W and y make of the residual, times the time within its log from -0.5 to 0.5."""
-    part = parts[rows.part]
-    times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
-    course = (part.observation.time - times.min()) / np.ptp(times) - 0.5
-    return np.asarray(_of_rows(parts, fit, rows, made) * course[part.observation.valid[rows.equation]])
-
-
-def _of_rows(
-    parts: Sequence[Excerpt], fit: LeastSquares, rows: WhitenedRows, made: tuple[FloatArray, FloatArray]
-) -> FloatArray:
-    """What W and y that some signals make are of the residual, in the rows used."""
-    part, j, (W, y) = parts[rows.part], rows.equation, made
-    weight = fit.weights[part.of * len(part.observation.valid) + j]
-    return np.asarray(weight * (y[j] - W[j] @ fit.solution)[part.observation.valid[j]])
 
 
 @dataclass(frozen=True)

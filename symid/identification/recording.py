@@ -14,7 +14,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.data.lost_samples import FEWEST, dropped, repeated
+from symid.data.lost_samples import FEWEST, dropped, repeated, step_of
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
@@ -35,9 +35,6 @@ _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
 _LIMITED_SHARE = 0.01
 """Of all steps that are as large as the largest: noise makes no two of them."""
-_EVERY, _MANY = 16, 10_000
-_COARSE_VALUES = 0.6
-"""Share of samples beyond which values that occur again make a channel one of steps."""
 
 
 def fault_of(
@@ -132,18 +129,6 @@ def _slew_limited(x: FloatArray) -> float:
     largest = float(step.max(initial=0.0))
     share = float(np.mean(step > largest * (1.0 - _SAME)))
     return 0.0 if largest == 0.0 or share <= _LIMITED_SHARE or step_of(x) > 0.0 else share
-
-
-def step_of(x: FloatArray) -> float:
-    """Smallest step of a channel of few values; 0 for one whose values are all its own.
-
-    Of few values, some come again among every sixteenth sample too: only then are all of them sorted.
-    """
-    some = x[::_EVERY]
-    if x.size > _MANY and np.unique(some).size == some.size:
-        return 0.0
-    values = np.unique(x)
-    return float(np.diff(values).min()) if 1 < values.size < (1.0 - _COARSE_VALUES) * x.size else 0.0
 
 
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:

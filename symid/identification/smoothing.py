@@ -16,7 +16,8 @@ from symid.codegen import GeneratedModel
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 
-_SPACINGS = range(2, 17)
+SPACINGS = range(2, 17)
+"""Samples of a log between two of a slower channel that are looked for."""
 _STRAIGHT = 0.01
 """Of the median second difference at the samples between which a signal is interpolated, that others may have."""
 _LEAST_STRAIGHT = 0.4
@@ -71,7 +72,7 @@ def interpolated_from(x: FloatArray) -> int:
     bent = np.abs(np.diff(x, 2))
     if np.count_nonzero(bent < _STRAIGHT * np.max(bent, initial=0.0)) < _LEAST_STRAIGHT * bent.size:
         return 0
-    for n in _SPACINGS:
+    for n in SPACINGS:
         if bent.size < 10 * n:
             break
         phases = bent[: bent.size // n * n].reshape(-1, n)

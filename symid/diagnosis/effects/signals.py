@@ -97,10 +97,9 @@ class TransferEffect(Effect):
         return changed
 
 
-class Delay(TransferEffect, DriveEffect):
-    """The force acts later than it is logged: u(t - T)."""
+class TimeEffect(TransferEffect):
+    """An effect whose whole size is a time T: a delay, or the time constant of a filter."""
 
-    name = "delay"
     amplitudes = ("share",)
     shape_names = ("T",)
     fixed = True
@@ -108,14 +107,20 @@ class Delay(TransferEffect, DriveEffect):
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         return abs(placed.shape[0]) < _LONGEST_DELAY
 
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return "1", "s"
+
+
+class Delay(TimeEffect, DriveEffect):
+    """The force acts later than it is logged: u(t - T)."""
+
+    name = "delay"
+
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         return [(float(x * prediction.record.log.sampling_period),) for x in _DELAYS]
 
     def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
         return np.asarray(np.expm1(1j * prediction.record.omega * shape[0]), dtype=np.complex128)
-
-    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
-        return "1", "s"
 
 
 class ActuatorLag(TransferEffect, DriveEffect):
@@ -132,13 +137,10 @@ class ActuatorLag(TransferEffect, DriveEffect):
         return ("s",)
 
 
-class RecordedLag(TransferEffect, DriveEffect):
+class RecordedLag(TimeEffect, DriveEffect):
     """The force is recorded through a first-order filter, as filtered currents are: it acts T before, with T < 0."""
 
     name = "actuator_lag"
-    amplitudes = ("share",)
-    shape_names = ("T",)
-    fixed = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         return -_LONGEST_DELAY < placed.shape[0] < 0.0
@@ -151,9 +153,6 @@ class RecordedLag(TransferEffect, DriveEffect):
 
     def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
         return np.asarray(1 / (1 - 1j * prediction.record.omega * shape[0]) - 1, dtype=np.complex128)
-
-    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
-        return "1", "s"
 
 
 class Saturation(DriveEffect):
@@ -288,16 +287,10 @@ class EncoderRipple(Effect):
         return (str(prediction.axis.signal_units[place]),) * 3
 
 
-class SensorDelay(TransferEffect):
+class SensorDelay(TimeEffect):
     """A reading is late against the positions from which all is predicted: y(t - T); early where T is negative."""
 
     name = "sensor_delay"
-    amplitudes = ("share",)
-    shape_names = ("T",)
-    fixed = True
-
-    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        return abs(placed.shape[0]) < _LONGEST_DELAY
 
     def places(self, prediction: Prediction) -> Iterable[str]:
         return prediction.record.readings
@@ -314,9 +307,6 @@ class SensorDelay(TransferEffect):
 
     def transfer(self, prediction: Prediction, shape: Shape) -> ComplexArray:
         return np.asarray(np.expm1(-1j * prediction.record.omega * shape[0]), dtype=np.complex128)
-
-    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
-        return "1", "s"
 
 
 def _apparent_delay(prediction: Prediction, place: str) -> list[float]:

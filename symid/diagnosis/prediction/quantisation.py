@@ -11,7 +11,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.density import power_density
-from symid.identification.recording import step_of
+from symid.data.lost_samples import step_of
 
 _PLACES = (0.125, 0.375, 0.625, 0.875)
 """Where zero lies between two steps, in steps: it is not known, and the mean is taken."""

@@ -22,12 +22,12 @@ import scipy
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Body
 from symid.data import Log
+from symid.data.lost_samples import step_of
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import bridge
 from symid.diagnosis.prediction.motion_band import WIDEST, force_noise, motion_band, noise_beyond
 from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
-from symid.identification.recording import step_of
 from symid.simulation import ForwardDynamics
 
 _CONTINUATION = 0.5

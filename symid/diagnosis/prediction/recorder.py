@@ -16,9 +16,8 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.data.lost_samples import restored, without_repeated_rows
-from symid.identification.smoothing import interpolated_from
+from symid.identification.smoothing import SPACINGS, interpolated_from
 
-_SPACINGS = range(2, 17)
 _REPEATED = 0.4
 """Share of samples that repeat the last value: of every second one updated, half do, less where the machine rests."""
 _IN_STEP = 0.98
@@ -119,7 +118,7 @@ def updated_every(x: FloatArray) -> tuple[int, int]:
     changes = np.flatnonzero(np.diff(x)) + 1
     if changes.size < _FEWEST or changes.size > (1.0 - _REPEATED) * x.size:
         return 1, 0
-    for n in reversed(_SPACINGS):
+    for n in reversed(SPACINGS):
         places = np.bincount(changes % n, minlength=n)
         first = int(np.argmax(places))
         if places[first] >= _IN_STEP * changes.size:
