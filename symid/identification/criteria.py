@@ -25,12 +25,15 @@ class Criteria:
         Part of the residual's power that parameters of their own for the two parts must take away: a change that
         explains less is widened into the interval, but is not what is wrong with the log.
     nonlinear : float
-        Part of the residual's power that a cubic of the predicted output, or for a smoothed force its second
-        derivative, must take away; on random undamaged logs a cubic takes 0 to 0.1, on clipped ones 0.4 to 0.9.
+        Part of the residual's power that a cubic of the predicted output or of the recorded force, or for a smoothed
+        force the second derivative, must take away; on random undamaged logs a cubic takes 0 to 0.1, on clipped ones
+        0.4 to 0.9, on softly limited ones 0.6 to 0.99.
     gain_certain : float
         Standard deviations of such a cubic, and of a drifting gain, that are as good: undamaged logs show up to 3.
     nonlinear_output : float
         Part of the output (rms) that this cubic must be.
+    bent_force : float
+        Part of the largest force by which it falls short, as the cube of the recorded force tells.
     smoothed_output : float
         The same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it.
     averaged : float
@@ -74,6 +77,7 @@ class Criteria:
     nonlinear: float = 0.35
     gain_certain: float = 6.0
     nonlinear_output: float = 0.01
+    bent_force: float = 0.05
     smoothed_output: float = 0.03
     averaged: float = 0.01
     gain_drift: float = 0.15

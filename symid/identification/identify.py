@@ -248,6 +248,7 @@ def _faults(
         or more.force_nonlinearity()
         or (change.statement(model) if change else "")
         or more.gain_drift()
+        or more.force_limit()
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift,
     )

@@ -2,7 +2,9 @@
 
 A force that is clipped, limited softly or wrapped around falls short where the prediction is large. The residual then
 holds a cubic of the prediction (J. B. Ramsey, J. Royal Statistical Society B 31, 1969), less the part that the model
-itself explains. A force that was smoothed lacks, in the same way, a part of its second derivative.
+itself explains. A force that is faster than the cutoff is larger than its prediction: there the cube of the recorded
+force, prepared as the force is, stands for what is missing. A force that was smoothed lacks, in the same way, a part of
+its second derivative.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import delayed_together, shiftable
 from symid.identification.misfit import unexplained
+from symid.identification.observation import SignalRows
 from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
@@ -76,6 +79,27 @@ class ColumnTests:
                     f"{force} lacks what is fast in the motion (its second derivative takes away "
                     f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
                     "--cutoff"
+                )
+        return ""
+
+    def force_limit(self) -> str:
+        """Force that is limited softly, most of it faster than the cutoff, in words; empty if it is in proportion."""
+        Z, rest, y = _of_all(self.rows)
+        for force in self.model.forces:
+            largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
+            made = []
+            for part in self.parts:
+                signals = {**part.log.signals, force: (part.log[force] / largest) ** 3}
+                cubed, chosen = replace(part.log, signals=signals), part.observation.preparation
+                made.append(SignalRows.of(self.model, cubed, chosen, force).rows)
+            cubic = _Column.of(
+                Z, rest, np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows]), y
+            )
+            is_short = cubic.factor < -self.criteria.bent_force * largest
+            if is_short and cubic.share > self.criteria.nonlinear:
+                return (
+                    f"where {force} is large it is less than in proportion to the motion (its cube takes away "
+                    f"{100 * cubic.share:.2g} % of the residual's power): it is limited; record with a wider range"
                 )
         return ""
 

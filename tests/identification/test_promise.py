@@ -127,6 +127,17 @@ def test_a_lag_that_imitates_a_damped_mode_is_named() -> None:
         assert (said, found.status == "ok") == (is_named, not is_named), found.message
 
 
+def test_a_soft_limit_of_a_force_that_is_faster_than_the_cutoff_is_named() -> None:
+    case = draw_case(np.random.default_rng([771, 24, 77]))
+    F = case.signals["Fm"]
+    level = 1.1 * np.max(np.abs(F))
+    for recorded, is_named in ((F, False), (level * np.tanh(F / level), True)):
+        log = Log.from_arrays({**case.signals, "Fm": recorded}, sampling_period=1 / case.rate)
+        found = identify(load_generated("ballscrew_2m1s", ("qm",)), log)
+        said = "where Fm is large it is less than in proportion" in found.message
+        assert (said, found.status == "ok") == (is_named, not is_named), found.message
+
+
 def test_signals_that_are_averaged_alike_are_no_fault() -> None:
     same = {name: np.convolve(x, np.full(9, 1 / 9), mode="same") for name, x in rigid().items()}
     assert "a mean" not in identified(**same).message
