@@ -130,9 +130,11 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 
 
 def _write_axis(found: Diagnosis, file: Path) -> None:
-    """The axis with the effects found, and values of its parameters."""
-    if not found.effects:
-        raise SettingError(f"--write-axis {file}: no effect was found, so there is no new axis to write")
+    """The axis with the effects found, and values of its parameters; as it is where only values were off."""
+    if not found.effects and found.verdict not in ("no_gap", "parameters"):
+        raise SettingError(
+            f"--write-axis {file}: the gap is not explained ({found.verdict}), so there is no axis to write"
+        )
     explained = explained_axis(found)
     write_axis(explained.axis, file, f"{found.axis.name} with what a diagnosis found.")
     write_json(explained.values, str(file.with_suffix(".json")))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.saying import say
-from symid.errors import SettingError
+from symid.errors import EliminationError, SettingError
 from symid.export import Exported, c_source, mjcf, parameter_record, structured_text, urdf, write_fmu
 from symid.files import is_finite_number, read_json, write_whole
 from symid.symbolic import derive
@@ -86,13 +87,17 @@ def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any])
     if options["to"] == "fmu":
         if not options["output"]:
             raise SettingError("a unit is a file: give its name with -o FILE.fmu")
-        return Exported(
-            {}, write_fmu(derive(declared), values, options["output"], 3 if options["fmi"] == "3" else 2)
-        )
+        return Exported({}, write_fmu(declared, values, options["output"], 3 if options["fmi"] == "3" else 2))
     identified = _identified(options["parameters"])
-    model = derive(declared, signal_list(options["measured"]) or identified["measured"])
+    measured = signal_list(options["measured"]) or identified["measured"]
     if options["to"] == "c":
-        return c_source(model, values, Path(options["output"]).stem if options["output"] else None)
+        header = Path(options["output"]).stem if options["output"] else None
+        try:
+            return c_source(derive(declared, measured), values, header)
+        except EliminationError as error:
+            exported = c_source(declared, values, header)
+            return replace(exported, losses=(*exported.losses, f"Regressor: {error}."))
+    model = derive(declared, measured)
     record = parameter_record(model, values, identified["covariance"], identified["minimal"])
     return Exported({".json": as_json(record)}, ())
 

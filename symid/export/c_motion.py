@@ -123,10 +123,12 @@ def readings(dynamics: SymbolicDynamics) -> str:
     """Readings of the sensors from a state and its derivative, with ripple and resolution."""
     n, found = len(dynamics.bodies), []
     steps = {sensor.signal: sensor.resolution for sensor in dynamics.axis.sensors}
+    parameters = dynamics.axis.physical_parameters
     for i, (signal, (row, order)) in enumerate(dynamics.sensors.items()):
         array, first = ("x", "x", "dx")[order], (0, n, n)[order]
         places = {body: sp.Symbol(f"{array}[{first + k}]") for k, body in enumerate(dynamics.bodies)}
-        reading = sp.Add(*(factor * places[body] for body, factor in row.items()))
+        given = {sp.Symbol(n): sp.Symbol(f"{dynamics.axis.name}_values.{c_name(n)}") for n in parameters}
+        reading = sp.Add(*(factor.xreplace(given) * places[body] for body, factor in row.items()))
         found.append(f"y[{i}] = {c_code(reading)};  /* {signal} */")
         misread = dynamics.imperfect.read(signal)
         if misread != READING:

@@ -1,4 +1,4 @@
-"""C99 source of an axis: regressor, output and minimal parameters of its minimal model, and its forward dynamics.
+"""C99 source of an axis: its forward dynamics, and regressor, output and minimal parameters of its minimal model.
 
 Plain functions of numbers and arrays, without allocation, state or any library but the mathematical one.
 """
@@ -40,10 +40,7 @@ extern "C" {{
 
 enum {{
     {name}_bodies = {bodies},         /* displacements in a state x: all displacements, then all velocities */
-    {name}_states = {n_state},{memory}
-    {name}_signals = {n_signals},
-    {name}_equations = {equations},
-    {name}_minimal = {n_minimal},
+    {name}_states = {n_state},{memory}{regressor_sizes}
     {name}_readings = {n_sensors}
 }};
 
@@ -55,15 +52,7 @@ typedef struct {{
 /* The values of the export. */
 extern const {name}_parameters {name}_values;
 
-/* Regressor W and output y of the minimal model, y = W X, for
- * signals = {{{signals}}}. */
-void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}]);
-void {name}_output(const double signals[], double y[{equations}]);
-
-/* Minimal parameters X = {{{minimal}}}. */
-void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]);
-
-/* dx = f(x, {force}) of the state x = {{{state}}}:
+{regressor_header}/* dx = f(x, {force}) of the state x = {{{state}}}:
  * displacements of the bodies against the ground (of one on a geared body: against that), then velocities. */
 void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}]);
 
@@ -105,6 +94,36 @@ static inline double positive(double v)
     return v > rest ? 1.0 : v > -rest && rest > 0.0 ? (1.0 + v/rest)/2.0 : 0.0;
 }}
 
+{regressor_source}\
+void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}])
+{{
+{derivative}
+}}
+
+{step}
+void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}])
+{{
+{readings}
+}}
+{feedforward_source}{way_source}"""
+
+_REGRESSOR_SIZES = """
+    {name}_signals = {n_signals},
+    {name}_equations = {equations},
+    {name}_minimal = {n_minimal},"""
+
+_REGRESSOR_HEADER = """\
+/* Regressor W and output y of the minimal model, y = W X, for
+ * signals = {{{signals}}}. */
+void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}]);
+void {name}_output(const double signals[], double y[{equations}]);
+
+/* Minimal parameters X = {{{minimal}}}. */
+void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]);
+
+"""
+
+_REGRESSOR_SOURCE = """\
 void {name}_regressor(const double signals[], double W[{equations}][{n_minimal}])
 {{
 {regressor}
@@ -120,17 +139,7 @@ void {name}_minimal_parameters(const {name}_parameters *p, double X[{n_minimal}]
 {forward}
 }}
 
-void {name}_derivative(const {name}_parameters *p, const double x[{n_state}], {forces}, double dx[{n_state}])
-{{
-{derivative}
-}}
-
-{step}
-void {name}_sensors(const double x[{n_state}], const double dx[{n_state}], double y[{n_sensors}])
-{{
-{readings}
-}}
-{feedforward_source}{way_source}"""
+"""
 
 _FEEDFORWARD_HEADER = """\
 /* Force that a motion of the drive needs: no feedback, no deflection of springs. Give it the reference. */
@@ -153,13 +162,13 @@ _REST = (
 )
 
 
-def c_source(model: DerivedModel, values: Mapping[str, float], header: str | None = None) -> Exported:
+def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: str | None = None) -> Exported:
     """Source and header of an axis in C99.
 
     Parameters
     ----------
-    model : DerivedModel
-        Axis and sensors with their minimal model.
+    model : DerivedModel or Axis
+        Axis and sensors with their minimal model; an axis alone is written without a regressor.
     values : mapping of str to float
         Physical parameters, SI; they stand in the source as `<axis>_values`.
     header : str, optional
@@ -173,13 +182,25 @@ def c_source(model: DerivedModel, values: Mapping[str, float], header: str | Non
     >>> sorted(exported.files), "W[0][0] = q_d2;" in exported.text
     (['.c', '.h'], True)
     """
-    dynamics = symbolic_dynamics(model.axis)
+    axis = model if isinstance(model, Axis) else model.axis
+    dynamics = symbolic_dynamics(axis)
+    parameters = set(map(sp.Symbol, axis.physical_parameters))
     losses = (
         *((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()),
-        *losses_of_signals(model.axis),
-        *(f"{s.signal}: the noise of the reading is left out." for s in model.axis.sensors if s.noise),
+        *losses_of_signals(axis),
+        *(f"{s.signal}: the noise of the reading is left out." for s in axis.sensors if s.noise),
+        *(
+            f"{signal}: it reads a body without mass, by the stiffnesses in {axis.name}_values."
+            for signal, (row, _) in dynamics.sensors.items()
+            if any(share.free_symbols & parameters for share in row.values())
+        ),
     )
-    words = _words(model, dynamics, values, losses) | {"header": f"{header or model.axis.name}.h"}
+    written = () if isinstance(model, Axis) else model.minimal.written
+    words = {
+        **_words(axis, dynamics, values, [*written, *(f"Lost: {loss}" for loss in losses)]),
+        **_regressor_words(model),
+        "header": f"{header or axis.name}.h",
+    }
     return Exported({".c": _SOURCE.format(**words), ".h": _HEADER.format(**words)}, losses)
 
 
@@ -190,18 +211,14 @@ def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
 
 
 def _words(
-    model: DerivedModel, dynamics: SymbolicDynamics, values: Mapping[str, float], losses: Sequence[str]
+    axis: Axis, dynamics: SymbolicDynamics, values: Mapping[str, float], texts: Sequence[str]
 ) -> dict[str, object]:
-    """Texts for the fields of the templates."""
-    axis, minimal, name = model.axis, model.minimal, model.axis.name
-    signals, parameters = model_signals(model), axis.physical_parameters
-    constants = {**minimal.source.source.constants, **dynamics.constants}
-    texts = [*minimal.written, *(f"Lost: {loss}" for loss in losses)]
+    """Texts for the fields of the templates, but for those of the regressor."""
+    parameters = axis.physical_parameters
     notes = [part for text in texts for part in textwrap.wrap(text, 105, subsequent_indent="    ")]
     return {
-        "name": name,
-        "guard": f"SYMID_{name.upper()}_H",
-        "measured_line": f"Measured: {', '.join(model.measured)}.",
+        "name": axis.name,
+        "guard": f"SYMID_{axis.name.upper()}_H",
         "notes": "\n".join(f" * {line}" for line in notes),
         "bodies": len(dynamics.bodies),
         "n_state": dynamics.n_states,
@@ -209,30 +226,46 @@ def _words(
         "state": ", ".join(
             [*(f"{kind}_{b}" for kind in "xv" for b in dynamics.bodies), *dynamics.imperfect.states]
         ),
+        "members": lines(f"double {c_name(n)};  /* {unit or '1'} */" for n, unit in parameters.items()),
+        "values": lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
+        "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in dynamics.constants.items())
+        + ("\n" if dynamics.constants else ""),
+        "force": ", ".join(c_name(drive.signal) for drive in axis.drives),
+        "forces": force_parameters(axis),
+        "sensors": ", ".join(dynamics.sensors),
+        "n_sensors": len(dynamics.sensors),
+        "derivative": derivative(dynamics),
+        "step": step_function(dynamics),
+        "readings": readings(dynamics),
+        **_feedforward_words(axis),
+        **delay_fields(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
+    }
+
+
+def _regressor_words(model: DerivedModel | Axis) -> dict[str, str]:
+    """Fields that a minimal model adds to header and source; empty for an axis alone."""
+    if isinstance(model, Axis):
+        return dict.fromkeys(("measured_line", "regressor_sizes", "regressor_header", "regressor_source"), "")
+    minimal, signals = model.minimal, model_signals(model)
+    words = {
+        "name": model.axis.name,
         "n_signals": len(signals),
         "signals": ", ".join(signals),
         "equations": len(minimal.output),
         "n_minimal": len(minimal.parameters),
         "minimal": ", ".join(p.name for p in minimal.parameters),
-        "members": lines(f"double {c_name(n)};  /* {unit or '1'} */" for n, unit in parameters.items()),
-        "values": lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
-        "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in constants.items())
-        + ("\n" if constants else ""),
-        "force": ", ".join(c_name(drive.signal) for drive in axis.drives),
-        "forces": force_parameters(axis),
-        "sensors": ", ".join(dynamics.sensors),
-        "n_sensors": len(dynamics.sensors),
         "regressor": _of_signals(
             {f"W[{i}][{j}]": entry for i, row in enumerate(minimal.regressor) for j, entry in enumerate(row)},
             signals,
         ),
         "output": _of_signals({f"y[{i}]": entry for i, entry in enumerate(minimal.output)}, signals),
         "forward": _forward(model),
-        "derivative": derivative(dynamics),
-        "step": step_function(dynamics),
-        "readings": readings(dynamics),
-        **_feedforward_words(axis),
-        **delay_fields(dynamics, min(SHORTEST_STEP, internal_step(axis, values))),
+    }
+    return {
+        "measured_line": f"Measured: {', '.join(model.measured)}.",
+        "regressor_sizes": _REGRESSOR_SIZES.format(**words),
+        "regressor_header": _REGRESSOR_HEADER.format(**words),
+        "regressor_source": _REGRESSOR_SOURCE.format(**words),
     }
 
 
@@ -262,7 +295,7 @@ def _of_signals(entries: Mapping[str, sp.Expr], signals: Sequence[str]) -> str:
 
 def _forward(model: DerivedModel) -> str:
     """Minimal parameters by Horner's rule, what they share computed once."""
-    names = [None, *map(c_name, model.axis.physical_parameters)]
+    names = [None, *(c_name(str(symbol)) for symbol in model.minimal.source.operators.ring.symbols[1:])]
     shared, results = minimal_parameter_code(model.minimal.parameters, names, c_code)
     used = {name for p in model.minimal.parameters for name in p.function.names}
     return lines(

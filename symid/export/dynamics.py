@@ -110,15 +110,10 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         sp.Matrix([[_expression(entry.get(order)) for entry in row] for row in powers]) for order in range(3)
     )
     ones = [str(w.symbol) for w in operators.source.inputs if not w.expression.free_symbols]
-    kinematics, imperfect = Kinematics(axis), Imperfect(axis, 2 * len(bodies))
+    kinematics, imperfect = Kinematics(axis), Imperfect(axis, 2 * sum(map(any, mass.tolist())))
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}
-    if nodes := [b for b, row in zip(bodies, mass.tolist(), strict=True) if not any(row)]:
-        raise SettingError(
-            f"axis {axis.name!r} has bodies without mass ({', '.join(nodes)}), which cannot be exported: give each a "
-            "mass, or declare the springs beside them as one"
-        )
-    return SymbolicDynamics(
+    dynamics = SymbolicDynamics(
         axis=axis,
         bodies=bodies,
         mass=mass.xreplace(grown),
@@ -137,6 +132,49 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         },
         constants={**operators.source.numbers, **kinematics.constants},
         imperfect=imperfect,
+    )
+    return _without_nodes(dynamics) if any(not any(row) for row in mass.tolist()) else dynamics
+
+
+def _without_nodes(dynamics: SymbolicDynamics) -> SymbolicDynamics:
+    """The dynamics without massless bodies, which are where the springs beside them balance: x = T x_heavy."""
+    n = len(dynamics.bodies)
+    nodes = [i for i in range(n) if not any(dynamics.mass.row(i))]
+    heavy = [i for i in range(n) if i not in nodes]
+    names = [dynamics.bodies[i] for i in nodes]
+    others = (dynamics.damping, dynamics.drives, dynamics.constant)
+    springs = dynamics.stiffness.extract(nodes, nodes)
+    if (
+        any(any(matrix.row(i)) for matrix in others for i in nodes)
+        or any(joint.displacement.keys() & set(names) for joint in dynamics.joints)
+        or sp.cancel(springs.det()) == 0
+    ):
+        raise SettingError(
+            f"axis {dynamics.axis.name!r} has bodies without mass ({', '.join(names)}) that carry more than springs, "
+            "or none, which cannot be exported: give each a mass"
+        )
+    balanced = (-springs.LUsolve(dynamics.stiffness.extract(nodes, heavy))).applyfunc(sp.cancel)
+    T = sp.Matrix(
+        [
+            balanced.row(nodes.index(i)) if i in nodes else sp.eye(len(heavy)).row(heavy.index(i))
+            for i in range(n)
+        ]
+    )
+    bodies = tuple(dynamics.bodies[i] for i in heavy)
+
+    def read(row: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
+        whole = sp.Matrix([[row.get(body, 0) for body in dynamics.bodies]]) * T
+        return {body: sp.cancel(share) for body, share in zip(bodies, whole, strict=True) if share != 0}
+
+    return replace(
+        dynamics,
+        bodies=bodies,
+        mass=dynamics.mass.extract(heavy, heavy),
+        damping=dynamics.damping.extract(heavy, heavy),
+        stiffness=(T.T * dynamics.stiffness * T).applyfunc(sp.cancel),
+        drives=dynamics.drives.extract(heavy, list(range(dynamics.drives.cols))),
+        constant=dynamics.constant.extract(heavy, [0]),
+        sensors={signal: (read(row), order) for signal, (row, order) in dynamics.sensors.items()},
     )
 
 

@@ -82,7 +82,7 @@ FmiVersion = Literal[2, 3]
 
 
 def write_fmu(
-    model: DerivedModel, values: Mapping[str, float], file: str | Path, fmi: FmiVersion = 2
+    model: DerivedModel | Axis, values: Mapping[str, float], file: str | Path, fmi: FmiVersion = 2
 ) -> tuple[str, ...]:
     """Write an axis as a unit for co-simulation, and return what it loses.
 
@@ -92,8 +92,8 @@ def write_fmu(
 
     Parameters
     ----------
-    model : DerivedModel
-        Axis and sensors.
+    model : DerivedModel or Axis
+        Axis; the regressor of a model is in the unit's sources.
     values : mapping of str to float
         Physical parameters, SI.
     file : path-like
@@ -106,7 +106,7 @@ def write_fmu(
     SettingError
         If the suffix is another one, or there is no C compiler.
     """
-    path, axis = Path(file), model.axis
+    path, axis = Path(file), model if isinstance(model, Axis) else model.axis
     if path.suffix != ".fmu":
         raise SettingError(f"unit {path.name!r} is of no known kind: end its name with .fmu")
     exported = c_source(model, values)

@@ -20,6 +20,7 @@ from symid.axis import (
     PendulumWeight,
     Sensor,
 )
+from symid.errors import SettingError
 from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
 from symid.export.mechanism import Mechanism, Path, mechanism
 from symid.simulation import plant_of
@@ -66,7 +67,7 @@ def mjcf(axis: Axis, values: Mapping[str, float]) -> Exported:
     Raises
     ------
     SettingError
-        If a parameter is missing, or a mass is not positive.
+        If a parameter is missing, a mass is not positive, or a body has none.
 
     Examples
     --------
@@ -75,6 +76,11 @@ def mjcf(axis: Axis, values: Mapping[str, float]) -> Exported:
     >>> 'damping="200"' in exported.text, 'frictionloss="20"' in exported.text
     (True, True)
     """
+    if nodes := [b.name for b in axis.free_bodies if axis.known_parameters.get(b.inertial) == 0]:
+        raise SettingError(
+            f"MuJoCo has no bodies without mass ({', '.join(nodes)}): give each a mass, or declare the springs beside "
+            "them as one"
+        )
     fastest = 2 * math.pi * plant_of(axis, values).highest_mode  # rad/s
     timestep = min(_LONGEST_STEP, 1 / (_STEPS_A_RADIAN * max(fastest, 1.0)))
     return _Writer(axis, mechanism(axis, values), timestep).exported()

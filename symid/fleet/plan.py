@@ -15,7 +15,7 @@ from symid.axis import Axis, load_axis
 from symid.codegen import GeneratedModel, model_of
 from symid.codegen.store import StoredModule, stored_module
 from symid.data.formats import FOLDER_SUFFIXES, suffix_of
-from symid.errors import GeneratedModuleError, SettingError, SymidError
+from symid.errors import EliminationError, GeneratedModuleError, SettingError, SymidError
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.row import AFTER, BEFORE, DIAGNOSIS, FACTORS
 from symid.identification.axis_logs import axis_columns
@@ -122,17 +122,25 @@ def _require_no_column(axes: Sequence[Axis]) -> None:
 def _modules(
     source: str | Axis, axis: Axis, sets: Sequence[tuple[str, ...]], folder: Path | None
 ) -> Iterator[tuple[tuple[str, ...], StoredModule]]:
-    """Modules that there are; the first one is derived on the spot if it is not there, or old."""
-    for place, measured in enumerate(sets):
+    """Modules that there are; where none is, or an old one, the first that sensors allow is derived on the spot."""
+    found, refused = False, list[EliminationError]()
+    for measured in sets:
         try:
             module = stored_module(source, measured, folder)
             module.compiled()
         except SymidError:
-            if place > 0:
+            if found:
                 continue
-            model_of(axis, measured)
+            try:
+                model_of(axis, measured)
+            except EliminationError as error:
+                refused.append(error)
+                continue
             module = stored_module(axis, measured)
+        found = True
         yield tuple(sensor.signal for sensor in axis.measured(measured)), module
+    if not found:
+        raise refused[0]
 
 
 def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:

@@ -173,7 +173,7 @@ class Cascade(Controller):
         wanted += self.acceleration_feedforward * command.acceleration
         wanted += self.velocity_feedforward * command.velocity
         force = min(max(wanted, -self.force_limit), self.force_limit)
-        kept = grown if force == wanted or error * wanted < 0 else integral
+        kept = grown if force == wanted or error * wanted * self.velocity_gain < 0 else integral
         return force, np.array([kept, position, 1.0])
 
     def linear(self, period: float) -> LinearLaw:
@@ -308,7 +308,8 @@ def tuned_cascades(
     response = rows @ np.linalg.solve(
         plant.mass * s**2 + plant.damping * s + plant.stiffness, plant.drives.astype(complex)
     )
-    masses = np.abs(np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1))
+    moved = np.linalg.pinv(response * s**2, rcond=_SHARED).sum(axis=1)
+    masses = np.copysign(np.abs(moved), moved.real)  # negative where a force drives its sensor backwards
     return tuple(
         Cascade(signal, angular / 5, mass * angular, angular / 5, force_limit=force_limit)
         for signal, mass in zip(signals, masses.tolist(), strict=True)

@@ -19,7 +19,7 @@ from symid.signals import derivative_name, split_derivative
 from symid.symbolic.expressions import positive, time_derivative
 from symid.symbolic.kernel import EliminationRow
 from symid.symbolic.lagrange import Kinematics, LawInput
-from symid.symbolic.measurement import Measurement
+from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, add
 
 
@@ -176,9 +176,20 @@ class SignalWriter:
         lowest = min(used.values(), default=0)
         functional = self.operators.functional(Kinematics(self.axis).displacement(entry.joint))
         columns = self.known.substitute(functional)
-        unseen = [c for c in columns if not c.startswith("y") or self.known.basis[int(c[1:])].order > lowest]
-        if unseen:
-            raise EliminationError(_advice(self.axis, entry, lowest))
+        if not _sees(self.known, columns, lowest):
+            measured = [f.signal for f in self.known.basis] + [f.signal for f in self.known.repeated]
+            sensors = [s for s in self.axis.sensors if s.signal in measured]
+            helps = (
+                other.signal
+                for other in self.axis.sensors
+                if other.signal not in measured
+                and _sees(
+                    more := measurement(self.operators, [*sensors, other]),
+                    more.substitute(functional),
+                    lowest,
+                )
+            )
+            raise EliminationError(_advice(self.axis, entry, lowest, next(helps, None)))
         field = self.operators.ring.domain
         values = {
             symbol: sp.Add(
@@ -250,11 +261,17 @@ def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
     return {power: entry.ring.from_dict(terms) for power, terms in powers.items()}
 
 
-def _advice(axis: Axis, entry: LawInput, lowest: int) -> str:
+def _sees(known: Measurement, columns: Mapping[str, Any], lowest: int) -> bool:
+    """Whether sensors measure a function, given by its columns, as a derivative of at most an order."""
+    return all(c.startswith("y") and known.basis[int(c[1:])].order <= lowest for c in columns)
+
+
+def _advice(axis: Axis, entry: LawInput, lowest: int, sensor: str | None) -> str:
     quantity, joint = "position" if lowest == 0 else "position or velocity", entry.joint
     body, against = (joint.second, joint.first) if isinstance(joint, Between) else (joint, joint.on)
+    added = f"add a {quantity} sensor of {body.name!r} relative to {against.name!r}"
     return (
         f"axis {axis.name!r}: {entry.element} acts on a motion that the sensors do not see, and a nonlinear law "
-        f"cannot be eliminated: add a {quantity} sensor of {body.name!r} relative to {against.name!r}, or leave the "
-        "law out"
+        f"cannot be eliminated: {added if sensor is None else f'measure {sensor} too'}, leave the law out, or "
+        "identify by output error (method oe), which simulates it"
     )

@@ -107,3 +107,29 @@ def test_what_a_diagnosis_found_is_exported(capsys: pytest.CaptureFixture[str]) 
         assert run(*arguments, "--to", target, "-o", f"explained{suffix}") == 0
     assert "v_motor_*fabs(v_motor_)" in Path("explained.c").read_text()
     assert f'damping="{values["Fv"]!r} {drag!r}"' in Path("explained.xml").read_text()
+
+
+HIDDEN = """
+from symid import Axis, Between, Body, CoulombFriction, Drive, Position, Spring
+
+motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+belt = Spring("belt", Between(first=motor, second=load), stiffness="K")
+sensors = (Position("q", motor), Position("x", load))
+axis = Axis("belted", (motor, load, belt, CoulombFriction(load, "Fs")), Drive("F", motor), sensors)
+"""
+
+
+def test_an_axis_that_no_regressor_holds_is_exported_without_one(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "belted.py").write_text(HIDDEN)
+    (folder / "p.json").write_text(json.dumps({"Mm": 8.0, "Ml": 22.0, "K": 6e5, "Fs": 18.0}))
+    arguments = ("export", "belted.py", "--parameters", "p.json")
+    assert run(*arguments, "--to", "c", "-o", "belted.c") == 0
+    subprocess.run([compiler(), *STRICT, "-c", "belted.c"], check=True)
+    assert "measure x too, leave the law out" in capsys.readouterr().err
+    assert "belted_regressor" not in (folder / "belted.h").read_text()
+    assert run(*arguments, "--to", "fmu", "-o", "belted.fmu") == 0
+    assert run(*arguments, "--to", "c", "--measured", "q,x", "-o", "belted.c") == 0
+    assert "belted_regressor" in (folder / "belted.h").read_text()
+    subprocess.run([compiler(), *STRICT, "-c", "belted.c"], check=True)

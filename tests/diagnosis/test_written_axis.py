@@ -223,6 +223,11 @@ def test_a_written_axis_leaves_no_gap_on_another_log(tmp_path: Path) -> None:
     written = load_axis(str(tmp_path / "written.py"))
     again = diagnose(written, machine(has, VALUES, 2), nominal=explained.values, held=True)
     assert again.verdict in ("no_gap", "parameters")
+    settled = explained_axis(again)  # no effect: the axis as it is, its values identified again
+    assert settled.axis.without(*settled.axis.imperfections) == written.without(*written.imperfections)
+    (delay,) = settled.axis.imperfections
+    assert delay.seconds == pytest.approx(8e-4, abs=2e-5)
+    assert settled.values == pytest.approx(explained.values, rel=0.02)
 
 
 def test_a_late_reading_is_written_with_its_sensor(tmp_path: Path) -> None:

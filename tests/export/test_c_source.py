@@ -58,6 +58,17 @@ def test_regressor_output_and_minimal_parameters_are_those_of_numpy(name: str, t
     np.testing.assert_allclose(found, X, rtol=1e-12)
 
 
+def test_known_values_among_the_parameters_keep_minimal_parameters(tmp_path: Path) -> None:
+    case = cases()["direct_2m1s"]
+    axis = case.declared.with_known({"Ms": case.values["Ms"], "Fvm": case.values["Fvm"]})
+    model = derive(axis, ("q2",))
+    values = {name: case.values[name] for name in axis.physical_parameters}
+    code = Compiled.of(c_source(model, values), axis.name, tmp_path)
+    X = compiled(model).minimal_parameters(*values.values())
+    found = code.function("minimal_parameters", code.parameters(values), shape=X.shape)
+    np.testing.assert_allclose(found, X, rtol=1e-12)
+
+
 @pytest.mark.parametrize("name", list(cases()))
 def test_forward_dynamics_are_those_written_by_hand_and_those_simulated(name: str, tmp_path: Path) -> None:
     case = cases()[name]

@@ -14,7 +14,7 @@ from export.exported_unit import run_unit
 from fmpy.validation import validate_fmu
 from scipy.linalg import expm
 
-from symid import ActuatorLag, Axis, Body, Drive, Position, Spring
+from symid import ActuatorLag, Axis, Body, Drive, Position, Spring, ViscousFriction
 from symid.axis import Between
 from symid.errors import SettingError
 from symid.export import c_source, mjcf, write_fmu
@@ -98,11 +98,28 @@ def test_what_cannot_be_exported_is_said() -> None:
         c_source(derive(AXIS.with_effect(ActuatorLag(2e-3))), TRUE)
     with pytest.raises(SettingError, match=r"axis 'gantry' has 2 drives"):
         feedforward(AXIS)
+
+
+def test_a_node_between_springs_balances_in_c_and_is_refused_by_mujoco(tmp_path: Path) -> None:
     motor, load, node = Body("motor", mass="M1"), Body("load", mass="M2"), Body("node", mass=0.0)
     springs = (
         Spring("first", Between(first=motor, second=node), stiffness="K1"),
         Spring("second", Between(first=node, second=load), stiffness="K2"),
     )
-    series = Axis("series", (motor, load, node, *springs), Drive("F", motor), (Position("q", motor),))
-    with pytest.raises(SettingError, match=r"bodies without mass \(node\), which cannot be exported"):
-        c_source(derive(series), {"M1": 1.0, "M2": 2.0, "K1": 10.0, "K2": 20.0})
+    sensors = (Position("q", motor), Position("n", node))
+    series = Axis("series", (motor, load, node, *springs), Drive("F", motor), sensors)
+    values = {"M1": 1.0, "M2": 2.0, "K1": 10.0, "K2": 20.0}
+    exported = c_source(derive(series), values)
+    code = Compiled.of(exported, "series", tmp_path)
+    x = np.array([0.3, -0.1, 0.5, 0.2])
+    dx = code.function("derivative", code.parameters(values), x, 3.0, shape=(4,))
+    pull = 10 * 20 / 30 * 0.4  # both springs in series, stretched by 0.4
+    np.testing.assert_allclose(dx, [0.5, 0.2, 3.0 - pull, pull / 2])
+    # at the node K1 (n - 0.3) = K2 (-0.1 - n)
+    np.testing.assert_allclose(code.function("sensors", x, dx, shape=(2,)), [0.3, (3.0 - 2.0) / 30])
+    assert "n: it reads a body without mass, by the stiffnesses in series_values." in exported.losses
+    with pytest.raises(SettingError, match=r"MuJoCo has no bodies without mass \(node\)"):
+        mjcf(series, values)
+    damped = replace(series, elements=(*series.elements, ViscousFriction(node, "Fn")))
+    with pytest.raises(SettingError, match=r"\(node\) that carry more than springs"):
+        c_source(damped, values | {"Fn": 1.0})

@@ -10,8 +10,10 @@ from command_line import run
 from fleet_logs import TRUE
 
 import symid
-from symid.errors import SettingError
+from symid.cli.simulate import write_log
+from symid.errors import EliminationError, SettingError
 from symid.fleet import BatchSettings, identify_batch, read_rows
+from symid.simulation import Cascade, simulate, trapezoids
 
 
 def test_a_fixed_mass_is_no_column_and_the_others_are_those_of_identify(logs: Path) -> None:
@@ -55,3 +57,30 @@ def test_what_is_not_possible_is_refused(logs: Path, capsys: pytest.CaptureFixtu
     assert "--fix Mx is not known: choose from M, Fv, Fs" in capsys.readouterr().err
     assert run(*arguments, "--bounds", "M=5") == 2
     assert "LOW..HIGH" in capsys.readouterr().err
+
+
+BELTED = """
+from symid import Axis, Between, Body, CoulombFriction, Drive, Position, Spring, ViscousFriction
+
+motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+belt = Spring("belt", Between(first=motor, second=load), stiffness="K", damping="D")
+friction = (ViscousFriction(motor, "Fv"), CoulombFriction(load, "Fs"))
+sensors = (Position("q", motor, noise=1e-8), Position("x", load, noise=1e-8))
+axis = Axis("belted", (motor, load, belt, *friction), Drive("F", motor, held=True), sensors)
+"""
+
+
+def test_sensors_that_allow_no_model_alone_do_not_stop_a_batch(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("belted.py").write_text(BELTED)
+    axis = symid.load_axis("belted.py")
+    true = {"Mm": 8.0, "Ml": 22.0, "K": 6e5, "D": 300.0, "Fv": 60.0, "Fs": 18.0}
+    path = trapezoids([0.05] * 2, 0.3, acceleration=8.0, jerk=900.0, dwell=0.05, sampling_period=1e-3)
+    write_log(simulate(axis, true, path, Cascade("q", 20.0, 800.0, 10.0)).log, Path("both.csv"))
+    with pytest.raises(EliminationError, match="measure x too"):
+        symid.derive(axis)
+    (row,) = identify_batch("belted.py", "both.csv", jobs=1).rows
+    assert row["measured"] == "q,x"
+    assert row["Ml"] == pytest.approx(22.0, rel=0.02)

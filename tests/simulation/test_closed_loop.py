@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from symid import Axis, Preparation, identify, load_axis, load_generated
+from symid import Axis, Body, Drive, Geared, Position, Preparation, identify, load_axis, load_generated
 from symid.errors import SettingError
 from symid.simulation import (
     Cascade,
@@ -131,3 +131,15 @@ def test_imperfections_do_not_make_generated_modules_stale() -> None:
     axis: Axis = load_axis("emps")
     assert axis.with_signal("q", noise=1e-6, resolution=5e-8).signature == axis.signature
     assert math.isinf(tuned_cascade(plant_of(axis, EMPS), "q").force_limit)
+
+
+@pytest.mark.parametrize("limit", [math.inf, 0.3])
+def test_a_sensor_behind_a_gear_that_turns_round_is_followed(limit: float) -> None:
+    motor = Body("motor", inertia=0.0004)
+    arm = Body("arm", inertia="J", geared=Geared(to=motor, ratio=-0.0125))
+    axis = Axis("reversed", (motor, arm), Drive("tau", motor), (Position("q", arm),))
+    values = {"J": 4.0}
+    controller = tuned_cascade(plant_of(axis, values), "q", force_limit=limit)
+    path = trapezoids(0.02, 0.5, acceleration=5.0, jerk=500.0, dwell=0.4, sampling_period=1e-3)
+    read = simulate(axis, values, path, controller).log["q"]
+    assert np.abs(read - path.position[: len(read)])[-100:].max() < 1e-4

@@ -51,16 +51,18 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     Parameters
     ----------
     found : Diagnosis
-        With at least one effect.
+        Without an effect the axis is the declared one, with its values re-identified.
 
     Raises
     ------
     SettingError
-        If no effect was found, or none of them is an element of an axis.
+        If nothing was fitted, or none of the effects is an element of an axis.
     """
-    accepted = [step for step in found.search if step.accepts] if found.effects else []
-    if not accepted:
-        raise SettingError("no effect was found: the axis stays as it is declared")
+    if not found.search:
+        raise SettingError("nothing was fitted: the axis stays as it is declared")
+    if not found.effects:
+        return axis_of(found.search[0].before.state)
+    accepted = [step for step in found.search if step.accepts]
     explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
     if explained.axis == found.axis.without(*found.axis.imperfections):
         raise SettingError("; ".join(explained.left_out))
