@@ -35,11 +35,6 @@ _KINDS: Final = (
 def irregular(path: str | os.PathLike[str]) -> str | None:
     """Kind of a file that is not regular, whose reading might never end; None for a regular file.
 
-    Raises
-    ------
-    OSError
-        If there is nothing.
-
     Examples
     --------
     >>> irregular("/"), irregular(__file__)
@@ -50,20 +45,7 @@ def irregular(path: str | os.PathLike[str]) -> str | None:
 
 
 def require_regular(path: str | os.PathLike[str], error: type[Exception] = SettingError) -> None:
-    """Raise an error unless the path leads to a regular file.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    error : type
-        Of the error.
-
-    Raises
-    ------
-    Exception
-        Of the given type; it names the path and what is wrong.
-    """
+    """Raise an error of the given type unless the path leads to a regular file."""
     try:
         kind = irregular(path)
     except FileNotFoundError as failure:
@@ -76,13 +58,7 @@ def require_regular(path: str | os.PathLike[str], error: type[Exception] = Setti
 
 
 def read_json(file: str | os.PathLike[str]) -> Any:
-    """Content of a JSON file of settings.
-
-    Raises
-    ------
-    SettingError
-        If the file is not regular, too long, not UTF-8, not JSON, or nested too deeply.
-    """
+    """Content of a JSON file of settings."""
     path = Path(file)
     require_regular(path)
     try:
@@ -132,19 +108,9 @@ def _integer(digits: str) -> int | float:
 
 @contextlib.contextmanager
 def replacing(file: str | os.PathLike[str]) -> Iterator[Path]:
-    """A path to fill, which takes the place of a file once it is filled; what fails leaves the file as it was.
+    """A path to fill, which takes the place of a file once it is filled; a failure leaves the file as it was.
 
     A link stays a link to the file that is replaced. A pipe or a device, such as /dev/stdout, is written to.
-
-    Parameters
-    ----------
-    file : path-like
-        The file that is wanted.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; names the file.
 
     Examples
     --------

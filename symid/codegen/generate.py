@@ -32,22 +32,9 @@ def plan(
 ) -> list[GeneratedFile]:
     """Required and present texts of the generated files; nothing is written.
 
-    Parameters
-    ----------
-    axes : sequence of str
-        Names or paths of axis files; all axes by default.
-    measured : sequence of str, optional
-        One set of sensors; by default all of the axis' `sensor_sets`, and those for which modules exist.
-    track : callable, optional
-        Receives the names and yields them, to show progress.
-    refused : callable, optional
-        Called for each module that cannot be derived, with the reason; the others are planned. By default the
-        error is raised.
-
-    Raises
-    ------
-    SymidError
-        If an axis cannot be loaded, or cannot be derived and `refused` is not given.
+    Without `measured` these are all `sensor_sets` of an axis and those for which modules exist. `track` receives the
+    names and yields them, to show progress; `refused` is called with the reason for each module that cannot be
+    derived, which otherwise raises its error.
     """
     left_out: list[Path] = []
 

@@ -198,13 +198,7 @@ DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}
 
 
 def compile_module(text: str, name: str, cure: str = "generate it again") -> GeneratedModel:
-    """Run the text of a generated module.
-
-    Raises
-    ------
-    GeneratedModuleError
-        If the text is of another format, damaged, changed by hand, or does anything but arithmetic.
-    """
+    """Run the text of a generated module; one that was changed by hand, or is not arithmetic alone, is refused."""
     namespace: dict[str, object] = {"__name__": name}
     found = _FORMAT.search(text)
     if found and int(found[1]) != FORMAT:

@@ -13,21 +13,9 @@ from symid.arrays import ComplexArray, FloatArray
 
 
 def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tuple[FloatArray, FloatArray]:
-    """One-sided power density: means of periodograms of Hann-weighted segments that overlap by half.
+    """Frequencies in Hz and one-sided power density of `x`, of shape (segment // 2 + 1,): Welch's method.
 
-    Parameters
-    ----------
-    x : array of shape (n,)
-        Samples; n at least `segment`.
-    sampling_frequency : float
-        Hz.
-    segment : int
-        Samples of a segment.
-
-    Returns
-    -------
-    tuple of array of shape (segment // 2 + 1,)
-        Frequencies in Hz and densities in the square of the signal's unit per Hz (P. D. Welch, 1967).
+    Means of periodograms of Hann-weighted segments that overlap by half (P. D. Welch, 1967).
 
     Examples
     --------
@@ -48,24 +36,10 @@ def density_of(
 def incoherent_density(
     x: FloatArray, others: FloatArray, sampling_frequency: float, segment: int
 ) -> tuple[FloatArray, FloatArray]:
-    """One-sided power density of what no linear filter makes of other signals: (1 - coherence) times the density.
+    """Frequencies in Hz and one-sided power density of the part of `x` that no linear filter makes of other signals.
 
-    Parameters
-    ----------
-    x : array of shape (n,)
-        Samples of the signal; n at least twice `segment`.
-    others : array of shape (n_others, n)
-        Samples of the other signals.
-    sampling_frequency : float
-        Hz.
-    segment : int
-        Samples of a segment.
-
-    Returns
-    -------
-    tuple of array of shape (segment // 2 + 1,)
-        Frequencies in Hz and densities in the square of the unit of `x` per Hz, corrected for the share that any
-        signals take from an estimate by so few segments (J. S. Bendat, A. G. Piersol, Random Data, section 9.2).
+    (1 - coherence) times the density, corrected for the share that any signals take from an estimate by few segments
+    (J. S. Bendat, A. G. Piersol, Random Data, section 9.2); `x` has at least twice `segment` samples.
 
     Examples
     --------

@@ -102,14 +102,7 @@ def restored(
     """Signals without samples that were lost and filled with 0, and a note on each.
 
     Where a recorder lost a sample of a signal far from 0, each row in which all signals are exactly 0, and in the rows
-    beside it none is, was lost as a whole.
-
-    Parameters
-    ----------
-    signals : mapping of str to array of shape (n_samples,)
-        Those recorded together.
-    smooth : collection of str
-        Which of them are restored by a cubic spline: positions. The others are by straight lines.
+    beside it none is, was lost as a whole. Positions, in `smooth`, are restored by a cubic spline, others by lines.
 
     Examples
     --------
@@ -137,11 +130,6 @@ def without_repeated_rows(
     signals: Mapping[str, FloatArray], smooth: Collection[str]
 ) -> tuple[dict[str, FloatArray], list[str]]:
     """Signals without rows that were lost and filled with the row before, and a note on them.
-
-    Parameters
-    ----------
-    signals, smooth
-        As in `restored`.
 
     Examples
     --------

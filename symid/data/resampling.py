@@ -28,31 +28,11 @@ _MOST_SAMPLES: Final = 10**9
 def resampled(
     values: Mapping[str, FloatArray], clocks: Mapping[str, FloatArray], rate: Rate
 ) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
-    """Signals on one uniform clock, by cubic splines through their samples.
+    """Signals, and the time as ``t``, on one uniform clock by cubic splines through their samples; and notes.
 
-    Where the new rate is lower, a zero-phase Butterworth filter takes out what it cannot hold. Up to ten samples in a
-    row that lack are filled; a longer gap is an error. The signals keep the span in which all of them were recorded.
-
-    Parameters
-    ----------
-    values : mapping of str to array of shape (n,)
-        Signals; values that lack are nan.
-    clocks : mapping of str to array of shape (n,)
-        Times of each signal, s.
-    rate : float or "own"
-        Of the result, Hz; "own" takes the highest of the rates that the signals have in the middle.
-
-    Returns
-    -------
-    values : dict of str to array of shape (m,)
-        With the time as ``t``.
-    notes : tuple of str
-        What was done.
-
-    Raises
-    ------
-    LogError
-        If times do not advance, samples lack for too long, or too little is left.
+    `rate` is in Hz, or "own": the highest rate that a signal has in the middle. Where the new rate is lower,
+    a zero-phase Butterworth filter removes what it cannot represent. Up to ten samples in a row that are missing (nan)
+    are filled; a longer gap is an error. The signals keep the span in which all of them were recorded.
 
     Examples
     --------

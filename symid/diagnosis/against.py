@@ -129,15 +129,7 @@ def diagnose_against(
 
 
 def as_noisy(log: Log, like: Record) -> Log:
-    """A log whose signals have at least the noise of a record, so that both are weighed alike.
-
-    Parameters
-    ----------
-    log : Log
-        With the signals of the record.
-    like : Record
-        Whose noise it gets, white and of the same density.
-    """
+    """A log whose signals have at least the noise of a record, white and as dense: both are then weighed alike."""
     own = record_of(like.dynamics, log)
     rate = log.sampling_frequency / like.log.sampling_frequency
     levels = dict(zip(_signals(like), like.noise * np.sqrt(rate), strict=True))

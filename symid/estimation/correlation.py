@@ -102,12 +102,7 @@ class ResidualCovariance:
 
 
 def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
-    """Return sums over t of x_i(t) x_j(t+k), shape (n, n, 2 max_lag + 1), k from -max_lag.
-
-    Parameters
-    ----------
-    x : array, shape (n, n_samples)
-        Taken as 0 outside.
+    """Return sums over t of x_i(t) x_j(t+k), shape (n, n, 2 max_lag + 1), k from -max_lag; x is 0 outside.
 
     Examples
     --------
@@ -138,25 +133,13 @@ def default_max_lag(samples: int) -> int:
 
 
 def correlation_length(covariance: FloatArray, samples: int) -> int | None:
-    """Return the smallest lag beyond which the correlation is lost in its own uncertainty.
+    """Return the smallest lag beyond which the correlation is lost in its own uncertainty; None if there is none.
 
     The rule of Politis and White (Econometric Reviews 23, 2004): the smallest m with |r(m+k)| below
     2 sqrt(log10(N)/N) for k = 1 ... K. Their K of 5 lags takes a zero crossing of the slow oscillation that a
     low-pass leaves for the end of the correlation; here K is at least m, as long again as the correlation.
     Where nothing is that quiet, the bound is widened to what Bartlett's variance, sum of r^2 / N, gives for a
-    correlated residual, as long as it stays below 0.5.
-
-    Parameters
-    ----------
-    covariance : array, shape (..., n_equations, n_equations, 2 max_lag + 1)
-        gamma_ij(k), as `ResidualCovariance.covariance` returns it; one for each of several independent logs.
-    samples : int
-        N, number of samples.
-
-    Returns
-    -------
-    int or None
-        In samples; None if the correlation does not die out within the lags given.
+    correlated residual, as long as it stays below 0.5. gamma_ij(k) is given for one log or for each of several.
 
     Examples
     --------

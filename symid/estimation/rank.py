@@ -60,17 +60,10 @@ def condition_number(singular_values: FloatArray) -> float:
 
 
 def analyse_rank(R: FloatArray, rows: int) -> RankAnalysis:
-    """Analyse which parameters a triangular factor determines.
+    """Analyse which parameters a triangular factor R of W determines, W having `rows` rows.
 
     The rank counts singular values above eps max(rows, parameters, 100) times the largest, columns having
     unit norm: what rounding in W itself and in its factorisation leaves of an exact dependency lies below.
-
-    Parameters
-    ----------
-    R : array, shape (n_parameters, n_parameters)
-        Upper triangular factor of W (without the column of y), in the caller's units.
-    rows : int
-        Number of rows of W.
 
     Examples
     --------

@@ -202,11 +202,6 @@ def checked_observation(
 ) -> tuple[FloatArray, FloatArray, BoolArray | None]:
     """Return W, y as float arrays and `valid` with one row for each equation.
 
-    Raises
-    ------
-    SettingError
-        If the shapes are not those of an observation.
-
     Examples
     --------
     >>> import numpy as np

@@ -29,11 +29,6 @@ class Feedforward:
 def feedforward(axis: Axis) -> Feedforward:
     """Force that a motion of the drive needs.
 
-    Raises
-    ------
-    SettingError
-        If the axis has several drives, no motion or several without deflection, or forces that depend on more.
-
     Examples
     --------
     >>> from symid.axis import load_axis

@@ -118,15 +118,7 @@ class Journal:
 
 @contextlib.contextmanager
 def locked(files: Sequence[Path]) -> Iterator[None]:
-    """Hold tables of results against other batches, by a hidden file beside each, whose lock ends with its process.
-
-    Raises
-    ------
-    SettingError
-        If another batch holds one of them.
-    SymidError
-        If a lock cannot be made.
-    """
+    """Hold tables of results against other batches, by a hidden file beside each, whose lock ends with its process."""
     with contextlib.ExitStack() as held:
         for file in sorted(files):
             try:

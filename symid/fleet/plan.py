@@ -81,15 +81,7 @@ def _compiled(module: StoredModule) -> GeneratedModel:
 def fleet_axes(
     axes: str | Axis | Sequence[str | Axis], settings: BatchSettings, folder: Path | None = None
 ) -> tuple[FleetAxis, ...]:
-    """Axes of a batch, given by name, path or declaration; `folder` holds their generated modules, if not their own.
-
-    Raises
-    ------
-    SettingError
-        If there is no axis, a name occurs twice, or a setting names a signal that no axis has.
-    GeneratedModuleError
-        If an axis has no generated module, or an old one.
-    """
+    """Axes of a batch, given by name, path or declaration; `folder` holds their generated modules, if not their own."""
     given = (axes,) if isinstance(axes, (str, Axis)) else tuple(axes)
     declared = tuple(axis if isinstance(axis, Axis) else load_axis(axis) for axis in given)
     names = [axis.name for axis in declared]

@@ -106,16 +106,8 @@ def blocks_of_runs(runs: Sequence[Run]) -> Iterator[ObservationBlock]:
 class _Layout:
     """How the rows of a long log lie in it.
 
-    Parameters
-    ----------
-    before, after : int
-        Samples trimmed at the ends.
-    factor : int
-        Samples that become one row.
-    n_samples : int
-        Of the log.
-    signal_reach, row_reach : int
-        Samples on either side that filtered signals, and that rows made of them need.
+    Samples trimmed at the ends, samples that become one row, samples of the log, and those on either side that filtered
+    signals, and rows made of them, need.
     """
 
     before: int

@@ -42,17 +42,7 @@ def more_columns(model: GeneratedModel) -> int:
 
 
 def sample_friction(sampling: Sampling, W: FloatArray, velocities: FloatArray) -> None:
-    """Fill the columns behind those of the model.
-
-    Parameters
-    ----------
-    sampling : Sampling
-        Of the log.
-    W : array of shape (n_equations, n_parameters + more_columns, n_rows)
-        Is filled from number `n_parameters` on.
-    velocities : array of shape (n_sliding, n)
-        Sliding velocities along the whole log.
-    """
+    """Fill the columns of W behind those of the model with friction, by sliding velocities of shape (n_sliding, n)."""
     model, rate, size = sampling.model, 1 / sampling.period, velocities.shape[1]
     linear, begin = linear_part(model), len(model.minimal_units)
     own = (
@@ -75,14 +65,7 @@ def sample_friction(sampling: Sampling, W: FloatArray, velocities: FloatArray) -
 def without_friction(model: GeneratedModel, equation: int, levels: Sequence[float]) -> FloatArray:
     """Matrix that makes [W | y] without friction of an equation's columns [W | friction | y].
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        Its friction beside drives.
-    equation : int
-        Number of the equation. Its output gets the friction back where a column of W is that friction.
-    levels : sequence of float
-        Of each friction, in the force's unit.
+    The output gets the friction of the given levels back where a column of W is that friction.
     """
     p, place = len(model.minimal_units), len(model.minimal_units)
     taken = np.zeros((p + more_columns(model) + 1, p + 1))

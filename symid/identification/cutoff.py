@@ -157,16 +157,9 @@ class Estimation:
 def least_uncertain(
     estimation: Estimation, first: Trial, widened: Callable[[Trial], Identification]
 ) -> Identification:
-    """The identification of a trial, or of one at another cutoff where that determines the parameters better.
+    """Identification of a trial, or of one at another cutoff where that determines the parameters better.
 
-    Parameters
-    ----------
-    estimation : Estimation
-        Its cutoff is left open for others to be tried.
-    first : Trial
-        At the cutoff to begin with.
-    widened : callable
-        Identification of a trial with all that widens its deviations.
+    `widened` is the identification of a trial with all that widens its deviations.
     """
     best = widened(first)
     sizes = _relative_deviations(best)

@@ -199,16 +199,10 @@ def _of_equation(
 
 @dataclass(frozen=True)
 class _Column:
-    """What one more column would do.
+    """The effect of one more column on the residual.
 
-    Parameters
-    ----------
-    share : float
-        Part of the residual's power that it takes away beyond the columns of the model.
-    size : float
-        What is its own (rms), as part of the output, with the sign of the factor.
-    factor : float
-        Its parameter.
+    Share of the residual's power that it takes away; rms that the other columns do not explain, as part of the output
+    and with the sign of the factor; factor that multiplies it.
     """
 
     share: float = 0.0

@@ -154,15 +154,7 @@ def ends_of(chosen: Preparation, n_samples: int) -> tuple[int, int]:
 
 
 def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> FloatArray:
-    """Highest speed of each sliding velocity between the trimmed ends of a log, shape (n_sliding,).
-
-    Parameters
-    ----------
-    model, log
-        As in `observe`.
-    chosen : Preparation
-        Complete.
-    """
+    """Highest speed of each sliding velocity between the trimmed ends of a log, shape (n_sliding,)."""
     sampling = sampling_of(model, log, chosen, Scheme(chosen.difference_order, chosen.widening or 1.0))
     signals = sampling.motion(0, sampling.n_samples)
     velocities = model.sliding_velocities(*(signals[name] for name in model.signals))
@@ -170,17 +162,7 @@ def highest_speeds(model: GeneratedModel, log: Log, chosen: Preparation) -> Floa
 
 
 def reaches(model: GeneratedModel, chosen: Preparation, period: float) -> tuple[int, int]:
-    """Samples on either side that filtered signals with their derivatives need, and those that rows need of them.
-
-    Parameters
-    ----------
-    model : GeneratedModel
-        Says how often signals are differentiated, and which laws are filtered.
-    chosen : Preparation
-        Complete.
-    period : float
-        Sampling period, s.
-    """
+    """Samples on either side that filtered signals with their derivatives need, and those that rows need of them."""
     assert chosen.cutoff_hz is not None
     signals = LowPass(chosen.cutoff_hz, chosen.order).zero_phase(1 / period).reach
     scheme = Scheme(chosen.difference_order)

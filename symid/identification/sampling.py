@@ -229,16 +229,7 @@ def sample_into(
 ) -> None:
     """Sample the model, filter and decimate it piece by piece, each in the cache of one processor.
 
-    Parameters
-    ----------
-    sampling : Sampling
-        The model and the log.
-    W : array of shape (n_equations, n_parameters, n_rows)
-        Is filled.
-    y : array of shape (n_equations, n_rows)
-        Is filled.
-    velocities : array of shape (n_sliding, n), optional
-        Is filled with the sliding velocities at all samples of the log.
+    Fills W and y, and the sliding velocities, of shape (n_sliding, n), at all samples of the log.
     """
     model, before = sampling.model, sampling.before
     offset, thin = kept_indices(sampling.n_samples, sampling.factor).start, sampling.row_filter

@@ -105,11 +105,6 @@ def fit_errors(
 
     Masses and stiffnesses of the starts are positive. No mode is looked for above `nyquist`, Hz, unless all starts have
     one there.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If a run holds no motion, or no start can be evaluated.
     """
     if not all(error.has_motion for error in errors):
         raise np.linalg.LinAlgError("a run holds no motion")

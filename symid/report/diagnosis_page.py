@@ -34,13 +34,7 @@ _MOST_SHOWN = 8
 
 
 def write_html(found: Diagnosis, file: str | Path) -> None:
-    """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing.
-
-    Raises
-    ------
-    SettingError
-        If the name does not end with .html, or the folder does not exist.
-    """
+    """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing."""
     from symid.report.interactive import plots_of  # half a second to load: only where a page is written
     from symid.report.schematic import schematic_svg
 

@@ -57,11 +57,6 @@ def write_fleet_html(
     """Write the review of a fleet, with joint results by axis, as one HTML file, which loads nothing.
 
     Without JavaScript only the table of all logs is missing.
-
-    Raises
-    ------
-    SettingError
-        If the name does not end with .html, or the folder does not exist.
     """
     path = html_path(file)
     record = fleet_record(found, joined)

@@ -30,13 +30,6 @@ def plot_foreign(
     """Draw each of the first dozen columns of a file over time, in the unit of the file, as png, svg or pdf.
 
     Samples are counted where neither a column of the time nor the sampling period (s) is known.
-
-    Raises
-    ------
-    LogError
-        If the file has no columns of numbers.
-    SettingError
-        If the suffix is not known.
     """
     drawn = [column for column in columns if column.quantity != "time"][:_MOST_COLUMNS]
     if not drawn:

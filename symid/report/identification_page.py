@@ -42,11 +42,6 @@ def write_identification_html(
 
     With the axis and its logs, that of the validation last, the page shows the residual over the motion and the
     frequency response; `command` is the one by which it was made.
-
-    Raises
-    ------
-    SettingError
-        If the name does not end with .html, or the folder does not exist.
     """
     path = html_path(file)
     record = identification_record(found, validation)

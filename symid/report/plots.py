@@ -55,11 +55,6 @@ def identification_figure(
     For each output of each log: measured and predicted output over time and against each other, the residual over
     time, velocity, position and frequency. With the axis and its logs, that of the validation last: the frequency
     response of the identified axis beside the measured one. Parameters that are correlated get confidence ellipses.
-
-    Raises
-    ------
-    SettingError
-        If the parameters are not determined.
     """
     panels = (
         _panels_of_equations(found, cast("Prediction | None", validation))

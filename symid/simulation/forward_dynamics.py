@@ -169,10 +169,7 @@ class ForwardDynamics:
 def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     """The plant without massless bodies, which are where the springs beside them balance: x = T x_heavy.
 
-    Raises
-    ------
-    SettingError
-        If anything else acts on such a body, so that the springs alone do not determine its displacement.
+    Refused where anything else acts on such a body: springs alone must determine its displacement.
     """
     nodes = ~heavy
     springs = plant.stiffness[np.ix_(nodes, nodes)]

@@ -55,21 +55,8 @@ def envelope(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Envelope that rises from 0 to 1 and falls to 0 again, with its first and second time derivatives.
 
-    The flanks are polynomials of degree 7 whose first three derivatives vanish at both ends, so that a faded
-    motion begins and ends at rest with neither velocity, acceleration nor jerk.
-
-    Parameters
-    ----------
-    n_intervals : int
-        Sampling periods from the first to the last sample.
-    n_fade : int
-        Sampling periods of each flank, at most half of `n_intervals`; 0 gives a constant 1.
-    sampling_period : float
-        Time between two samples, s.
-
-    Returns
-    -------
-    tuple of three arrays of shape (n_intervals + 1,)
+    The flanks, of `n_fade` of all `n_intervals`, are polynomials of degree 7 whose first three derivatives vanish at
+    both ends, so that a faded motion begins and ends at rest with neither velocity, acceleration nor jerk.
 
     Examples
     --------

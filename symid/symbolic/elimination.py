@@ -65,11 +65,6 @@ class InputOutputModel:
 def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOutputModel:
     """Eliminate every displacement that the sensors do not measure.
 
-    Raises
-    ------
-    EliminationError
-        If a nonlinear law acts on a motion that is not measured, or the sensors leave a motion undetermined.
-
     Examples
     --------
     >>> from symid.axis import load_axis

@@ -59,11 +59,6 @@ def exact(value: float) -> sp.Rational:
 def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
     """Expression of a law's term in q, v and the names of shape parameters.
 
-    Raises
-    ------
-    SymidError
-        If the text uses anything but these, numbers and the functions of the law language.
-
     Examples
     --------
     >>> law_expression("v*positive(v)").free_symbols

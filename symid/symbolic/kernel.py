@@ -85,11 +85,6 @@ def left_kernel(rows: Mapping[str, Row], unknown: Sequence[str], ring: PolyRing)
     """Minimal basis of the combinations of rows in which unknown columns vanish.
 
     There are as many as rows more than unknown columns. The first generator of the ring of the entries is s.
-
-    Raises
-    ------
-    EliminationError
-        If an unknown displacement enters no equation that would determine it.
     """
     start = {name: EliminationRow({name: ring.one}, dict(row)) for name, row in rows.items()}
     basis: list[EliminationRow] = []

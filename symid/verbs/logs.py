@@ -16,24 +16,7 @@ Recorded: TypeAlias = "AnyLog | str | os.PathLike[str] | Frame"
 
 
 def log_of(axis: Axis, given: Recorded, measured: Sequence[str] | None = None, **columns: Any) -> AnyLog:
-    """A log of an axis, read and checked if it is a file or a frame.
-
-    Parameters
-    ----------
-    axis : Axis
-        Says which signals to expect, and in which units.
-    given : Log, path-like, data frame or mapping
-        The log.
-    measured : sequence of str, optional
-        Sensors to use.
-    **columns
-        ``columns``, ``units``, ``gains``, ``layout``, ``sampling_period`` and ``resample`` as in `symid.read_axis_log`.
-
-    Raises
-    ------
-    LogError
-        If the log cannot be used.
-    """
+    """A log of an axis, read and checked if it is a file or a frame; columns as in `symid.read_axis_log`."""
     if isinstance(given, (Log, LongLog)):
         return given
     return files.read_axis_log(axis, given, measured=measured, **columns)

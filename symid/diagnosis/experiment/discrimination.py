@@ -107,17 +107,7 @@ def trials(rivals: Rivals, envelope: Envelope, force: float) -> list[Trial]:
 
 
 def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
-    """What the sensors would read if an axis followed a trajectory.
-
-    Parameters
-    ----------
-    model : State
-        The axis with its values, under any record.
-    trajectory : Trajectory
-        Taken as the motion of the driven joint.
-    like : Record
-        With the sensors and the noise.
-    """
+    """Readings if an axis followed a trajectory with its driven joint, with the sensors and the noise of `like`."""
     rng, (first, drive) = np.random.default_rng(0), (like.signals[0], like.dynamics.axis.only_drive.signal)
     names = (first, drive, *like.signals[1:])
     levels = zip(names, like.noise, strict=True)
@@ -200,17 +190,7 @@ class Separation:
 
 
 def separation(rivals: Rivals, right: int, noisy: Record, quiet: Record) -> Separation:
-    """How well readings tell a cause from the other.
-
-    Parameters
-    ----------
-    rivals : Rivals
-        Both causes.
-    right : int
-        0 or 1: the cause with which the readings were made.
-    noisy, quiet : Record
-        The readings with and without noise.
-    """
+    """How well readings, made with cause `right` (0 or 1), with and without noise, distinguish two causes."""
     weighting = applied(rivals.models[right], noisy)[1]
     exact = applied(rivals.models[right], quiet)[0]
     own = fitted(exact.weighted(weighting), weighting, _ITERATIONS)

@@ -84,22 +84,7 @@ class SimulatedExperiment:
 
 
 def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) -> SimulatedExperiment:
-    """Simulate an experiment with either cause.
-
-    Parameters
-    ----------
-    rivals : Rivals
-        Both causes.
-    trajectory : Trajectory
-        Reference of the driven joint's sensor.
-    seed : int
-        Of the noise.
-
-    Raises
-    ------
-    SettingError
-        If a cause is no element of an axis, or the axis cannot follow.
-    """
+    """Simulate an experiment with either cause; refused where a cause cannot be simulated or the axis cannot follow."""
     runs = [_run(rivals, model, trajectory, seed) for model in rivals.models]
     quiet = [_run(rivals, model, trajectory, None)[0] for model in rivals.models]
     records = tuple(record for record, _ in runs)

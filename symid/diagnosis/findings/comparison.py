@@ -338,20 +338,10 @@ class Comparison:
 def compared(
     record: Record, nominal: State | None, fits: Sequence[Fit], allowed: BoolArray | None
 ) -> Comparison:
-    """Apply models to a record; nothing of them is fitted to it but what belongs to a log.
+    """Apply models to a validation record; only what belongs to a log, such as its beginning, is fitted to it.
 
     All errors are weighted alike: by the noise that the first of the fits, the re-identified model, lets through.
-
-    Parameters
-    ----------
-    record : Record
-        Validation data.
-    nominal : State or None
-        The model with nominal values, and effects if it has any, under any record.
-    fits : sequence of Fit
-        Re-identified model, and those with effects added one by one.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the record that may be used.
+    `allowed`, of shape (n_fine,), are the parts of the record that may be used.
     """
     base, weighting = applied(fits[0].state, record, allowed)
     models = [nominal, *(fit.state for fit in fits[1:])]

@@ -42,20 +42,8 @@ def concluded(
 ) -> Diagnosis:
     """The diagnosis that follows from a search.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        The nominal model and `fits` on the validation data.
-    steps : sequence of SelectionStep
-        Of the search.
-    fits : sequence of Fit
-        The re-identified model, and those with effects accepted one by one.
-    nominal : mapping of str to float or None
-        Nominal values.
-    logs : tuple of Log
-        What was identified from, and the validation log if there is one.
-    damaged : Damage
-        Faults of the recording.
+    `fits` are the re-identified model and those with effects accepted one by one; `comparison` has them and the nominal
+    model on the validation data. `logs` are that of the identification, and that of the validation if there is one.
     """
     upheld = comparison.upheld
     comparison, fits = comparison.with_effects(upheld).of_largest, fits[: 1 + upheld]

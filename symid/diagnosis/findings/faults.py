@@ -53,17 +53,7 @@ NO_DAMAGE = Damage()
 
 
 def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
-    """What the recorder, or a wrong sign, has done to logs.
-
-    Parameters
-    ----------
-    logs : sequence of Log
-        Those of the identification and of the validation.
-    state : State
-        The axis with the values to begin with, under the first of them.
-    weighting : Weighting
-        Of its errors.
-    """
+    """Damage that the recorder, or a wrong sign, has done to logs, seen by the axis with the values to begin with."""
     record = state.prediction.record
     names = (*record.forces, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
@@ -116,17 +106,7 @@ def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
 
 
 def shifted_channels(log: Log, forces: Sequence[str], accepted: Sequence[SelectionStep]) -> tuple[str, ...]:
-    """Delays found that may be shifts of channels, and filters through which a force was recorded.
-
-    Parameters
-    ----------
-    log : Log
-        What was identified from.
-    forces : sequence of str
-        Signals of the drives.
-    accepted : sequence of SelectionStep
-        Effects that were accepted.
-    """
+    """Accepted delays that may be shifts of channels, and filters through which a force was recorded."""
     found = []
     for step in accepted:
         item = step.confirmed[0].placed

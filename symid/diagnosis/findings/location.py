@@ -138,15 +138,7 @@ def _density(comparison: Comparison, model: int) -> tuple[FloatArray, FloatArray
 
 
 def located(found: Mapping[str, tuple[MapCell, ...]], shares: Mapping[str, float]) -> tuple[Location, ...]:
-    """Places with their shares, and the band and regime that hold most of the gap.
-
-    Parameters
-    ----------
-    found : mapping of str to tuple of MapCell
-        The map of the gap.
-    shares : mapping of str to float
-        Share of the excess error by place.
-    """
+    """Places with their shares of the excess error, and the band and regime that hold most of the gap."""
     bands, regimes = found["band"], found["regime"]
     regime = max(regimes, key=lambda cell: cell.share).label if regimes else ""
     held = _narrowest(bands)

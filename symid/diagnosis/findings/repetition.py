@@ -42,16 +42,9 @@ class Repetition:
 
 
 def repetition(motion: FloatArray, error: FloatArray, kept: BoolArray) -> Repetition | None:
-    """What of an error is new in each repetition of a motion; None where the motion does not repeat.
+    """The part of an error that is new in each repetition of a motion; None where the motion does not repeat.
 
-    Parameters
-    ----------
-    motion : array of shape (n,)
-        Position at evenly spaced rows.
-    error : array of shape (n,)
-        At the same rows.
-    kept : bool array of shape (n,)
-        Rows at which the error counts.
+    Position and error at evenly spaced rows, of shape (n,); the error counts at the `kept` ones.
 
     Examples
     --------

@@ -88,15 +88,7 @@ def sentence_of_motion(motion: Motion, place: str = "position") -> str:
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
-    """The difference between a machine and a simulator in words.
-
-    Parameters
-    ----------
-    found : Diagnosis
-        With the simulator as its nominal model.
-    simulator : Simulator
-        What its log says.
-    """
+    """The difference between a machine and a simulator in words."""
     if found.verdict == "recording":
         return found.sentence
     gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]

@@ -90,12 +90,7 @@ def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
 def axis_of(state: State) -> ExplainedAxis:
     """The axis of a model with the effects that it holds as elements, and the values of its parameters.
 
-    Declared imperfections are among what the model holds, with the values that were identified.
-
-    Parameters
-    ----------
-    state : State
-        The model, under any record.
+    Declared imperfections are among them, with the values that were identified.
     """
     declared, values = state.prediction.axis, dict(state.prediction.parameters)
     axis = declared.without(*declared.imperfections)

@@ -67,20 +67,11 @@ def motions_of(
     controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
 ) -> tuple[Motion, ...]:
-    """How the simulated axis moves with each model of a comparison, at the position next to each drive.
+    """Motion of the simulated axis with each model of a comparison, at the position next to each drive.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        Nominal model or None, re-identified model, and those with effects.
-    runs : tuple of Joined
-        Logs for identification, from which controllers are read, and for validation if there are any.
-    allowed : bool array of shape (n_fine,), optional
-        Points of the fine grid of the comparison's record that took no part in any choice.
-    controller : Cascade or sequence of Cascade, optional
-        That of the machine, or one for each drive; read from the log if it is not given.
-    simulated : Log, optional
-        Run of the user's own simulator under the reference of the log: then that is the nominal model.
+    `runs` are the logs for identification, from which controllers are read, and for validation. `allowed`, of shape
+    (n_fine,), are points that took no part in any choice. `simulated` is a run of the user's own simulator under the
+    reference of the log, which then is the nominal model.
     """
     record, states = comparison.record, comparison.states
     given: Sequence[Cascade | None] = [None] * record.n_drives

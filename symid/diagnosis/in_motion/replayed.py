@@ -233,17 +233,7 @@ def fastest(plant: Plant) -> float:
 def simulated_positions(
     explained: ExplainedAxis, parts: Sequence[Part], drivers: Sequence[Driver]
 ) -> list[FloatArray]:
-    """Position that the sensor next to each drive of a simulated axis reads at the samples of a log, without noise.
-
-    Parameters
-    ----------
-    explained : ExplainedAxis
-        The axis and its values.
-    parts : sequence of Part
-        The log as each drive sees it.
-    drivers : sequence of Driver
-        What moves each beside the measured force.
-    """
+    """Position that the sensor next to each drive of a simulated axis reads at the samples of a log, without noise."""
     log, axis = parts[0].log, explained.axis
     plant = plant_of(axis, explained.values)
     if fastest(plant) * log.sampling_period > _STIFFEST:

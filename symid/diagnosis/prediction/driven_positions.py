@@ -13,15 +13,7 @@ from symid.simulation import ForwardDynamics
 
 
 def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
-    """Sensors that a log holds, first the position that moves most with each drive.
-
-    Raises
-    ------
-    LogError
-        If there is no position, or not one for each drive.
-    SettingError
-        If drives share one balance.
-    """
+    """Sensors that a log holds, first the position that moves most with each drive."""
     present = [name for name in dynamics.sensors if name in log.signals]
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
     if not positions:

@@ -114,23 +114,9 @@ def integrated_motion(
     known: ComplexArray,
     laws: Sequence[tuple[FloatArray, Pointwise]],
 ) -> tuple[ComplexArray, tuple[ComplexArray, ...]]:
-    """Displacements of the bodies, and the forces of laws that act on hidden motion.
+    """Spectra of the displacements of two bodies, (2, n_bins), and of the force of each law on hidden motion.
 
-    Parameters
-    ----------
-    record : Record
-        The log.
-    plant : Plant
-        The linear part of the axis: two bodies.
-    known : array of shape (n_bins, 2)
-        Spectra of other forces on the bodies.
-    laws : sequence of (array, Pointwise)
-        Direction of the joint and force of each law.
-
-    Returns
-    -------
-    tuple
-        Displacements of shape (2, n_bins) and the spectrum of each law's force.
+    `known` are spectra of other forces on the bodies, (n_bins, 2); a law has the direction of its joint and its force.
     """
     driven = plant.sensors[record.signals[0]][0]
     hidden, s = hidden_motion(plant, driven), 1j * record.omega
@@ -166,16 +152,10 @@ def integrated_motion(
 
 @dataclass(frozen=True, eq=False)
 class _Driven:
-    """What the measured motion determines, at the points of the integration, each of shape (n_points,).
+    """Motion and forces that the measured motion determines, at the points of the integration, each (n_points,).
 
-    Parameters
-    ----------
-    pushed : array
-        Force on the hidden coordinate, without that of laws.
-    load : array
-        Drive force without what the hidden coordinate and laws add.
-    q, v : array
-        Driven position and its velocity.
+    Force on the hidden coordinate without that of laws; drive force without what the hidden coordinate and laws add;
+    driven position and its velocity.
     """
 
     pushed: FloatArray
@@ -187,10 +167,7 @@ class _Driven:
 def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, FloatArray]:
     """Combination of balances in which the drive force stands with factor 1 and the hidden acceleration does not.
 
-    Returns
-    -------
-    tuple
-        Row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
+    A row over the bodies, and the shares of the hidden coordinate and its rate in the drive force.
     """
     body = int(np.argmax(np.abs(plant.drive)))
     row = np.eye(len(plant.bodies))[body]

@@ -44,11 +44,6 @@ class Joined:
 def joined(logs: Sequence[Log]) -> Joined:
     """Logs one after the other, with the signals that all of them have.
 
-    Raises
-    ------
-    LogError
-        If there is none, or sampling periods differ.
-
     Examples
     --------
     >>> one = Log.from_arrays({"q": np.zeros(100)}, sampling_period=0.01)
@@ -83,17 +78,8 @@ def joined(logs: Sequence[Log]) -> Joined:
 def with_common_zeros(logs: Sequence[Log], driven: Sequence[str], others: Sequence[str]) -> list[Log]:
     """Logs whose further position readings begin to count where those of the first log do.
 
-    Two incremental encoders have zeros of their own in each log. A reading y follows those of the driven positions q as
+    Two incremental encoders have different zeros in each log. A reading y follows those of the driven positions q as
     y = r q + z + deflection: z is made that of the first log, with r and z by least squares.
-
-    Parameters
-    ----------
-    logs : sequence of Log
-        With all these signals.
-    driven : sequence of str
-        Positions next to the drives.
-    others : sequence of str
-        Further positions.
     """
     found = [logs[0]]
     for log in logs[1:]:

@@ -28,18 +28,8 @@ def quantisation_lines(
 ) -> FloatArray:
     """Density of the noise of a reading relative to white noise, of shape (n_frequencies,): 1 where it is as flat.
 
-    Parameters
-    ----------
-    step : float
-        Of the reading.
-    motion : array of shape (n_samples,)
-        The part of the reading in the band of the motion.
-    sampling_frequency : float
-        Hz.
-    noise : float
-        Standard deviation of white noise with the density of the reading beyond its motion.
-    frequency : array of shape (n_frequencies,)
-        In Hz.
+    `motion` is the part of the reading in the band of the motion; `noise` the standard deviation of white noise with
+    the density of the reading beyond it.
 
     Examples
     --------

@@ -298,23 +298,8 @@ def record_of(
 ) -> Record:
     """A log in the frequency domain.
 
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        The axis.
-    log : Log
-        A run of it, with its forces and at least one position for each.
-    motion_hz : float, optional
-        Highest frequency of its motion; by default where the spectrum of the position sinks into its noise.
-    late : mapping of str to float, optional
-        Time by which signals were recorded late, s.
-
-    Raises
-    ------
-    LogError
-        If the log is too short or lacks a position.
-    SettingError
-        If drives share one balance.
+    `motion_hz` is the highest frequency of its motion, by default where the spectrum of the position sinks into its
+    noise; `late` the time by which signals were recorded late, s.
     """
     signals = signals_of(dynamics, log)
     if log.n_samples < _LEAST_SAMPLES:

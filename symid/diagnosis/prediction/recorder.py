@@ -48,14 +48,7 @@ class Recovered:
 
 
 def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
-    """Logs without lost samples, at the rate of their slowest sensor.
-
-    Parameters
-    ----------
-    axis : Axis
-        Says which signals are its drives' and its sensors'.
-    logs : sequence of Log
-        All of one machine and recorder.
+    """Logs of one machine without lost samples, at the rate of their slowest sensor.
 
     Examples
     --------

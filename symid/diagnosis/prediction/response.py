@@ -82,17 +82,7 @@ def response_of(
     parameters: Mapping[str, float],
     impedances: Sequence[tuple[FloatArray, ComplexArray]] = (),
 ) -> Response:
-    """Frequency responses at parameter values.
-
-    Parameters
-    ----------
-    record : Record
-        Says the frequencies, the driven positions and the other sensors.
-    parameters : mapping of str to float
-        Physical parameters, SI.
-    impedances : sequence of (array, array)
-        Direction over the bodies and dynamic stiffness, of shape (n_bins,), of what hangs on the axis besides.
-    """
+    """Frequency responses at parameter values, with impedances that hang on the axis besides."""
     plant = record.dynamics.with_nodes(parameters)
     n, s = len(plant.bodies), 1j * record.omega
     matrix = np.zeros((record.n_bins, n + record.n_drives, n + record.n_drives), dtype=complex)

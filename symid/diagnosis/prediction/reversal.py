@@ -14,14 +14,7 @@ _AROUND = 0.05
 
 
 def near(turns: BoolArray, rate: float) -> BoolArray:
-    """Samples within some time of those at which the axis turns or stands.
-
-    Parameters
-    ----------
-    turns : bool array of shape (n,)
-        Samples at which it does.
-    rate : float
-        Samples a second, Hz.
+    """Samples within some time of those at which the axis turns or stands; `rate` in Hz.
 
     Examples
     --------

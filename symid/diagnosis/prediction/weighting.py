@@ -94,18 +94,9 @@ class Weighting:
 def weighting_of(
     record: Record, density: FloatArray, speeds: Iterable[FloatArray], allowed: BoolArray | None = None
 ) -> Weighting:
-    """Weighting of a record for an axis.
+    """Weighting of a record, whose joints that must move have `speeds`, each of shape (n_fine,).
 
-    Parameters
-    ----------
-    record : Record
-        The log.
-    density : array of shape (n_outputs, n_bins)
-        1 / sqrt(S), as `noise_weights`.
-    speeds : iterable of array of shape (n_fine,)
-        Velocities of the joints that must move.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the log that may be used.
+    `density` is 1 / sqrt(S) of shape (n_outputs, n_bins), as `noise_weights`; `allowed` the parts that may be used.
     """
     share = np.sqrt(2 * record.n_bins / record.n_extended)
     moving = record.in_log & (True if allowed is None else allowed)
@@ -127,12 +118,7 @@ def weighting_of(
 def with_restarts(weighting: Weighting, hidden: Sequence[ComplexArray]) -> Weighting:
     """The same with unknown states at the beginning of each stretch of motion, because of friction at rest.
 
-    Parameters
-    ----------
-    weighting : Weighting
-        Rows and weights.
-    hidden : sequence of array of shape (n_outputs, n_bins)
-        Outputs for forces on what no sensor tells.
+    `hidden` are outputs, of shape (n_outputs, n_bins), for forces on unmeasured motion.
     """
     begins = np.flatnonzero(np.diff(weighting.kept.astype(np.int8)) == 1)[:_MOST_STARTS] + 1
     pulses = starting_pulses(weighting.record, hidden, weighting.record.row_time[begins])
