@@ -149,6 +149,9 @@ class ZeroPhaseFilter:
 
     def _in_blocks(self, x: FloatArray, first: int, step: int, count: int) -> FloatArray:
         """`count` samples of filtered rows, every `step`-th from `first` on."""
+        # A block of samples acts on the filter's state, and on the kept samples, linearly: one matrix product for all
+        # blocks replaces the recursion over samples. Only the states between blocks remain recursive, once forward and
+        # once backward; the ends, with their continuation, are filtered sample by sample.
         of = _block_maps(self, step)
         begin = (self.padding + first) % of.length - self.padding
         begin += of.length if begin < 0 else 0

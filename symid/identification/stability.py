@@ -87,6 +87,7 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares) -> Change | Non
     if n < _FEWEST:
         return None
     normals, slopes = np.stack([s.normal for s in parts]), np.stack([s.slope for s in parts])
+    # Sums over any span are differences of cumulative sums, so all spans are compared without a pass over the rows.
     normal = np.concatenate([np.zeros((1, p, p)), np.cumsum(normals, axis=0)])
     slope = np.concatenate([np.zeros((1, p)), np.cumsum(slopes, axis=0)])
     whole = sum(s.square for s in parts)
@@ -136,6 +137,8 @@ class _Comparison:
     @classmethod
     def of(cls, inside: FloatArray, slope: FloatArray, normal: FloatArray, total: FloatArray) -> _Comparison:
         """From sums over each span (one a row) and over all rows."""
+        # A short span determines few directions. In the eigenvectors of its normal matrix both estimates are compared
+        # one by one, and only where the span and the rest each hold part of the information.
         values, V = np.linalg.eigh(inside)
         every = np.maximum(np.sum(V * (normal @ V), axis=1), np.finfo(float).tiny)
         share = values / every

@@ -90,6 +90,7 @@ def _stationary_covariance(
     A: FloatArray, C: FloatArray, process: FloatArray, measurement: FloatArray, cross: FloatArray
 ) -> FloatArray:
     """Covariance of the predicted state, by the structure-preserving doubling algorithm (Chu, Fan, Lin, Wang 2004)."""
+    # Each step doubles the horizon of the Riccati recursion: after k of them H is the covariance after 2**k samples.
     A = (A - cross @ np.linalg.solve(measurement, C)).T
     G = C.T @ np.linalg.solve(measurement, C)
     H = process - cross @ np.linalg.solve(measurement, cross.T)

@@ -116,6 +116,8 @@ def _combined(
     rows: Mapping[str, Row], known: Measurement, powers: Mapping[str, int], operators: OperatorModel
 ) -> tuple[list[EliminationRow], bool]:
     """Minimal combinations of the balances, and False; one for each sensor, and True, where those grow too large."""
+    # With several measured functions left, the basis is found order by order, and its polynomials may grow too large on
+    # the way. With all but one of them eliminated too, a single combination is left, which minors give directly.
     try:
         kernel = left_kernel(rows, known.unknown, operators.ring)
         return _distinct(divisible(kernel, powers), operators), False

@@ -117,6 +117,8 @@ def divisible(rows: Sequence[EliminationRow], powers: Mapping[str, int]) -> list
 
 def _last_row(block: Mapping[str, EliminationRow], columns: Sequence[str], ring: PolyRing) -> EliminationRow:
     """The one combination of n + 1 rows that is free of n columns: its multipliers are the minors of n rows."""
+    # Cramer's rule: minors with alternating signs are multipliers with which all n columns cancel; divided by their
+    # common factor they are those of lowest degree.
     rows = [to_flint(row.entries) for row in block.values()]
     entries = {(i, j): row[c] for i, row in enumerate(rows) for j, c in enumerate(columns) if c in row}
     one = to_flint({"": ring.one})[""]

@@ -318,6 +318,8 @@ def _basis(
     """Functions that span all coefficients, the constant 1 first, and the coordinates of each coefficient in them."""
     ring = model.operators.ring
     one = ParameterFunction(ring.one, ring.one)
+    # The space that the coefficients span over the numbers is fixed; only its basis is a choice. Physical parameters
+    # that lie in it go first, so that a model linear in them is identified in them; the coefficients fill up the rest.
     whole = Span()
     for function in (one, *(column.function for columns in rows for column in columns)):
         whole.add(function.coordinates(known))

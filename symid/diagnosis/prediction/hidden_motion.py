@@ -119,6 +119,8 @@ def integrated_motion(
     `known` are spectra of other forces on the bodies, (n_bins, 2); a law has the direction of its joint and its force.
     """
     driven = plant.sensors[record.signals[0]][0]
+    # The measured position fixes one combination of the two bodies; one coordinate is left. What the measured motion
+    # does to its balance is linear and made in the frequency domain; only this coordinate is stepped in time.
     hidden, s = hidden_motion(plant, driven), 1j * record.omega
     carried = np.stack([m @ hidden.carried for m in (plant.stiffness, plant.damping, plant.mass)])
     inertia = (
