@@ -151,30 +151,10 @@ class _Series:
 
 
 def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
-    scale = (
-        float(np.median(series.deviations)) if order.size else 1.0
-    )  # squares of small values keep their digits
+    # with this scale, squares of small values keep their digits
+    scale = float(np.median(series.deviations)) if order.size else 1.0
     x, variance, time = series.values / scale, (series.deviations / scale) ** 2, series.time
-    outlying = np.zeros(x.size, dtype=bool)
-    segments: tuple[TrendSegment, ...] = ()
-    between = 0.0
-    if x.size >= LEAST_RUNS:
-        # Outliers, segments and the variance between runs depend on each other: they are found in turn until the
-        # segments no longer change.
-        between = _successive_variance(x, variance)
-        for _ in range(_ROUNDS):
-            outlying = _stand_off(x, variance + between)
-            weights = np.where(outlying, 0.0, 1 / (variance + between))
-            found = cut(time, x, weights, slope_penalty(x.size))
-            settled = [(s.first, s.end, s.drifts) for s in found] == [
-                (s.first, s.end, s.drifts) for s in segments
-            ]
-            segments, between = found, _variance_within(x, variance, time, found, ~outlying)
-            if settled:
-                break
-    elif x.size:
-        segments = (fitted_segment(time, x, 1 / variance, 0, x.size, sloping=False),)
-        between = _variance_within(x, variance, time, segments, ~outlying)
+    outlying, segments, between = _segmented(time, x, variance)
     weights = np.where(outlying, 0.0, 1 / (variance + between))
     segments = tuple(fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments)
     centre = np.concatenate([s.level + s.slope * (time[s.first : s.end] - s.middle) for s in segments] or [x])
@@ -202,6 +182,29 @@ def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
         ),
         changes=changes,
     )
+
+
+def _segmented(
+    time: FloatArray, x: FloatArray, variance: FloatArray
+) -> tuple[BoolArray, tuple[TrendSegment, ...], float]:
+    """Outliers, segments and the variance between runs of a series."""
+    outlying = np.zeros(x.size, dtype=bool)
+    segments: tuple[TrendSegment, ...] = ()
+    if not x.size:
+        return outlying, segments, 0.0
+    if x.size < LEAST_RUNS:
+        segments = (fitted_segment(time, x, 1 / variance, 0, x.size, sloping=False),)
+        return outlying, segments, _variance_within(x, variance, time, segments, ~outlying)
+    # The three depend on each other: they are found in turn until the segments no longer change.
+    between = _successive_variance(x, variance)
+    for _ in range(_ROUNDS):
+        outlying, before = _stand_off(x, variance + between), segments
+        weights = np.where(outlying, 0.0, 1 / (variance + between))
+        segments = cut(time, x, weights, slope_penalty(x.size))
+        between = _variance_within(x, variance, time, segments, ~outlying)
+        if [(s.first, s.end, s.drifts) for s in segments] == [(s.first, s.end, s.drifts) for s in before]:
+            break
+    return outlying, segments, between
 
 
 def slope_penalty(runs: int) -> float:

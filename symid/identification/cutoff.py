@@ -139,7 +139,7 @@ class Estimation:
     def _levels(self, factors: Sequence[TriangularFactor]) -> tuple[float, ...]:
         """Levels of the friction beside drives, found by secants from the factors of rows with columns of it."""
         places = [parameter for _, parameter in self.model.coulomb_at_drive]
-        # The level taken off a differentiated force must be the level that the estimate then finds: a fixed point, sought
+        # The level taken off a differentiated force must be the one that the estimate then finds: a fixed point, sought
         # by secants. Each evaluation is one small factorisation; the rows are not read again.
         taken, slope, before = np.zeros(len(places)), np.ones(len(places)), None
         for _ in range(_MOST_COULOMB_ROUNDS + 1):
@@ -170,8 +170,8 @@ def least_uncertain(
     is_open = estimation.preparation.cutoff_hz is None and in_memory and few
     if not is_open or best.status != "ok" or np.max(sizes, initial=0.0) <= CRITERIA.precise:
         return best
-    # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at the
-    # first does not count: its small deviations would hold for a wrong model.
+    # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at
+    # the first does not count: its small deviations would hold for a wrong model.
     lowest, most_left = _gauge(sizes), max(estimation.left(first), CRITERIA.cutoff_fit)
     for factors in (_upward(estimation.highest(first)), [_STEP**-k for k in range(1, _LOWER_CUTOFFS + 1)]):
         failed, before = 0, lowest

@@ -136,8 +136,8 @@ def _grams(resting: FloatArray, moving: FloatArray, used: BoolArray, most: int) 
         """Correlations of rows of such spectra with the same number of rows or one, by lag."""
         return np.fft.irfft(spectra * np.fft.rfft(moved, length), length)[..., lags].swapaxes(1, 2)
 
-    # Products of resting and moving columns are correlations. Those of two moving columns shift together: their product
-    # is one series, correlated with the choice of rows. Those of two resting columns depend on the lag by the ends only.
+    # Products of a resting and a moving column correlate. Two moving columns shift together: their product is one
+    # series, correlated with the choice of rows. Of two resting columns, the lag changes only which rows count.
     for a, i in enumerate(alive):
         crossed = at_lags(of_masked, moving[a])
         grams[..., i] += crossed

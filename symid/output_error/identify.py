@@ -95,20 +95,11 @@ def identify_output_error(
         held = axis.drives[0].held or (False if is_timed else None)
     comparisons = _comparisons(whole, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
-        to_begin_with = replace(prepared, held=bool(held))
-        regression = _least_squares(visible, runs, to_begin_with, nominal)
+        regression = _least_squares(visible, runs, replace(prepared, held=bool(held)), nominal)
         starts = _starts(whole, comparisons[0].dynamics, runs, regression, nominal)
         if regression is not None and regression.status == "recording":
             starts = starts[:1]  # a channel is damaged: no start leads to parameters that can be trusted
-        fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
-        for comparison in comparisons:
-            alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []
-            own = [one for one in alone if one is not None]
-            fit = comparison.fit(runs, [one.search.parameters for one in own] or starts)
-            if fit is not None:  # other courses of the force need not begin at all starts again
-                fits.append((fit, comparison, own))
-                starts = [starts[0], fit.search.parameters, *map(dict, fit.promising)]
-    fit, comparison, own = min(fits, key=lambda one: one[0].cost, default=(None, comparisons[0], []))
+        fit, comparison, own = _best_fit(comparisons, runs, starts)
     found = OutputErrorIdentification(
         axis=axis,
         model=whole,
@@ -125,6 +116,21 @@ def identify_output_error(
             "predictions do not tell friction at hidden bodies: give the controller with --controller-gain"
         )
     return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
+
+
+def _best_fit(
+    comparisons: Sequence[ErrorModel], runs: Sequence[Log], starts: Sequence[Mapping[str, float]]
+) -> tuple[LikelihoodFit | None, ErrorModel, list[LikelihoodFit]]:
+    """Likeliest fit of all runs with its error model, and fits of each run alone, from which it began."""
+    fits: list[tuple[LikelihoodFit, ErrorModel, list[LikelihoodFit]]] = []
+    for comparison in comparisons:
+        alone = [comparison.fit([log], starts) for log in runs] if len(runs) > 1 else []
+        own = [one for one in alone if one is not None]
+        fit = comparison.fit(runs, [one.search.parameters for one in own] or starts)
+        if fit is not None:  # other courses of the force need not begin at all starts again
+            fits.append((fit, comparison, own))
+            starts = [starts[0], fit.search.parameters, *map(dict, fit.promising)]
+    return min(fits, key=lambda one: one[0].cost, default=(None, comparisons[0], []))
 
 
 def _comparisons(

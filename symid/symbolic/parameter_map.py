@@ -133,8 +133,8 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
         return None
     names = list(model.source.source.axis.physical_parameters)
     constants = list(model.source.source.numbers)
-    # The steps are tried at a random point modulo a prime, where numbers stay small: with minimal parameters as symbols,
-    # an attempt that leads nowhere may take minutes. A step that does not exist there does not exist in general.
+    # The steps are tried at a random point modulo a prime, where numbers stay small: with symbols, an attempt that
+    # leads nowhere may take minutes. A step that does not exist there does not exist in general.
     trial = _Point(model)
     seen = set().union(*(p.function.names for p in model.parameters)).intersection(names)
     if trial.undetermined() & seen or not _solves(trial.triangular(), names, seen):
@@ -223,7 +223,7 @@ class _Point:
 
     def system(self) -> list[PolyElement]:
         """Equations X(theta) = X(theta0), undetermined directions held at theta0."""
-        # The solutions form a manifold if parameters are undetermined; one parameter without pivot fixes each direction.
+        # The solutions form a manifold if parameters are undetermined: each direction is fixed by one without pivot.
         _, pivots = self.jacobian.rref()
         held = {i: self.values[i] for i in range(len(self.names)) if i not in pivots}
         equations = [
