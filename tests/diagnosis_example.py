@@ -44,7 +44,7 @@ _NEXT = {
     "no gap": "Nothing is needed at these speeds; a faster motion would show what this one does not excite.",
     "parameters": "Use the identified values.",
     "unexplained": "Repeat the run with the table held: is the phase of the error tied to time, or to the motion?",
-    "recording": "Record the log anew; until then, trust neither parameters nor effects.",
+    "recording": "Record the log again; until then, trust neither parameters nor effects.",
 }
 _FAULTS = {
     "unexplained": ("Fm is clipped at ±1800 N in 12 samples",),

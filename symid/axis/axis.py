@@ -42,7 +42,7 @@ class Axis(Shown):
     drive : Drive or tuple of Drive
         The force or torque that moves the axis, or several: two motors of a gantry, tandem drives.
     sensors : tuple of Sensor
-        What can be measured. All are optional but the first; with several drives, but for a position of each.
+        Signals that can be measured. All but the first are optional; with several drives, all but a position of each.
     known : mapping of str to float
         Values in SI units of parameters that are known though they have a name; others are given as numbers where they
         stand.
@@ -130,7 +130,7 @@ class Axis(Shown):
 
     @cached_property
     def imperfections(self) -> tuple[Imperfection, ...]:
-        """What acts beyond the regressor, in the order of its declaration."""
+        """Effects with given numbers that no regressor contains, in the order of their declaration."""
         return tuple(element for element in self.elements if isinstance(element, Imperfection))
 
     @cached_property

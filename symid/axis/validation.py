@@ -72,21 +72,21 @@ def _type_faults(
     for element in elements:
         if not isinstance(element, kinds):
             known = "Body, Spring, Damper, Weight, PendulumWeight, a Law or an Imperfection"
-            yield f"{element!r} is no element: use {known}"
+            yield f"{element!r} is not an element: use {known}"
         else:
             yield from _field_faults(element)
     if not drives:
         yield "there is no drive: declare drive=Drive(signal, body)"
     for drive in drives:
         if not isinstance(drive, Drive):
-            yield f"drive {drive!r} is no Drive: declare drive=Drive(signal, body), or a tuple of these"
+            yield f"drive {drive!r} is not a Drive: declare drive=Drive(signal, body), or a tuple of these"
         else:
             yield from _field_faults(drive)
     if not sensors:
         yield "there is no sensor: declare at least a Position of the driven body"
     for sensor in sensors:
         if not isinstance(sensor, Sensor) or not hasattr(sensor, "derivative"):
-            yield f"{sensor!r} is no sensor: use Position, Velocity or Acceleration"
+            yield f"{sensor!r} is not a sensor: use Position, Velocity or Acceleration"
         else:
             yield from _field_faults(sensor)
 
@@ -164,7 +164,7 @@ def known_faults(elements: Sequence[object], known: object) -> Iterator[str]:
     signed = {term.parameter for e in holders if isinstance(e, Law) for term in e.terms() if term.signed}
     written = [pair for element in holders for pair in element.numbers().items()]
     for name in _repeated(name for name, _ in dict.fromkeys(written)):
-        yield f"{name!r} has several values: give these parameters names of their own, and their values in known="
+        yield f"{name!r} has several values: give these parameters separate names, and their values in known="
     for name, value in (*written, *known.items()):
         if name not in names:
             yield f"known: there is no parameter {name!r}: choose from {', '.join(sorted(names))}"
@@ -266,7 +266,7 @@ def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
 def _constant_faults(drive: Drive) -> Iterator[str]:
     label = f"{_label(drive)}: gain {drive.constant!r}"
     if not str(drive.constant).isidentifier():
-        yield f"{label} is no name of a parameter: use letters, digits and _"
+        yield f"{label} is not a parameter name: use letters, digits and _"
     if drive.command is not None:
         yield f"{label} is unknown, so that the command is the signal: leave command= out"
     if drive.unit is None:
@@ -297,7 +297,7 @@ def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Ite
     for element in elements:
         if isinstance(element, EncoderRipple) and element.signal not in positions:
             known = ", ".join(positions) or "none is declared"
-            yield f"EncoderRipple of {element.signal!r}: that is no position sensor: choose from {known}"
+            yield f"EncoderRipple of {element.signal!r}: that is not a position sensor: choose from {known}"
 
 
 def _connection_faults(

@@ -73,7 +73,7 @@ def generate(axes: Sequence[str] = (), measured: Sequence[str] | None = None) ->
     Raises
     ------
     SymidError
-        If an axis cannot be loaded or derived; nothing is written then.
+        If an axis cannot be loaded or derived; then no file is written.
     """
     files = plan(axes, measured)
     write(files)

@@ -29,7 +29,7 @@ def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tup
 def density_of(
     spectra: ComplexArray, sampling_frequency: float, segment: int
 ) -> tuple[FloatArray, FloatArray]:
-    """What `power_density` returns, from the spectra of the segments."""
+    """Result of `power_density`, from the spectra of the segments."""
     return _scaled(mean_power(spectra), sampling_frequency, segment)
 
 
@@ -57,7 +57,7 @@ def incoherent_density(
 def incoherent_density_of(
     spectra: ComplexArray, others: ComplexArray, sampling_frequency: float, segment: int
 ) -> tuple[FloatArray, FloatArray]:
-    """What `incoherent_density` returns, from the spectra of the segments."""
+    """Result of `incoherent_density`, from the spectra of the segments."""
     explained = explained_power(spectra, others)
     left = np.maximum(mean_power(spectra) - explained, 0.0)
     n_segments = len(spectra)

@@ -197,7 +197,7 @@ class Log(Shown):
             raise LogError(f"{self.source}: there is no signal {name!r}: the log has {there}") from None
 
     def kept(self, key: Hashable, computed: Callable[[], Kept]) -> Kept:
-        """What is computed at the first call under a key; of a log that is not short, at each. The last dozen is kept.
+        """Value computed at the first call under a key; of a long log, at each call. The last dozen is kept.
 
         Examples
         --------

@@ -17,7 +17,7 @@ Rate: TypeAlias = 'float | Literal["own"]'
 """Hz, or the rate that a log has in the middle."""
 
 _LONGEST_GAP: Final = 10
-"""Samples that may lack in a row: beyond them nothing is known of the motion between."""
+"""Samples in a row that may be missing: beyond them the motion between is unknown."""
 _SLOWER: Final = 1.02
 """From this ratio of periods on, what the new rate cannot hold is filtered out first."""
 _PASSED: Final = 0.8

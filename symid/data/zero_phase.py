@@ -194,7 +194,7 @@ def _is_constant(x: FloatArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _BlockMaps:
-    """What a filter makes of a block of samples, run forward and backward, as matrices to multiply rows with.
+    """Effect of a filter on a block of samples, run forward and backward, as matrices to multiply rows with.
 
     Parameters
     ----------

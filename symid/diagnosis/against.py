@@ -76,7 +76,7 @@ def diagnose_against(
     Returns
     -------
     Diagnosis
-        Its nominal model is the simulator, its effects are those that the simulator lacks; `simulated` tells what the
+        Its nominal model is the simulator, its effects are those that the simulator lacks; `simulated` states what the
         simulator's log says.
 
     Raises

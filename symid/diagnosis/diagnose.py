@@ -1,4 +1,4 @@
-"""The diagnosis from logs to the verdict: the table of contents of this package."""
+"""The steps of a diagnosis, from logs to the verdict."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def diagnose(
         Time by which signals were recorded late, s; negative for a force that acts later than recorded.
     held : bool, optional
         Whether the force is held from sample to sample, so that it acts half a sample later than it is recorded. If it
-        is not given and the axis does not declare it, the log tells.
+        is not given and the axis does not declare it, the log is tested for it.
     library : sequence of Effect
         Effects that are considered.
     controller : Cascade or sequence of Cascade, optional
@@ -180,7 +180,7 @@ def _either_way(
 
 
 def _shows_in_validation(found: Diagnosis) -> bool:
-    """Whether the model found leaves noise alone of its own log, or many times as much of the other."""
+    """Whether the model found leaves only noise of its own log, or many times as much error of the other."""
     if not found.search or found.verdict not in ("unexplained", "partly"):
         return False
     accepted = [step for step in found.search if step.accepts][: len(found.effects)]
@@ -255,7 +255,7 @@ def _largest_first(
 def _with_hold(
     axis: Axis, runs: Runs, nominal: Mapping[str, float] | None, recorded: Recorded, library: Sequence[Effect]
 ) -> Diagnosis:
-    """The same where the force is held from sample to sample: that is no effect of the machine."""
+    """The same where the force is held from sample to sample: that is not an effect of the machine."""
     found = _diagnosed(axis, runs, nominal, replace(recorded, held=True), library)
     held = tuple(HELD.format(drive.signal) for drive in axis.drives)
     return replace(found, faults=(*held, *found.faults))
@@ -268,7 +268,7 @@ def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """What is identified from, and what the gap is measured on.
+    """Data for the identification, and data on which the gap is measured.
 
     Parameters
     ----------

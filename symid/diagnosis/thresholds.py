@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Thresholds:
-    """What a candidate, an effect and a verdict have to meet.
+    """Thresholds that candidates, effects and verdicts have to meet.
 
     Gains are those of the logarithm of the likelihood on blocks left out. Errors are in multiples of the noise floor,
     mean squares in multiples of its square. *Drawn* are cases of ``python -m benchmarks.blind draw`` whose labels are
@@ -47,12 +47,12 @@ class Thresholds:
         Share of the best gain from which on a late reading goes first: readings that do not belong together look like
         play, friction or compliance (a robot's link encoder, real).
     tie : float
-        Gain by which the driven body goes first where places cannot be told apart.
+        Gain by which the driven body goes first where places are indistinguishable.
     spoiled : float
         Factor by which the mean square of an output grows where a candidate goes last.
     hardly_more : float
         Share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
-        their model showed 2 % more for presliding friction, whose reach the log told badly.
+        their model showed 2 % more for presliding friction, whose reach the log determined badly.
     varies : float
         Relative variation of a friction level along the stroke below which it is constant.
     refined : float
@@ -67,7 +67,7 @@ class Thresholds:
     seen : float
         Share of a column, squared, that the others must leave of it.
     deviations : float
-        Standard deviations of nothing within which a value is no finding.
+        Standard deviations of nothing within which a value does not count as found.
     largest_force : float
         Rms of a missing force relative to the largest of the drive: a spring that holds it may carry more.
     spring_ran_away : float
@@ -107,7 +107,7 @@ class Thresholds:
     refused : float
         Logarithm of the odds of what no machine can be with the values found: its fit may have gone astray.
     indistinguishable : float
-        Probability from which on a candidate counts as not told apart from the best.
+        Probability from which on a candidate counts as indistinguishable from the best.
     unlikely : float
         Probability, at most, of an effect that the validation data do not show.
     noise_alone : float

@@ -69,8 +69,8 @@ def feedforward(axis: Axis) -> Feedforward:
     allowed = {*map(sp.Symbol, axis.physical_parameters), POSITION, SPEED, ACCELERATION}
     if strange := (friction + other).free_symbols - allowed:
         raise SettingError(
-            f"a feed-forward of axis {axis.name!r} would depend on {min(map(str, strange))!r}, which no motion tells: "
-            "leave imperfections with memory or time out"
+            f"a feed-forward of axis {axis.name!r} would depend on {min(map(str, strange))!r}, which no motion "
+            "determines: leave out imperfections with memory or time"
         )
     return Feedforward((friction + other) / gain, friction / gain)
 

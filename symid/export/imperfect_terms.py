@@ -148,7 +148,7 @@ def sent(element: DriveImperfection) -> sp.Expr:
 
 
 def added(change: PayloadChange) -> sp.Symbol:
-    """By how much a mass has grown."""
+    """Increase of a mass."""
     return sp.Symbol(f"added_{change.body.inertial}_")
 
 

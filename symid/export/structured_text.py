@@ -171,7 +171,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
 
 
 def _name(name: str, names: Collection[str]) -> str:
-    """A name that the language leaves free; it does not tell small from capital letters."""
+    """A name that the language leaves free; its names are not case-sensitive."""
     same = [other for other in names if other.lower() == name.lower()]
     suffix = f"_{same.index(name) + 1}" if len(same) > 1 else "_p" if name.lower() in _TAKEN else ""
     return f"{name}{suffix}"

@@ -34,7 +34,7 @@ _STANDS_OFF = 4.5
 _LEAST_STEP = 3.0
 """Standard deviations that the jump between two segments must have to be called a step."""
 _TINY, _SMALLEST = np.finfo(np.float64).tiny, 1e-100
-"""Least standard deviation, and its least ratio to the value; a smaller one is no deviation of a measurement."""
+"""Least standard deviation, and its least ratio to the value; no measurement has a smaller one."""
 _MEDIAN_OF_SQUARE = float(scipy.special.chdtri(1, 0.5))
 _ROUNDS = 5
 _NEIGHBOURS = 5

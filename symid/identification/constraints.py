@@ -74,7 +74,7 @@ class Constraints:
             if name not in model.physical_units:
                 known = " (its value is known)" if name in model.known else ""
                 raise SettingError(
-                    f"{name!r} is no unknown parameter of axis {model.axis!r}{known}: "
+                    f"{name!r} is not an unknown parameter of axis {model.axis!r}{known}: "
                     f"choose from {', '.join(model.physical_units)}"
                 )
         for name, (low, high) in given.bounds.items():

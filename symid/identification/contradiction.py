@@ -45,7 +45,8 @@ def with_fixed(found: Identification, alone: Identification) -> Identification:
     """
     if not alone.physical:
         return replace(
-            found, notes=(*found.notes, "the log alone does not tell the parameters whose values are given")
+            found,
+            notes=(*found.notes, "the log alone does not determine the parameters whose values are given"),
         )
     names = list(alone.model.physical_units)
     given = {name: value for name, (value, _) in found.model.known.items()} | found.physical_parameters

@@ -62,7 +62,7 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Estimation:
-    """What is to be estimated, from what and how; parameters as in `identify`."""
+    """The model to estimate, its logs and the method; parameters as in `identify`."""
 
     model: GeneratedModel
     logs: tuple[AnyLog, ...]

@@ -110,7 +110,7 @@ def _parts(
 
 
 def share_of_rows(parts: Sequence[Excerpt], rows: Sequence[int]) -> tuple[float, ...]:
-    """For each part, the rows of its log, of which `rows` has the number, for each of those of all parts of that log.
+    """For each part, rows of its whole log (`rows` counts them) over rows of all parts of that log.
 
     Sums over the rows of the parts, times this, are estimates of the sums over all rows.
     """

@@ -1,10 +1,10 @@
-"""`identify`: from logs of an axis to its parameters, as a table of contents.
+"""`identify`: the steps from logs of an axis to its parameters.
 
 Each log is prepared and sampled (`observe`), all of them together are solved by weighted least squares in which every
 equation of every log has its own weight (`estimate`), the deviations are corrected for the correlation of the
 residual (`corrected_covariance`), and the minimal parameters are mapped to physical ones (`physical_estimates`).
 Errors that no deviation shows are examined last: a force recorded at another time than it acts (`timing_of`),
-noise in W and differences that are no derivatives (`bias_of`).
+noise in W and differences that only approximate derivatives (`bias_of`).
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def identify(
     Returns
     -------
     Identification
-        The status says what cannot be determined; nothing is raised for it.
+        The status states what cannot be determined; this raises no error.
 
     Raises
     ------

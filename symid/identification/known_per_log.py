@@ -3,7 +3,7 @@
 Each group of logs with the same known values gives minimal parameters X_g with covariance C_g, by the model in which
 these values are known. The physical parameters theta that all groups share minimise
 sum (X_g - X_g(theta))' C_g^-1 (X_g - X_g(theta)). A single log determines masses and friction in units of the drive's
-constant only; two known payloads tell that constant.
+constant only; two known payloads determine that constant.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ def read_mapping(file: str | Path, given: Collection[str] = ()) -> LogMapping:
     file : path-like
         Written by ``symid import``.
     given : collection of str
-        Signals of which column or factor are given beside it: what it lacks of them is no fault.
+        Signals of which column or factor are given beside it: what it lacks of them is not a fault.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def guessed_mapping(
     columns : iterable of ForeignColumn
         From `foreign_columns`.
     named, units : mapping of str to str
-        Columns and units that are known by signal; these are no guesses.
+        Columns and units that are known by signal; these are not guesses.
     layout, sampling_period
         Of the file.
     gain : float, optional

@@ -85,7 +85,7 @@ def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
 
 
 def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether rows without those at the end of a force's range tell another axis: those of a true limit do not."""
+    """Whether the estimate changes without rows at the end of a force's range: it does not under a true limit."""
     return next(filter(None, (_clipped_force(force, parts, fit) for force in model.forces)), "")
 
 

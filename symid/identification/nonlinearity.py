@@ -155,7 +155,7 @@ class ColumnTests:
         return ""
 
     def _certain(self, residual: FloatArray, deviations: float) -> float:
-        """Part of the residual's power that a column takes away whose parameter is so many deviations from 0."""
+        """Part of the residual's power that a column takes away whose parameter is a number of deviations from 0."""
         ratio = deviations**2 * self.inflation / residual.size
         return ratio / (1.0 + ratio)
 

@@ -29,7 +29,7 @@ _WIDEST = 4.0
 """Times the cutoff that motion in laws is filtered at most: from there on reversals are off by next to nothing (a mass
 on a multisine: Fv +1.6 % at 1, +0.04 % at 4, +0.03 % at 16)."""
 _LAWS_SEEN = 65_536
-"""Samples in the middle of a log that tell how much noise its velocities have."""
+"""Samples in the middle of a log from which the noise of its velocities is estimated."""
 
 
 @dataclass(frozen=True)

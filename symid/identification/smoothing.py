@@ -44,8 +44,8 @@ def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Crit
             x = part.log[name]
             if spacing := interpolated_from(x):
                 return (
-                    f"{name} runs along straight lines of {spacing} samples each: it was interpolated, so that its "
-                    f"noise cannot be told; record it at the rate of the log, or thin the log by {spacing}"
+                    f"{name} runs along straight lines of {spacing} samples each: it was interpolated, so its "
+                    f"noise cannot be estimated; record it at the rate of the log, or thin the log by {spacing}"
                 )
             averaged[name] = averaged_over(x)
         cutoff = part.observation.preparation.cutoff_hz

@@ -16,7 +16,7 @@ _SEEN = 1e-3
 def cascade_of_log(
     log: Log, force: str, position: str, cutoff_hz: float, reference: str = REFERENCE
 ) -> Cascade | None:
-    """Cascade whose force is nearest to that of a log up to `cutoff_hz`, by least squares; None if it is no cascade.
+    """Cascade whose force is nearest to that of a log up to `cutoff_hz`, by least squares; None if it is not a cascade.
 
     With the errors e = r - q of position and de of velocity the force of `Cascade` is linear,
 

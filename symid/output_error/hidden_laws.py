@@ -75,7 +75,7 @@ def models_of(axis: Axis, measured: Sequence[str]) -> Models:
 
 
 def _at_hidden_joints(axis: Axis, measured: Sequence[str]) -> set[str]:
-    """Parameters of nonlinear laws in joints whose motion is no combination of measured positions and velocities."""
+    """Parameters of nonlinear laws in joints whose motion is not a combination of measured positions and velocities."""
     dynamics = forward_dynamics(axis)
     rows = np.stack(
         [row for name, (row, order) in dynamics.sensors.items() if name in measured and order < 2]

@@ -49,7 +49,7 @@ def plain(text: str, style: str = "") -> Text:
 
 
 class TextTable(Table):
-    """Table of plain text: brackets in names of logs and signals are no markup.
+    """Table of plain text: brackets in names of logs and signals are not markup.
 
     Columns whose headings are in `right` are aligned at the right.
     """

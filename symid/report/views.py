@@ -49,7 +49,7 @@ _PRE = '<pre style="line-height:1.3;overflow-x:auto">{code}</pre>'
 @singledispatch
 def show(found: object, console: Console) -> None:
     """Print a result on a console."""
-    raise SettingError(f"nothing is known of how a {type(found).__name__} is printed")
+    raise SettingError(f"a {type(found).__name__} cannot be printed")
 
 
 @show.register
@@ -108,7 +108,7 @@ def _console() -> Console:
 @singledispatch
 def figure(found: object, **settings: Any) -> Drawn:
     """Figure of a result, chosen by its type."""
-    raise SettingError(f"nothing is known of how a {type(found).__name__} is drawn")
+    raise SettingError(f"a {type(found).__name__} cannot be drawn")
 
 
 figure.register(Axis, schematic)

@@ -224,7 +224,7 @@ class ModeNumbers(NamedTuple):
     rates : array of shape (n, n_z)
         Accelerations.
     stuck, varying : arrays of int
-        Laws of the stuck joints, and laws that are no straight line.
+        Laws of the stuck joints, and laws that are not straight lines.
     signs : array of shape (n_varying,)
         Directions of the varying laws, 0 for both.
     limits : array of shape (n_stuck, 2)

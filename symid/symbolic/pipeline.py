@@ -1,4 +1,4 @@
-"""The symbolic half as a table of contents: from a declared axis to its minimal model and parameter map."""
+"""The symbolic steps, from a declared axis to its minimal model and parameter map."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElem
     (1/2*y + 1/2, None)
     """
     if divisor.is_term and polynomial.ring.domain.is_Field:
-        # sympy seeks the leading term anew for each term of the quotient.
+        # sympy searches the leading term again for each term of the quotient.
         ((powers, scale),) = divisor.items()
         terms = {tuple(map(sub, monomial, powers)): c / scale for monomial, c in polynomial.items()}
         return polynomial.new(terms) if all(min(monomial) >= 0 for monomial in terms) else None

@@ -121,7 +121,7 @@ def identify(
     -------
     Identification, OutputErrorIdentification by "oe", or SharedIdentification with `known`
         Those of all methods have `parameters`, `covariance`, `standard_deviations`, `bias`, `notes` and `predict`. The
-        status states what cannot be determined; nothing is raised for it. It is "contradicted" where `fixed`,
+        status states what cannot be determined; this raises no error. It is "contradicted" where `fixed`,
         `bounds` or `prior` lead out of the intervals of the estimate without them.
 
     Raises

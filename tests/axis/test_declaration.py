@@ -97,10 +97,10 @@ def test_faults_of_types_are_reported_together() -> None:
     )
     expected = [
         "name '2m1s' is not an identifier",
-        "'spring' is no element",
+        "'spring' is not an element",
         "at='motor' must be the Body or Between object itself",
         "mass=(3.0,) must be the name of a parameter, or its value",
-        "'q' is no sensor",
+        "'q' is not a sensor",
     ]
     missing = [text for text in expected if not any(text in fault for fault in found)]
     assert missing == []

@@ -269,7 +269,7 @@ def test_no_effect_of_the_library_is_left_out_here() -> None:
 def test_a_value_that_no_axis_has_is_named() -> None:
     assert impossible_values(ELASTIC, VALUES) == ()
     told = impossible_values(ELASTIC, VALUES | {"K": -6e5, "Ml": -1.0, "Fv": -3.0})
-    assert [sentence.split(" is no value")[0] for sentence in told] == ["Ml = -1", "K = -6e+05"]
+    assert [sentence.split(" is impossible")[0] for sentence in told] == ["Ml = -1", "K = -6e+05"]
 
 
 def test_several_declared_imperfections_of_a_kind_keep_their_values_apart() -> None:

@@ -170,7 +170,7 @@ def test_a_fixed_stiffness_separates_what_one_frequency_does_not() -> None:
         ({"bounds": "possible"}, "give 'physical'"),
         ({"prior": {"M": (3.0, 0.0)}}, "a deviation above 0"),
         ({"prior": {"M": (3.0, 1e-20)}}, r"finer than numbers are: give the value as known \(--fix M=3\)"),
-        ({"prior": {"Q": (3.0, 1.0)}}, "'Q' is no unknown parameter"),
+        ({"prior": {"Q": (3.0, 1.0)}}, "'Q' is not an unknown parameter"),
         ({"fixed": {"Q": 3.0}}, "no parameter 'Q'"),
         ({"fixed": {"M": 5.0}, "bounds": {"M": (0.0, 9.0)}}, "its value is known"),
     ],

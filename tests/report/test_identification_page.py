@@ -61,7 +61,7 @@ def test_the_page_of_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for section in (
         "Parameters",
         "Correlations of the parameters",
-        "What the residual remembers",
+        "Correlation of the residual",
         "Settings",
     ):
         assert section in page.text

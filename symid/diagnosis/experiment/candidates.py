@@ -25,7 +25,7 @@ _MOST_MOVES = 200
 
 @dataclass(frozen=True)
 class Envelope:
-    """What a motion may use.
+    """Limits of a motion.
 
     Parameters
     ----------

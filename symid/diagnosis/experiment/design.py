@@ -1,4 +1,4 @@
-"""The next experiment: where two causes remain, the motion that tells them apart best."""
+"""The next experiment: where two causes remain, the motion that best distinguishes them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MOST_FURTHER = 3
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """What to do next.
+    """The next experiment.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Experiment:
     causes : tuple of (str, str)
         Effects and places that remain; empty if none do.
     trajectory : Trajectory or None
-        Reference that tells them apart best; None if no motion does.
+        Reference that best distinguishes them; None if no motion does.
     odds : float
         Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
     considered : mapping of str to float
@@ -63,7 +63,7 @@ class Experiment:
 
     @property
     def probability(self) -> float:
-        """That it tells the causes apart with the noise of the log; nan if it was not simulated."""
+        """Probability that it identifies the right cause under the noise of the log; nan if it was not simulated."""
         return math.nan if self.simulated is None else self.simulated.probability
 
 
@@ -78,7 +78,7 @@ def next_experiment_of(
     force: float | None = None,
     seconds: float | None = None,
 ) -> Experiment:
-    """The motion that tells the first effect found from its strongest rival.
+    """The motion that best distinguishes the first effect found from its strongest rival.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def next_experiment_of(
     Returns
     -------
     Experiment
-        Without a trajectory where nothing is left to tell apart, or where no motion does it.
+        Without a trajectory where one cause is left, or where no motion distinguishes them.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def _further(rivals: Rivals) -> list[Rivals]:
 
 
 def _probability(rivals: Rivals, trajectory: Trajectory) -> float:
-    """That a motion tells two causes apart; nan if it cannot be simulated."""
+    """Probability that a motion identifies the right one of two causes; nan if it cannot be simulated."""
     try:
         return simulated_experiment(rivals, trajectory).probability
     except (SymidError, np.linalg.LinAlgError, OverflowError):
@@ -230,7 +230,7 @@ def _odds(log_odds: float) -> float:
 
 def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
     one, other = (spoken(effect, place) for effect, place in rivals.keys)
-    aim = f"To tell {one} from {other}" if rivals.remains else f"To confirm {one} against {other}"
+    aim = f"To distinguish {one} from {other}" if rivals.remains else f"To confirm {one} against {other}"
     least = "more than 1e6" if log_odds >= _MOST_LOG_ODDS else f"{_odds(log_odds):.3g}"
     return (
         f"{aim}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it are {least} to 1 "
@@ -239,7 +239,7 @@ def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
 
 
 def _words_of(run: SimulatedExperiment | None, message: str) -> str:
-    """What simulation says of a motion."""
+    """Result of the simulation of a motion in words."""
     if run is None:
         return f" It could not be simulated: {message}."
     demand = run.demand
@@ -267,7 +267,7 @@ def _per_cent(probability: float) -> str:
 def _none_is_kept(rivals: Rivals, message: str) -> str:
     (one, at), (other, place) = rivals.keys
     return (
-        f"No motion that tells {one} at {at} from {other} at {place} stays within the limits once it is simulated "
+        f"No motion that distinguishes {one} at {at} from {other} at {place} stays within the limits in simulation "
         f"({message}): wider limits are needed."
     )
 
@@ -277,7 +277,7 @@ def _none_separates(rivals: Rivals) -> str:
     record = rivals.record
     unused = [name for name in record.dynamics.sensors if name not in record.signals]
     further = f"record {' or '.join(unused)} too" if unused else "another sensor is needed"
-    none = f"No motion within these limits tells {one} at {at} from {other} at {place}"
+    none = f"No motion within these limits distinguishes {one} at {at} from {other} at {place}"
     if one == other:
         return f"{none}: the sensors used see both places alike; {further}."
     if {one, other} == {"offset_force", "asymmetric_friction"}:

@@ -159,7 +159,7 @@ def _judged(rivals: Rivals, records: Sequence[Record], left: _Judge) -> float:
 
 @dataclass(frozen=True)
 class Separation:
-    """How well readings tell the cause with which they were made from the other.
+    """How well readings distinguish the cause with which they were made from the other.
 
     The logarithm of the likelihood ratio of both is Gaussian.
 

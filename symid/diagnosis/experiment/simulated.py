@@ -42,12 +42,12 @@ _MARGIN = 0.02
 
 @dataclass(frozen=True, eq=False)
 class SimulatedExperiment:
-    """What simulation says of an experiment, the less favourable of both causes.
+    """Result of a simulated experiment, for the less favourable of both causes.
 
     Parameters
     ----------
     separations : tuple of Separation
-        How well the readings with each cause tell it from the other.
+        How well the readings with each cause distinguish it from the other.
     demand : Extremes
         Of the driven joint; the jerk is that of the reference.
     force : float
@@ -63,7 +63,7 @@ class SimulatedExperiment:
 
     @property
     def probability(self) -> float:
-        """Of telling the causes apart."""
+        """That the experiment identifies the right cause."""
         return min(found.probability for found in self.separations)
 
     def exceeds(self, limits: Limits, force: float) -> str:
@@ -106,7 +106,7 @@ def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) 
 
 
 def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None) -> tuple[Record, Simulation]:
-    """What the sensors read of the axis of a model, without a seed exactly, and how it moves."""
+    """Readings and motion of the axis of a model; exact readings without a seed."""
     like, explained = rivals.record, axis_of(model)
     if explained.left_out:
         raise SettingError("; ".join(explained.left_out))
@@ -129,7 +129,7 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
 
 
 def _controller(rivals: Rivals, tuned: Cascade) -> Cascade:
-    """The controller of the log if it tells it, else one that is tuned for the axis."""
+    """The controller read from the log if possible, else one that is tuned for the axis."""
     record = rivals.record
     parts = [Part(record.log, np.ones(record.log.n_samples, dtype=bool), record)]
     driver = driver_of(record, parts, None, (None, rivals.step.before.state))
@@ -159,7 +159,7 @@ def _fast(trajectory: Trajectory) -> Trajectory:
 
 
 def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes:
-    """What the driven joint does, its acceleration in the band of the motion."""
+    """Motion of the driven joint, its acceleration in the band of the motion."""
     plant = plant_of(record.dynamics.axis, dict.fromkeys(record.dynamics.parameters, 1.0))
     row, _ = plant.sensors[record.signals[0]]
     n, period = row.size, float(run.time[1] - run.time[0])

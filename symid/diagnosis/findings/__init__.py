@@ -1,1 +1,1 @@
-"""What follows from a selection: the gap on held-out data, where it lies, verdict, values, faults of the recording."""
+"""Results of a selection: the gap on held-out data, where it lies, verdict, values, faults of the recording."""

@@ -269,7 +269,7 @@ class Comparison:
         return Reversal(re, explained)
 
     def not_repeated(self) -> NotRepeated | None:
-        """What of the last model's force error is new each time; None where the motion does not repeat."""
+        """Part of the last model's force error that is new each time; None where the motion does not repeat."""
         record, inside = self.record, self.record.row_time < self.record.duration
         errors = self.errors[-1]
         if errors is None:

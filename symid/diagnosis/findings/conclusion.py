@@ -1,4 +1,4 @@
-"""What follows from a search: verdict, effects with their values, what else was considered, parameters."""
+"""The conclusion from a search: verdict, effects with their values, alternatives, parameters."""
 
 from __future__ import annotations
 
@@ -168,8 +168,8 @@ def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> 
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     """Free values of each effect with standard deviations.
 
-    A moment of which the log tells nothing, as the axis rests, lies somewhere in it: its deviation is that of a uniform
-    distribution.
+    A moment that the log does not determine, because the axis rests, has the deviation of a uniform distribution over
+    the log.
     """
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
@@ -289,7 +289,7 @@ def _assumptions(comparison: Comparison, gap: Gap, validation: Log | None) -> tu
 
 
 def _declared(comparison: Comparison) -> tuple[str, ...]:
-    """What became of declared imperfections."""
+    """Identified values of declared imperfections."""
     state = comparison.states[1]
     assert state is not None
     elements = [

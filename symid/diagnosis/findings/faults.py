@@ -30,14 +30,14 @@ _BOTH_SIGNS = 0.2
 
 @dataclass(frozen=True)
 class Damage:
-    """What is wrong with a recording.
+    """Faults of a recording.
 
     Parameters
     ----------
     fatal : tuple of str
-        What leaves no physics to be read, one sentence each.
+        Those that make the log useless, one sentence each.
     noted : tuple of str
-        What harms less.
+        Those that do less harm.
     """
 
     fatal: tuple[str, ...] = ()
@@ -65,7 +65,7 @@ def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
 
 
 def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
-    """What leaves no physics to be read of a channel, in words; empty if nothing does."""
+    """Fault that makes a channel useless, in words; empty if there is none."""
     found = channel_fault(x, name, _LOST, is_force=is_force)
     return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found
 

@@ -57,7 +57,7 @@ class Reversal:
 
 @dataclass(frozen=True)
 class NotRepeated:
-    """What of the force error is new each time where the motion repeats: no law of the motion explains it.
+    """Part of the force error that is new each time where the motion repeats: no law of the motion explains it.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class MotionError:
     reversal_rms : float
         That of the positions within 50 ms of reversals, SI; nan if there are none.
     message : str
-        What failed, or what of the model the simulation has not.
+        Failures, or parts of the model that the simulation lacks.
     """
 
     status: Literal["ok", "failed"]
@@ -153,7 +153,7 @@ class Gap:
     explained : Level
         With the effects found added, everything identified again.
     noise_floor : Level
-        What noise alone leaves, from the noise levels of the signals.
+        Error that noise alone leaves, from the noise levels of the signals.
     steps : tuple of Level
         With the first effect, the first two, and so on; the last is `explained`.
     closed_fraction : float
@@ -165,9 +165,9 @@ class Gap:
     reversal : Reversal or None
         The same error near reversals and standstills; None if the log has none.
     not_repeated : NotRepeated or None
-        What of the error is new each time; None where the motion does not repeat within the validation data.
+        Part of the error that is new each time; None where the motion does not repeat within the validation data.
     motion : Motion or None
-        What the error makes of the simulated motion; None where it was not simulated.
+        Error of the simulated motion; None where it was not simulated.
     """
 
     signal: str

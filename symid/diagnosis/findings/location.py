@@ -38,7 +38,7 @@ def maps(comparison: Comparison) -> Mapping[str, tuple[MapCell, ...]]:
 
 
 class _Motion:
-    """What the axis does at the kept rows."""
+    """Motion of the axis at the kept rows."""
 
     def __init__(self, comparison: Comparison) -> None:
         record, kept = comparison.record, comparison.weighting.kept

@@ -1,4 +1,4 @@
-"""What of an error does not repeat where the motion repeats: no law of the motion can explain it.
+"""The part of an error that does not repeat where the motion repeats: no law of the motion can explain it.
 
 The noise floor of a diagnosis is that of the sensors. A machine does not repeat itself that well: where a log runs
 through the same motion several times, half the mean square of the difference between an error and itself one repetition

@@ -1,4 +1,4 @@
-"""What a diagnosis leaves: the gap, where it lies, which effects cause it, and how far it shrinks."""
+"""The result of a diagnosis: the gap, where it lies, which effects cause it, and how far it shrinks."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class FoundEffect:
     removes : Removed
         Share of the excess error that it takes away on the validation data, after those before it.
     indistinguishable_from : tuple of (str, str)
-        Effects and places that this log does not tell from it.
+        Effects and places that this log does not distinguish from it.
     signal : str
         The drive of whose force `gap_after` is the error: of several, the one in which the effect is felt most.
     """
@@ -223,7 +223,7 @@ class SimulatedEffect:
 
 @dataclass(frozen=True)
 class Simulator:
-    """What a simulator's log says about the simulator.
+    """Findings about a simulator, from its log.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ class Diagnosis(Shown):
     maps : mapping of str to tuple of MapCell
         The gap over ``band``, ``regime``, ``direction``, ``position``, ``drive force`` and ``time``.
     effects : tuple of FoundEffect
-        What was accepted, the one that closes most first.
+        Those accepted, the one that closes most first.
     alternatives : tuple of Alternative
         Everything considered, most probable first.
     probabilities : mapping of str to float
@@ -279,7 +279,7 @@ class Diagnosis(Shown):
     assumptions : tuple of str
         What was assumed.
     next_experiment : str
-        What to do next.
+        The next step, in words.
     signals : Signals
         For plots.
     spectrum : Spectrum

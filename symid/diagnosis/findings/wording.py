@@ -128,13 +128,13 @@ def _size(gap: Gap, rms: float) -> str:
 
 
 def next_experiment(verdict: Verdict, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]) -> str:
-    """What to do next."""
+    """The next step, in words."""
     if verdict == "no_gap":
         return "None is needed for this motion; for others, repeat the diagnosis with a log of theirs."
     if verdict == "parameters":
         return "Take over the re-identified values, and repeat the diagnosis on another motion."
     if verdict == "recording":
-        return "Record the log anew; until then, trust neither parameters nor effects."
+        return "Record the log again; until then, trust neither parameters nor effects."
     if verdict == "unexplained":
         first = _ADVICE.get(rivals[0].effect, "") if rivals else ""
         return "Look at where the gap lies" + (f"; to test the nearest candidate, {first}." if first else ".")
@@ -143,5 +143,5 @@ def next_experiment(verdict: Verdict, effects: Sequence[FoundEffect], rivals: Se
     if doubt and doubt[0][0] == effects[0].effect:
         return f"Measure the motion of {doubt[0][1]} too: the sensors used do not tell both places apart."
     if doubt:
-        return f"To tell {spoken(effects[0].effect)} from {spoken(doubt[0][0])}: {advice}."
+        return f"To distinguish {spoken(effects[0].effect)} from {spoken(doubt[0][0])}: {advice}."
     return f"To confirm {spoken(effects[0].effect)}: {advice}."

@@ -36,8 +36,8 @@ class ExplainedAxis:
     values : dict of str to float
         Values of its physical parameters, SI.
     left_out : tuple of str
-        A sentence for each effect that is no element of an axis: a force or a reading that is early; of an axis to be
-        written also one for each value that no real axis has.
+        A sentence for each effect that cannot be an element of an axis: a force or a reading that is early. Of an
+        axis to be written also one for each value that no real axis has.
     """
 
     axis: Axis
@@ -77,10 +77,10 @@ def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
     --------
     >>> from symid.axis import load_axis
     >>> impossible_values(load_axis("rigid_1m"), {"M": -2.0, "Fv": 1.0, "Fs": 1.0})
-    ('M = -2 is no value of a real axis: these logs do not fix it, and the axis may run away in simulation',)
+    ('M = -2 is impossible for a real axis: these logs do not fix it, and the axis may run away in simulation',)
     """
     return tuple(
-        f"{name} = {values[name]:.4g} is no value of a real axis: these logs do not fix it, "
+        f"{name} = {values[name]:.4g} is impossible for a real axis: these logs do not fix it, "
         "and the axis may run away in simulation"
         for name in masses_and_stiffnesses(axis)
         if values.get(name, 0.0) < 0
@@ -105,7 +105,7 @@ def axis_of(state: State) -> ExplainedAxis:
 
 
 def _added(axis: Axis, item: Placed, values: Values) -> Axis | None:
-    """The axis with an effect, whose new parameters join the values; None if it is no element."""
+    """The axis with an effect, whose new parameters join the values; None if it cannot be an element."""
     if item.effect.name == "flexible_mode":
         return _with_mode(axis, item, values)
     if isinstance(item.effect, LawEffect):
@@ -143,18 +143,16 @@ def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
 
 
 def _left_out(prediction: Prediction, item: Placed) -> str:
-    """What an axis file cannot say of an effect: what acts before its cause is a matter of the recording."""
+    """Why an effect cannot be an element of an axis: what acts before its cause belongs to the recording."""
     found = {name: (value, unit) for name, value, unit in item.values(prediction)}
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
         late = f"{force_at(prediction.record.forces, item.at)}={-1e6 * found['T'][0]:.4g}us"
-        return (
-            f"delay ({numbers}) is no element of an axis, as the force was recorded late: use --late {late}"
-        )
+        return f"delay ({numbers}) cannot be an element of an axis, as the force was recorded late: use --late {late}"
     if item.effect.name == "sensor_delay":
         late = f"{item.at}={1e6 * found['T'][0]:.4g}us"
-        return f"sensor_delay ({numbers}) is no element of an axis, as it is early: use --late {late}"
-    return f"{item.effect.name} at {item.at} ({numbers}) is no element of an axis"
+        return f"sensor_delay ({numbers}) cannot be an element of an axis, as it is early: use --late {late}"
+    return f"{item.effect.name} at {item.at} ({numbers}) cannot be an element of an axis"
 
 
 def _with_mode(axis: Axis, item: Placed, values: Values) -> Axis:

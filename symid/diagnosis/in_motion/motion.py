@@ -44,7 +44,7 @@ def with_motion(
     controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
-    """A diagnosis with its gap in the motion, of several drives in that of each, which its sentence tells too."""
+    """A diagnosis with its gap in the motion, of several drives in that of each, which its sentence states too."""
     models = comparison.with_effects(len(found.effects))
     motions = motions_of(models, runs, allowed, controller=controller, simulated=simulated)
     of_force = dict(zip(comparison.record.forces, motions, strict=True))

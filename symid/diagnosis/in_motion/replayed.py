@@ -1,14 +1,14 @@
 """Logs driven through simulated axes: the samples that count, what drives the axis, and how it then moves.
 
-A controller answers to where the axis is. Had the machine moved as the simulated axis does, its controller would have
+A controller responds to the position. Had the machine moved as the simulated axis does, its controller would have
 sent
 
     F = F measured + C (q measured - q simulated),
 
 C being its law from position to force: what it makes of the reference, of feed-forwards and of pulses from outside is
 in the measured force already, so that C alone need be known. If it is, this is the closed loop along the log's
-reference. Where the log does not tell it, a slow cascade stands for C: an observer, which keeps the axis from drifting
-away.
+reference. Where the log does not determine C, a slow cascade takes its place: an observer, which keeps the axis from
+drifting away.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Driver:
-    """What moves the simulated axis beside the measured force.
+    """Force that moves the simulated axis in addition to the measured one.
 
     Parameters
     ----------

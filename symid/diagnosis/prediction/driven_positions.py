@@ -24,8 +24,8 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
     if np.linalg.matrix_rank(drives) < len(drives):
         names = [drive.signal for drive in dynamics.axis.drives]
         raise SettingError(
-            f"drives {', '.join(names)} of axis {dynamics.axis.name!r} push the same way, so that the motion tells "
-            "their sum alone: log the sum, and declare one drive, or an elastic part between them"
+            f"drives {', '.join(names)} of axis {dynamics.axis.name!r} push the same way, so that the motion "
+            "determines their sum alone: log the sum, and declare one drive, or an elastic part between them"
         )
     for drive in drives:
         left = [name for name in positions if _independent(dynamics, (*driven, name))]

@@ -25,7 +25,7 @@ from symid.simulation.postfix import Program, program
 _POINTS_PER_ROW = 2
 """Of the integration: the band ends at a quarter of that rate."""
 ARGUMENTS = ("q", "v", "_course", "_z", "_load")
-"""Of the programs of laws, before their values; written anew at each step."""
+"""Of the programs of laws, before their values; rewritten at each step."""
 _NOTHING = 1e-9
 """Share of a change that rounding leaves in an equation in which it does not stand."""
 

@@ -1,6 +1,6 @@
-"""Several logs of an axis as one: the ways from one to the next are no part of any log.
+"""Several logs of an axis as one, joined by smooth bridges that belong to no log.
 
-Values of an axis are common to its logs; states that no sensor sees begin anew after each way, as after any rest.
+Values of an axis are common to its logs; states that no sensor sees are unknown after each bridge, as after any rest.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ class Joint:
     direction : array of shape (n_bodies,)
         Its displacement is the product with those of the bodies.
     spectrum : array of shape (n_bins,)
-        Its displacement, as sensors tell it where they do.
+        Its displacement, as measured where sensors see it.
     modelled : array of shape (n_bins,)
         Its displacement as it follows from the driven position.
     record : Record
@@ -44,7 +44,7 @@ class Joint:
     memory: dict[Hashable, Any] = field(default_factory=dict, repr=False)
 
     def remembered(self, key: Hashable, given: Hashable, compute: Callable[[], Found]) -> Found:
-        """What follows from this motion and the last `given`, computed once."""
+        """Value that follows from this motion and the last `given`, computed once."""
         if self.memory.get(key, (None, None))[0] != (given,):
             self.memory[key] = (given,), compute()
         known: Found = self.memory[key][1]

@@ -168,7 +168,7 @@ class Prediction:
         return self.record.dynamics.axis
 
     def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
-        """What a force that opposes the motion of a joint does to the predicted outputs; spectra of any number."""
+        """Change of the predicted outputs by a force that opposes the motion of a joint; spectra of any number."""
         return -self.response.of_force(joint.direction) * force[..., None, :]
 
     def driven_shares(self, direction: FloatArray) -> FloatArray | None:
@@ -298,7 +298,7 @@ def prediction_of(
 
 
 def _as_measured(record: Record, response: Response, displacements: ComplexArray) -> ComplexArray:
-    """Displacements of the bodies, corrected to those that position sensors tell."""
+    """Displacements of the bodies, corrected to those that position sensors read."""
     sensors = response.plant.sensors
     positions = [i for i, name in enumerate(record.signals) if sensors[name][1] == 0]
     further = [i for i in positions if i >= record.n_drives]

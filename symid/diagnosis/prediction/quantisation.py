@@ -54,7 +54,7 @@ def quantisation_lines(
 
 
 def rounding_error(x: FloatArray) -> FloatArray | None:
-    """What rounding may have done to a reading in steps that no noise blurs; None of any other reading.
+    """Error that rounding may have made in a reading whose steps no noise blurs; None of any other reading.
 
     Between two changes of the reading the motion passes from half a step before to half a step after, evenly. Where the
     reading changes at every sample, all errors are as likely.

@@ -210,7 +210,7 @@ class Record:
     def noise(self) -> FloatArray:
         """Standard deviations of the noise of driven positions, forces and other sensors, from above the motion.
 
-        Of a force, what is coherent with the readings of the positions is no noise: a controller makes forces out of
+        Of a force, what is coherent with the readings of the positions is not noise: a controller makes forces out of
         the noise of the encoder, and these act on the axis.
         """
         frequency = self.log.sampling_frequency

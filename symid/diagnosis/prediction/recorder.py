@@ -1,4 +1,4 @@
-"""What a recorder did to logs, undone before anything is predicted: samples lost, channels slower than the log.
+"""Faults of a recorder that are repaired before anything is predicted: lost samples, channels slower than the log.
 
 A channel that is updated, or was interpolated, every n-th sample holds no more than its own samples. All of the log is
 then thinned to them: the other channels by a low-pass filter of zero phase, and so that each keeps its clock.

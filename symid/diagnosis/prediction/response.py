@@ -116,7 +116,7 @@ def _inverse(matrix: ComplexArray) -> ComplexArray:
 
 
 def noise_weights(record: Record, response: Response, levels: Sequence[float] = ()) -> FloatArray:
-    """What makes noise alone white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
+    """Weights that make pure noise white with unit variance at the rows: 1 / sqrt(S), of shape (n_outputs, n_bins).
 
     S = level^2 sigma^2 + |G|^2 sigma_q^2: each output has its own noise, and that of each driven position comes through
     its G. A level above 1 allows for errors of the model besides the noise. Rounding makes lines of sigma.

@@ -1,9 +1,9 @@
-"""What makes errors of force and readings comparable: the noise of the signals, and the rows where the axis moves.
+"""Weights that make errors of force and readings comparable, from the noise of signals, in rows where the axis moves.
 
 The predicted outputs err by the noise of the measured ones and by that of the driven position, which the frequency
 response G of the axis carries into each: S = sigma^2 + |G|^2 sigma_q^2. Errors are divided by sqrt(S), so that
 noise alone leaves rows of unit variance. Rests and the ends of the log are taken out by a smooth window before that,
-because no model tells friction at rest; reversals stay.
+because no model predicts friction at rest; reversals stay.
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ def _orthonormal(columns: FloatArray) -> FloatArray:
 
 
 def _long(still: BoolArray, least: int) -> BoolArray:
-    """Points that belong to a run of at least so many."""
+    """Points that belong to a run of at least a given length."""
     labels, n = scipy.ndimage.label(still)
     lengths = np.bincount(labels, minlength=n + 1)
     return np.asarray(still & (lengths >= least)[labels])
