@@ -52,8 +52,13 @@ def noiseless_misfit(
         for name, share in zip(model.output_names, shares, strict=True)
         if share > criteria.worst_fit
     ]
-    cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
-    return f"the parameters leave {', '.join(said)}, more than noise explains: {cause}" if said else ""
+    return said_unexplained(said)
+
+
+def said_unexplained(parts: Sequence[str]) -> str:
+    """Statement that parameters leave parts of signals, each in words, unexplained; empty without any."""
+    cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
+    return f"the parameters leave {', '.join(parts)}, more than noise explains: {cause}" if parts else ""
 
 
 def unexplained(

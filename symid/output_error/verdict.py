@@ -8,6 +8,7 @@ import numpy as np
 
 from symid.identification import Identification
 from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.misfit import said_unexplained
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters
 from symid.output_error.estimate import LikelihoodFit
@@ -125,8 +126,7 @@ def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
         is_position = orders.get(signal, 2) < 2
         if not is_position and noise > max(criteria.worst_fit * size, criteria.noise_explains * seen):
             said.append(f"{100 * noise / size:.3g} % of {signal}")
-    cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
-    return f"the parameters leave {', '.join(said)}, more than noise explains: {cause}" if said else ""
+    return said_unexplained(said)
 
 
 def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
