@@ -125,10 +125,10 @@ def mapping_of(options: dict[str, Any]) -> LogMapping:
     """The mapping of ``--mapping``, an empty one without it."""
     if not options.get("mapping"):
         return LogMapping()
-    given = [
-        entry.partition("=")[0].strip() for entry in (*options.get("column", ()), *options.get("gain", ()))
-    ]
-    return read_mapping(options["mapping"], given)
+    columns, gains = (
+        [entry.partition("=")[0].strip() for entry in options.get(name, ())] for name in ("column", "gain")
+    )
+    return read_mapping(options["mapping"], columns, gains)
 
 
 def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:

@@ -136,7 +136,12 @@ def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) ->
     try:
         return gain * to_si(text, unit)
     except LogError as error:
-        raise LogError(f"column {header!r}: {error}") from error
+        taken = (
+            f", or --unit {signal}={unit} if gain {gain:g} is {unit} per {text}"
+            if signal in given.gains
+            else ""
+        )
+        raise LogError(f"column {header!r}: {error}{taken}") from error
 
 
 def split_unit(header: str) -> tuple[str, str | None]:

@@ -32,9 +32,10 @@ _WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("velocity", r"vel\w*|speed|geschw\w*|drehzahl|v"),
     ("force", r"torque|trq|effort|moment|drehmoment|force|kraft|fm?|tau"),
     ("current", r"current|cur|iq|i|strom|amps?"),
+    ("voltage", r"voltage|volts?|spannung"),
     ("position", r"pos\w*|lage|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
 )
-_SETPOINT: Final = r"set\w*|soll\w*|cmd|command\w*|ref\w*|target|nominal|desired|qg"
+_SETPOINT: Final = r"set\w*|soll\w*|cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
 _WRITTEN: Final = {
     "Nm": "N*m",
     "°": "deg",

@@ -1,8 +1,9 @@
 """At which cutoff logs are estimated: the one given, the one that the log suggests, or a better one nearby.
 
 A cutoff is first chosen from spectra (`settings`). It is replaced where the estimate itself says more: by a lower one
-where the model does not describe the band, and by that of the smallest printed deviations where these are large. Too
-low a cutoff hides what distinguishes parameters, too high a one lets noise into W.
+where the model does not describe the band, by a higher one where reversals leave too few rows, and by that of the
+smallest printed deviations where these are large. Too low a cutoff hides what distinguishes parameters, too high a one
+lets noise into W.
 """
 
 from __future__ import annotations
@@ -168,6 +169,10 @@ def least_uncertain(
     in_memory = all(isinstance(log, Log) for log in estimation.logs)
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
     is_open = estimation.preparation.cutoff_hz is None and in_memory and few
+    if is_open and best.status == "too_few_rows":  # half a period of the cutoff is lost at each reversal
+        others = (estimation.scaled(first, factor) for factor in _upward(estimation.highest(first)))
+        wider = (widened(other) for other in others if other is not None)
+        return next((one for one in wider if one.status != "too_few_rows"), best)
     if not is_open or best.status != "ok" or np.max(sizes, initial=0.0) <= CRITERIA.precise:
         return best
     # Higher cutoffs first; lower ones only if no higher one is better. A cutoff at which the model fits worse than at

@@ -58,15 +58,16 @@ class LogMapping:
         return asdict(self)
 
 
-def read_mapping(file: str | Path, given: Collection[str] = ()) -> LogMapping:
+def read_mapping(file: str | Path, columns: Collection[str] = (), gains: Collection[str] = ()) -> LogMapping:
     """A mapping from its JSON file.
 
     Parameters
     ----------
     file : path-like
         Written by ``symid import``.
-    given : collection of str
-        Signals of which column or factor are given beside it: what it lacks of them is not a fault.
+    columns, gains : collection of str
+        Signals of which column or factor are given beside it: what it lacks of them is not a fault, and what it guesses
+        of them is not used.
 
     Raises
     ------
@@ -80,13 +81,22 @@ def read_mapping(file: str | Path, given: Collection[str] = ()) -> LogMapping:
         raise SettingError(
             f"{file} holds no mapping of columns: write one with symid import ({error})"
         ) from error
-    missing = [line for line in mapping.missing if not any(_is_about(line, name) for name in given)]
+    missing = [
+        line for line in mapping.missing if not any(_is_about(line, name) for name in (*columns, *gains))
+    ]
     if missing:
         raise SettingError(
             f"mapping {file} is not complete: {'; '.join(missing)}; fill it in and delete its line in missing, "
             "or give it as an option"
         )
-    return replace(mapping, missing=())
+    guesses = tuple(line for line in mapping.guesses if not _is_replaced(line, columns, gains))
+    return replace(mapping, guesses=guesses, missing=())
+
+
+def _is_replaced(line: str, columns: Collection[str], gains: Collection[str]) -> bool:
+    """Whether a guess is about a column or a factor that is given instead."""
+    about = re.match(r"(\S+) (is column|may as well|is )", line)
+    return about is not None and about[1] in (gains if about[2] == "is " else columns)
 
 
 def _is_about(line: str, signal: str) -> bool:
@@ -183,8 +193,9 @@ def guessed_mapping(
     require_known(LogMapping(columns={**named, **units}), axis)
     guess = _Guess(list(columns), named, units)
     guess.clock(sampling_period)
-    for sensor in axis.sensors:
-        guess.sensor(sensor.signal, sensor.quantity, needed=sensor == axis.sensors[0])
+    for place, sensor in enumerate(axis.sensors):
+        alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
+        guess.sensor(sensor.signal, sensor.quantity, alike, needed=not place)
     for drive in axis.drives:
         guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
     setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]
@@ -270,20 +281,26 @@ class _Guess:
                 "no column of the time has a known unit: give sampling_period in s (--rate), or the column of t"
             )
 
-    def sensor(self, signal: str, quantity: str, *, needed: bool) -> None:
-        """A column for a sensor: one of its name, else the first measured one of its quantity."""
+    def sensor(self, signal: str, quantity: str, alike: int, *, needed: bool) -> None:
+        """A column for a sensor: one of its name, else the first measured one of its quantity.
+
+        If the axis has fewer such sensors left (`alike`) than the file such columns, the guess names the others.
+        """
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
         found.sort(key=lambda c: not c.header.startswith(signal))
         column = self.chosen(signal, found)
         if column is not None:
             self.take(signal, column)
+            others = [repr(c.header) for c in found if c.header != column.header]
+            if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
+                self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
         elif needed:
             self.missing.append(f"no column seems to be the {quantity} {signal}: name it in columns")
 
     def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
         """A column for a drive's force, one of its name first, with its factor where it needs one."""
         signal, command = drive.signal, drive.command
-        own = "current" if unit == Unit.of("A") else "force"
+        own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
         found = sorted(self.free, key=lambda c: not c.header.startswith(signal))
         measured = {c.quantity: c for c in reversed(found) if not c.setpoint}
         if command and "voltage" in measured and own not in measured:

@@ -16,6 +16,7 @@ from symid.data import cut_in_motion
 from symid.estimation import LeastSquares, estimate, triangular_factors
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.recording import is_switched
 
 _CLIPPED_SAMPLES = 5
 """Shortest run at an extreme value that is a limit, not a peak."""
@@ -85,7 +86,7 @@ def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
         if samples:
             share = 100 * samples / sum(part.log.n_samples for part in parts)
             cure = "record with a wider range, or cut those parts out"
-            return f"{name} is at the end of its range in {share:.2g} % of the log, while the axis moves on: {cure}"
+            return f"{name} is at the end of its range in {share:.3g} % of the log, while the axis moves on: {cure}"
     return ""
 
 
@@ -97,12 +98,12 @@ def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
 def _clipped_force(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     limits = [_at_limit(part.log[force]) for part in parts]
     share = float(np.mean(np.concatenate(limits)))
-    if share < _CLIPPED_SHARE:
+    if share < _CLIPPED_SHARE or all(is_switched(part.log[force]) for part in parts):
         return ""
     seen = [part.observation for part in parts]
     free = [o.valid & ~_rows_near(part, flags) for o, part, flags in zip(seen, parts, limits, strict=True)]
     other = _of_rows(parts, free)
-    where = f"{force} is at the end of its range in {100 * share:.2g} % of the log"
+    where = f"{force} is at the end of its range in {100 * share:.3g} % of the log"
     cure = "record with a wider range, or cut those parts out"
     if min(other.rows) < _ROWS_A_PARAMETER * fit.solution.size or other.status != "ok":
         return f"{where}, and the rest is too little to tell whether the true force went beyond it: {cure}"

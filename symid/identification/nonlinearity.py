@@ -22,6 +22,7 @@ from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import delayed_together, shiftable
 from symid.identification.misfit import unexplained
 from symid.identification.observation import SignalRows
+from symid.identification.recording import is_switched
 from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
@@ -54,7 +55,7 @@ class ColumnTests:
         noisy = replace(self.criteria, noise_explains=_NOISE_EXPLAINS)
         beyond_noise = unexplained(self.model, self.parts, self.fit, noisy)
         for j, force in enumerate(self.model.output_names):
-            if force not in self.model.forces:
+            if force not in self.model.forces or all(is_switched(part.log[force]) for part in self.parts):
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
@@ -63,10 +64,11 @@ class ColumnTests:
             is_bent = cubic.share > min(self.criteria.nonlinear, certain)
             if is_bent and abs(cubic.size) > self.criteria.nonlinear_output:
                 less = "less" if cubic.factor < 0 else "more"
+                lacking = "" if any(self.model.sliding) else "the model lacks Coulomb friction, or "
                 return (
                     f"where {force} is large it is {less} than in proportion to the motion (a cubic takes away "
-                    f"{100 * cubic.share:.2g} % of the residual's power): it is clipped, limited, or its gain changes "
-                    "with it; record with a wider range"
+                    f"{100 * cubic.share:.2g} % of the residual's power): {lacking}it is clipped, limited, or its gain "
+                    "changes with it; record with a wider range"
                 )
             if any(name.startswith(f"{force}_d") for name in self.model.signals):
                 continue  # flexible bodies make the same difference

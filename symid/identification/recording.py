@@ -35,6 +35,8 @@ _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
 _LIMITED_SHARE = 0.01
 """Of all steps that are as large as the largest: noise makes no two of them."""
+_SWITCHED, _SOME = 3, 1000
+"""Values that a force which is switched has at most, and samples that are looked at before all of them."""
 
 
 def fault_of(
@@ -45,6 +47,8 @@ def fault_of(
         mover = part.log[model.most_differentiated]
         for name in model.highest_derivatives:
             x, is_force = part.log[name], name in model.forces
+            if is_force and is_switched(x):
+                continue
             if said := channel_fault(x, name, criteria, is_force=is_force):
                 return said
             if held := _held(x, mover if is_force else None):
@@ -131,9 +135,29 @@ def _slew_limited(x: FloatArray) -> float:
     return 0.0 if largest == 0.0 or share <= _LIMITED_SHARE or step_of(x) > 0.0 else share
 
 
+def is_switched(force: FloatArray) -> bool:
+    """Whether a force only ever has two levels, and 0 at rest, as that of a relay or a binary sequence.
+
+    What rounding leaves of a small force passes 0 between both.
+
+    Examples
+    --------
+    >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
+    (True, False)
+    """
+    if np.unique(force[:: max(force.size // _SOME, 1)]).size > _SWITCHED:
+        return False
+    levels, steps = np.unique(force), np.abs(np.diff(force))
+    across = np.mean(steps[steps > 0] == np.ptp(levels)) if np.any(steps) else 0.0
+    return bool(levels.size == 2 or (levels.size == _SWITCHED and 0.0 in levels and 2 * across >= 1.0))
+
+
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:
     """Whether the force is recorded in steps that friction is not much larger than."""
-    step, force = max((step_of(log[force]), force) for log in logs for force in model.forces)
+    steps = (
+        (step_of(log[force]), force) for log in logs for force in model.forces if not is_switched(log[force])
+    )
+    step, force = max(steps, default=(0.0, ""))
     laws = {parameter for _, parameter in model.law_columns}
     units = list(model.minimal_units.items())
     own = model.output_units[0] if model.output_units else ""

@@ -112,7 +112,7 @@ class Timing:
         """The option that takes the delay out."""
         if self.seems_held:
             return f"--held {self.signal}"
-        return f"--late {self.signal}={1e6 * (self.declared + self.suggested):.4g}us"
+        return f"--late {self.signal}={_microseconds(self.declared + self.suggested, 4)}us"
 
     @property
     def statement(self) -> str:
@@ -120,11 +120,22 @@ class Timing:
         when = "before it was" if self.late > 0 else "after it was"
         instead = " in place of what was given" if self.declared else ""
         return (
-            f"{self.signal} acts as if {abs(self.samples):.2f} samples ({1e6 * abs(self.late):.4g} us, standard "
-            f"deviation {1e6 * self.deviation:.2g} us) {when} recorded, which biases all parameters "
-            f"(the residual falls to {100 * self.remaining:.3g} % without it): if clocks or a hold are the cause, give "
-            f"{self.remedy}{instead}; a lag of the drive or a missing flexibility can look alike"
+            f"{self.signal} acts as if {abs(self.samples):.2f} samples ({_microseconds(abs(self.late), 4)} us, "
+            f"standard deviation {_microseconds(self.deviation, 2)} us) {when} recorded, which biases all parameters "
+            f"(the residual falls to {100 * self.remaining:.3g} % without it): if clocks or a hold are the cause, "
+            f"give {self.remedy}{instead}; a lag of the drive or a missing flexibility can look alike"
         )
+
+
+def _microseconds(seconds: float, digits: int) -> str:
+    """Microseconds without a power of ten.
+
+    Examples
+    --------
+    >>> _microseconds(-0.035, 4), _microseconds(1.23456e-4, 4)
+    ('-35000', '123.5')
+    """
+    return np.format_float_positional(1e6 * seconds, digits, unique=False, fractional=False, trim="-")
 
 
 def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Timing | None:

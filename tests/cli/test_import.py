@@ -134,6 +134,61 @@ def test_setpoints_and_units_are_told_from_names_and_values(recorded, folder: Pa
     ]
 
 
+@pytest.mark.parametrize("command", ["position demand", "goal_position", "Target pos"])
+def test_a_commanded_position_is_not_taken_for_the_measured_one(
+    command: str, recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    q = 1e3 * recorded["q"]
+    columns = {
+        "time [ms]": 1e3 * recorded.time,
+        f"{command} [mm]": q,
+        "position [mm]": q,
+        "F [N]": recorded["F"],
+    }
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "m.json") == 0
+    mapping = json.loads((folder / "m.json").read_text())
+    assert mapping["columns"]["q"] == "position [mm]"
+    assert mapping["columns"]["reference"] == f"{command} [mm]"
+    assert "may as well" not in capsys.readouterr().out
+
+
+def test_a_second_position_is_named_and_an_option_silences_the_guess(
+    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    q = 1e3 * recorded["q"]
+    columns = {
+        "time [ms]": 1e3 * recorded.time,
+        "pos 1 [mm]": 0 * q,
+        "pos 2 [mm]": q,
+        "I [A]": recorded["F"] / KT,
+    }
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    assert run("import", "a.csv", "--axis", "rigid_1m", "--gain", str(KT), "-o", "m.json") == 0
+    assert "q may as well be column 'pos 2 [mm]'" in capsys.readouterr().out
+    identify = ("identify", "rigid_1m", "a.csv", "--mapping", "m.json", "--held", "F", "--json", "o.json")
+    assert run(*identify, "--column", "q=pos 2 [mm]", "--gain", f"F={KT}") == 0
+    said = capsys.readouterr().err
+    assert "t is column 'time [ms]'" in said
+    assert "F is column 'I [A]'" in said
+    assert "pos 1" not in said
+    assert "N per A" not in said
+
+
+def test_a_drive_in_volts_takes_a_voltage(recorded, folder: Path) -> None:
+    axis = """from symid import Axis, Body, Drive, Position, ViscousFriction
+arm = Body("arm", inertia="J")
+axis = Axis("servo", (arm, ViscousFriction(arm, "Fv")), Drive("u", arm, unit="V"), (Position("q", arm),))
+"""
+    (folder / "servo.py").write_text(axis)
+    columns = {"timestamp": recorded.time, "angle [rad]": recorded["q"], "voltage [V]": recorded["F"]}
+    (folder / "a.csv").write_text(table(columns, ","), encoding="utf-8")
+    assert run("import", "a.csv", "--axis", "servo.py", "-o", "m.json") == 0
+    mapping = json.loads((folder / "m.json").read_text())
+    assert mapping["columns"]["u"] == "voltage [V]"
+    assert not mapping["missing"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

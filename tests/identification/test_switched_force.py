@@ -1,0 +1,54 @@
+"""A force that a relay or a binary sequence switches is neither cut off nor rounded."""
+
+import numpy as np
+import pytest
+
+from symid import identify
+from symid.identification import Preparation
+from symid.identification.recording import is_switched
+
+TRUE = {"M": 6.0, "Fv": 12.0, "Fs": 2.0}
+LEVEL, STEP = 13.0, 1e-4
+
+
+def relay_run(every: int, resolution: float, seconds: float) -> dict[str, np.ndarray]:
+    """A slide between two positions under a relay, read every so many steps in steps of a scale; its force is held."""
+    q, v, F = 0.0, 0.0, LEVEL
+    rows = []
+    for k in range(round(seconds / STEP)):
+        if k % every == 0:
+            F = -LEVEL if q + 0.05 * v > 0.02 else LEVEL if q + 0.05 * v < -0.02 else F
+            rows.append((k * STEP, q, F))
+        v += STEP * (F - TRUE["Fv"] * v - TRUE["Fs"] * np.sign(v)) / TRUE["M"]
+        q += STEP * v
+    t, position, force = np.array(rows).T
+    return {"t": t, "q": resolution * np.round(position / resolution), "F": force}
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        relay_run(20, 1e-5, 6.0),
+        relay_run(100, 1e-4, 4.0),  # at the cutoff that its noise suggests, reversals leave 10 rows
+    ],
+    ids=["fine", "coarse and short"],
+)
+def test_a_relay_is_no_limit_and_no_coarse_record(run: dict[str, np.ndarray]) -> None:
+    found = identify("rigid_1m", run, preparation=Preparation(held=True))
+    assert found.status == "ok", found.message
+    for name, value in TRUE.items():
+        assert found.physical_parameters[name] == pytest.approx(value, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("force", "switched"),
+    [
+        ([4.0, 4.0, -4.0, -4.0, 4.0], True),
+        ([0.0, 4.0, -4.0, 4.0, -4.0], True),
+        ([0.0, 5.0, 0.0, 5.0, 5.0], True),
+        ([0.0, 1.0, 0.0, -1.0, 0.0], False),  # a small force, rounded
+        ([4.0, 3.0, 1.0, -2.0, -4.0], False),
+    ],
+)
+def test_what_is_switched(force: list[float], switched: bool) -> None:
+    assert is_switched(np.tile(force, 300)) is switched
