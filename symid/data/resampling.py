@@ -20,6 +20,8 @@ _LONGEST_GAP: Final = 10
 """Samples in a row that may be missing: beyond them the motion between is unknown."""
 _SLOWER: Final = 1.02
 """From this ratio of periods on, what the new rate cannot hold is filtered out first."""
+_FASTER: Final = 1.25
+"""Times the highest rate of the signals that a new rate may be."""
 _PASSED: Final = 0.8
 """Of the new Nyquist frequency: cutoff of that filter, of order 8 and passed forward and backward."""
 _MOST_SAMPLES: Final = 10**9
@@ -52,6 +54,11 @@ def resampled(
         raise LogError(
             f"has {max(count, 0):.6g} samples at {1 / period:.6g} Hz in the span that all signals share: "
             f"between {MINIMUM_SAMPLES} and {_MOST_SAMPLES:g} are required"
+        )
+    if period * _FASTER < own:
+        raise LogError(
+            f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / own:.6g} Hz of its fastest signal: samples "
+            "between would pass for readings without noise; give --resample own or a lower rate"
         )
     time = begin + period * np.arange(int(np.floor(count * (1 + 1e-12))) + 1)
     gone = [note for one in written.values() for note in one.notes]

@@ -95,7 +95,13 @@ def test_a_jump_stays_a_fault(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("rate", "says"),
-    [(0.0, "positive"), (float("nan"), "positive"), (1.0, "are required"), (1e11, "are required")],
+    [
+        (0.0, "positive"),
+        (float("nan"), "positive"),
+        (1.0, "are required"),
+        (1e11, "are required"),
+        (2 * RATE, "above the"),
+    ],
 )
 def test_rates_that_are_none(rate: float, says: str, tmp_path: Path) -> None:
     with pytest.raises(LogError, match=says):
