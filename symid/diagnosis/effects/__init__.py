@@ -58,7 +58,7 @@ LIBRARY: tuple[Effect, ...] = (
     EncoderRipple(),
     SensorDelay(),
 )
-"""Everything that a diagnosis considers, unless told otherwise."""
+"""All effects that a diagnosis considers by default."""
 
 __all__ = [
     "ACTUATOR",

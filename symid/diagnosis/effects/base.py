@@ -1,4 +1,4 @@
-"""What every effect tells the diagnosis: where it may sit, its shape and how it changes the predicted outputs."""
+"""The interface of an effect: where it may sit, its shape and how it changes the predicted outputs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Effect(ABC):
     moments: ClassVar[tuple[str, ...]] = ()
     """Shape parameters that a log need not determine, such as when something changed while the axis was at rest."""
     per_log: ClassVar[bool] = False
-    """Whether its amplitudes belong to a log: time starts anew in each."""
+    """Whether its amplitudes belong to a log: time starts at 0 in each."""
 
     imitates: tuple[str, ...] = ()
     """Names of simpler effects whose lack it may explain as well."""
@@ -194,7 +194,7 @@ class Placed:
         return len(self.shape) + (0 if self.effect.fixed else len(self.amplitudes))
 
     def change(self, prediction: Prediction) -> ComplexArray:
-        """What it adds to the predicted outputs, of shape (n_outputs, n_bins)."""
+        """Change of the predicted outputs, of shape (n_outputs, n_bins)."""
         return np.tensordot(self.amplitudes, self.effect.columns(prediction, self.at, self.shape), 1)
 
     def values(self, prediction: Prediction) -> list[tuple[str, float, str]]:

@@ -122,7 +122,7 @@ class PeriodicDisturbance(JointEffect):
     per_log = True
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """A line of the motion itself is no disturbance: what repeats with the motion belongs to the motion."""
+        """A line of the motion itself is not a disturbance: a force that repeats with it belongs to it."""
         if placed.shape[0] * prediction.record.duration < _FEWEST_CYCLES:
             return False
         return not is_line_of_motion(prediction, placed.shape[0], math.hypot(*placed.amplitudes))
@@ -163,7 +163,7 @@ def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float
     """Whether the force that the motion asks for has a line at a frequency, stronger than a disturbance there.
 
     What lies within one bin of a log of that length is held against the median of its neighbours. A controller
-    answers a slow disturbance by a force, so that the motion shows less of it; a fast one is no harmonic of the motion.
+    answers a slow disturbance by a force, so that the motion shows less of it; a fast one is not a harmonic of it.
     """
     return any(
         _has_line(prediction, drive, frequency, amplitude) for drive in range(prediction.record.n_drives)

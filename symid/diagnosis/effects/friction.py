@@ -230,8 +230,8 @@ class FrictionDrift(JointEffect):
 class SteadyFrictionDrift(FrictionDrift):
     """t (dFs/dt sign(v) + dFv/dt v): friction that changes so slowly that the log shows no end of it.
 
-    Of an exponential whose time constant exceeds the log by far, the log tells the rate and neither the time constant
-    nor the final value.
+    Of an exponential whose time constant exceeds the log by far, the log determines the rate, but neither the time
+    constant nor the final value.
     """
 
     shape_names = ()

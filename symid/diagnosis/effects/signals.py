@@ -16,7 +16,7 @@ from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
 LATE_FORCES = ("delay", "actuator_lag")
-"""Effects that are nearly the same: beside each other they tell nothing."""
+"""Effects that are nearly the same: together they are not determined."""
 
 
 def with_alike(keys: Iterable[Key]) -> frozenset[Key]:

@@ -21,19 +21,7 @@ _SETTLING = 4
 def applied(
     model: State, record: Record, allowed: BoolArray | None = None, placed: Sequence[Placed] | None = None
 ) -> tuple[State, Weighting]:
-    """A model with its values under another record, and the weighting that goes with them.
-
-    Parameters
-    ----------
-    model : State
-        The model, under any record.
-    record : Record
-        The log.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the record that may be used.
-    placed : sequence of Placed, optional
-        Effects, those of the model by default.
-    """
+    """A model with its values, and its effects or others, under another record, and the weighting of that."""
     effects = model.placed if placed is None else tuple(placed)
     state, weighting = first_state(record, model.prediction.parameters, allowed)
     if model.prediction.levels:

@@ -48,7 +48,7 @@ class Blocks:
     members : sequence of array
         Rows of each block.
     free : bool array of shape (n_columns,)
-        Values that are estimated anew where a block is left out: not those in which the prediction is far from linear.
+        Values that are estimated again where a block is left out: not those in which the prediction is far from linear.
     """
 
     columns: FloatArray
@@ -107,14 +107,7 @@ class Blocks:
 def blocks_of(state: State, weighting: Weighting, columns: FloatArray) -> Blocks:
     """A fitted model in blocks of the same number of rows.
 
-    Parameters
-    ----------
-    state : State
-        The model with its values.
-    weighting : Weighting
-        Of the errors.
-    columns : array of shape (n_columns, n_outputs, n_rows)
-        Weighted derivatives of the prediction by its values.
+    `columns` are weighted derivatives of the prediction by its values, of shape (n_columns, n_outputs, n_rows).
     """
     known, errors = (weighting.known(x, state.beginning) for x in (columns, state.rows))
     n_outputs, n_kept = len(state.rows), int(weighting.kept.sum())
@@ -139,14 +132,9 @@ def _free(state: State) -> BoolArray:
 
 
 def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
-    """Probability that one model predicts better than another, from blocks drawn anew (paired bootstrap).
+    """Probability that one model predicts better than another, from blocks drawn with replacement (paired bootstrap).
 
-    Parameters
-    ----------
-    before, after : array of shape (n_outputs, n_blocks)
-        Sums of squares of blocks left out.
-    n_rows : float
-        Independent rows of an output.
+    From sums of squares of blocks left out, of shape (n_outputs, n_blocks), and the independent rows of an output.
     """
     rng = np.random.default_rng(0)
     n = before.shape[1]
@@ -159,30 +147,14 @@ def certainty(before: FloatArray, after: FloatArray, n_rows: float) -> float:
 
 
 def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
-    """Standard deviation of the gain of one model over another, from the scatter of the blocks.
-
-    Parameters
-    ----------
-    one, other : array of shape (n_outputs, n_blocks)
-        Sums of squares of blocks left out.
-    n_rows : float
-        Independent rows of an output.
-    """
+    """Standard deviation of the gain of one model over another, from the scatter of the blocks; as `certainty`."""
     mean = (one.sum(axis=1) + other.sum(axis=1)) / 2
     gains = 0.5 * n_rows * np.sum((one - other) / np.maximum(mean, np.finfo(float).tiny)[:, None], axis=0)
     return float(np.std(gains) * np.sqrt(gains.size))
 
 
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:
-    """Logarithm of the likelihood of errors of unknown level in each output, but for a constant.
-
-    Parameters
-    ----------
-    squares : array of shape (n_outputs, n_blocks)
-        Sums of squares.
-    n_rows : float
-        Independent rows of an output.
-    """
+    """Logarithm of the likelihood of errors of unknown level in each output, but for a constant; as `certainty`."""
     return float(-0.5 * n_rows * np.sum(np.log(np.maximum(squares.sum(axis=1), np.finfo(float).tiny))))
 
 

@@ -1,7 +1,7 @@
 """Standard deviations of what was fitted, by two routes: the larger counts.
 
-Errors taken as an autoregressive process tell what noise does; the scatter of the gradients of blocks tells what errors
-of the model do, which are correlated over any time.
+Errors taken as an autoregressive process show the effect of noise. The scatter of the gradients of blocks shows that of
+errors of the model, which are correlated over any time.
 """
 
 from __future__ import annotations

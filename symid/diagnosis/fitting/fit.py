@@ -85,7 +85,7 @@ class Fit:
     def left(self) -> FloatArray:
         """Weighted rows without what unknown starts explain, zero where none are kept; shape (n_outputs, n_rows).
 
-        What the columns could still explain stays in them: a value at its bound is no perfect fit.
+        What the columns could still explain stays in them: a value at its bound is not a perfect fit.
         """
         rows = np.zeros_like(self.state.rows)
         error = self.weighting.known(self.state.rows, self.state.beginning)
@@ -142,17 +142,7 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
 
 
 def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
-    """Gauss-Newton from a state.
-
-    Parameters
-    ----------
-    state : State
-        Where to begin; its effects are fitted too.
-    weighting : Weighting
-        Of the errors.
-    iterations : int
-        At most.
-    """
+    """Gauss-Newton from a state, whose effects are fitted too."""
     fit, cost = Fit(state, weighting), cost_of(state, weighting)
     for _ in range(iterations):
         found, after = _searched(fit, cost)

@@ -78,15 +78,7 @@ class Start:
 
 
 def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
-    """The effects of fitted models at hidden joints, begun with the values found for them or for their twin.
-
-    Parameters
-    ----------
-    fit : Fit
-        The model without the effects.
-    found : sequence of Fit
-        Fitted models, each with one effect more.
-    """
+    """The effects of fitted models at hidden joints, begun with the values found for them or for their twin."""
     prediction = fit.state.prediction
     for other in found:
         item = other.state.placed[-1]
@@ -102,14 +94,7 @@ def from_other_places(fit: Fit, found: Sequence[Fit]) -> Iterator[Start]:
 def of_grid(fit: Fit, nominal: Fit, library: Sequence[Effect]) -> Iterator[Start]:
     """Strong effects in the spring of a hidden body, from values near the nominal ones.
 
-    Parameters
-    ----------
-    fit : Fit
-        The re-identified model, whose values count for all that is not hidden.
-    nominal : Fit
-        The model before re-identification.
-    library : sequence of Effect
-        What is considered.
+    The re-identified model `fit` gives all values that are not hidden; `nominal` is the model before re-identification.
     """
     for spring, body in _hidden_springs(nominal.state.prediction):
         grid = list(_near(fit, nominal, spring, body))
@@ -161,7 +146,7 @@ def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]
 
 
 def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
-    """Springs whose deflection no sensor tells, with the body that hangs on them."""
+    """Springs whose deflection no sensor reads, with the body that hangs on them."""
     for spring in (e for e in prediction.axis.elements if isinstance(e, Spring)):
         if not is_hidden(prediction, prediction.springs[place_of(spring)]):
             continue

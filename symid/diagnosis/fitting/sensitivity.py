@@ -99,12 +99,7 @@ def _shape_columns(prediction: Prediction, placed: Sequence[Placed], item: Place
 def parameter_columns(prediction: Prediction, misread: ComplexArray | None = None) -> ComplexArray:
     """Derivatives of the predicted outputs by the physical parameters, of shape (n_parameters, n_outputs, n_bins).
 
-    Parameters
-    ----------
-    prediction : Prediction
-        The axis at its parameters.
-    misread : array of shape (n_drives, n_bins), optional
-        What the driven positions are read wrong by: its motion is no motion of the bodies.
+    `misread`, (n_drives, n_bins), are errors of the driven positions: their motion is not a motion of the bodies.
     """
     n_drives = prediction.record.n_drives
     displacements, driven = prediction.displacements, prediction.outputs[:n_drives]

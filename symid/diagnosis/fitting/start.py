@@ -1,4 +1,4 @@
-"""The axis as it is declared, fitted to a record: where to begin, and where to begin anew."""
+"""The axis as it is declared, fitted to a record: where to begin, and from where to restart."""
 
 from __future__ import annotations
 
@@ -20,13 +20,7 @@ from symid.identification import identify
 
 
 def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
-    """Physical parameters by weighted least squares on the minimal regressor.
-
-    Raises
-    ------
-    SettingError
-        If they do not follow from the log.
-    """
+    """Physical parameters by weighted least squares on the minimal regressor."""
     try:
         found = identify(load_generated(axis, record.signals), record.log, examine=False).physical_parameters
     except SymidError as error:
@@ -42,7 +36,7 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
 
 
 _OTHER = (0.6, 0.77, 1.3, 1.7)
-"""Multiples of a stiffness, or of the shape of a declared imperfection, from which a fit begins anew."""
+"""Multiples of a stiffness, or of the shape of a declared imperfection, from which a fit restarts."""
 _FEW = 3
 """Iterations after which a fit from another stiffness that leaves more than the first is given up."""
 
@@ -51,16 +45,9 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
     """The axis without effects, fitted from given values and, where these lead astray, from other stiffnesses.
 
     A mode that lies some widths of its resonance away from where it is sought is not found by small steps: the fit
-    then lets the bodies behind it grow out of sight. A fit from another stiffness is taken if it leaves noise alone or
+    then lets the masses behind it grow without bound. A fit from another stiffness is taken if it leaves noise alone or
     a small share of what the first one leaves, or if it stays where the other ran away. Where none stays, the log does
-    not show the spring: masses and stiffnesses are then held within the range of what is no runaway.
-
-    Parameters
-    ----------
-    state : State
-        The axis with the values to begin with.
-    weighting : Weighting
-        Of the errors.
+    not show the spring: masses and stiffnesses are then held within the range of fits that stay.
     """
     first = _from_other_shapes(converged(state, weighting))
     springs, values = stiffnesses(state.prediction.axis), state.prediction.parameters

@@ -87,17 +87,7 @@ class State:
 def first_state(
     record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
 ) -> tuple[State, Weighting]:
-    """The axis at given parameters, with the imperfections that it declares, and the weighting that goes with them.
-
-    Parameters
-    ----------
-    record : Record
-        The log.
-    parameters : mapping of str to float
-        Physical parameters, SI.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the log that may be used.
-    """
+    """The axis at given parameters with its declared imperfections, and its weighting on allowed parts of the log."""
     prediction = prediction_of(record, parameters)
     prediction = prediction_of(record, parameters, before=prediction)
     weighting = weighting_in(prediction, allowed)
@@ -116,14 +106,7 @@ def first_state(
 def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
     """The same with weights that belong to its parameters, and that allow for errors of the model.
 
-    Parameters
-    ----------
-    state : State
-        The model.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the log that may be used.
-    levels : sequence of float
-        Error of each output, in multiples of its noise.
+    `levels` are the errors of the outputs in multiples of their noise; `allowed` are parts of the log that may be used.
     """
     prediction = state.prediction.leveled(levels)
     weighting = weighting_in(prediction, allowed)
@@ -234,7 +217,7 @@ def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
 
 
 def is_hidden(prediction: Prediction, joint: Joint) -> bool:
-    """Whether the motion of a joint follows from the model: two bodies, and no sensor that tells it."""
+    """Whether the motion of a joint follows from the model: two bodies, and no sensor that reads it."""
     dynamics = prediction.record.dynamics
     if not len(dynamics.bodies) == len(dynamics.motion[0]) == 2:
         return False

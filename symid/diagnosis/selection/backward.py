@@ -1,7 +1,7 @@
 """Effects found one after the other, judged together.
 
 What was found first stood in for what was found later, and forward selection does not take it back. With all others in
-the model, the effect found first is therefore sought anew among all candidates, and one that then explains nothing is
+the model, the effect found first is therefore sought again among all candidates, and one that then explains nothing is
 dropped (stepwise regression with replacement and backward elimination). What is left is put into the order of what the
 model loses without each, and fitted again in this order, so that the steps of the gap add up. Where one of them is
 worth nothing at its place, the order of what each took away when it was found is tried; and else they stay as they are.
@@ -26,7 +26,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _ITERATIONS = 3
 _RIVALS = 3
-"""Candidates sought anew that are fitted beside those that were, in place of the effect found first."""
+"""Candidates found in a new screening that are fitted beside those that were, in place of the effect found first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +61,7 @@ class Member:
 def backward_elimination(
     steps: Sequence[SelectionStep], library: Sequence[Effect]
 ) -> tuple[SelectionStep, ...]:
-    """Steps in the order of what their effects take away; those that take nothing are left out.
-
-    Parameters
-    ----------
-    steps : sequence of SelectionStep
-        As the search left them.
-    library : sequence of Effect
-        What is considered.
-    """
+    """Steps in the order of what their effects take away; those that take nothing are left out."""
     accepted = [step for step in steps if step.accepts]
     if len(accepted) < 2:
         return tuple(steps)
@@ -96,29 +88,13 @@ def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member])
 
 
 def without(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
-    """Steps without the effect of one of them, those that remain fitted again; the same if one then explains nothing.
-
-    Parameters
-    ----------
-    steps : sequence of SelectionStep
-        That accept their effects, at least two.
-    at : int
-        Of the effect that goes.
-    """
+    """Steps without the effect of one of them, the others fitted again; the same if one then explains nothing."""
     members = _members(steps)
     return _chain([*members[:at], *members[at + 1 :]], steps[0].before, math.inf) or tuple(steps)
 
 
 def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionStep, ...]:
-    """Steps with the effect of one of them as the first, fitted again; the same if one then explains nothing.
-
-    Parameters
-    ----------
-    steps : sequence of SelectionStep
-        That accept their effects, at least two.
-    at : int
-        Of the effect that is to be the first.
-    """
+    """Steps with the effect of one of them as the first, fitted again; the same if one then explains nothing."""
     members, whole = _members(steps), steps[-1].confirmed[0].fit
     order = [members[at], *members[:at], *members[at + 1 :]]
     chain = _chain(order, steps[0].before, math.inf, justified=True) or ()
@@ -134,7 +110,7 @@ def _members(steps: Sequence[SelectionStep]) -> list[Member]:
 
 
 def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) -> list[Member]:
-    """The effects, each beside all others: the first one sought anew, those left out that explain nothing.
+    """The effects, each beside all others: the first one sought again, those left out that explain nothing.
 
     None where one matters whose values are then not credible, and nothing can stand in its place.
     """
@@ -144,7 +120,7 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
     for i, step in enumerate(accepted):
         at = (
             len(whole.state.placed) - n
-        )  # what was dealt with goes to the end, so that the next one is the first
+        )  # an effect done with goes to the end: the next one is the first of the last n
         own, before = whole.state.placed[at], _without(whole, at)
         found = _chosen(first, before, own, step, library if i == 0 else ())
         matters = takes(before, whole, first)

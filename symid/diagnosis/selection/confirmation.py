@@ -30,16 +30,8 @@ def confirmed_from(
 ) -> Confirmed | None:
     """A candidate fitted from a start, and its gain over the model without it.
 
-    Parameters
-    ----------
-    fit : Fit
-        The model without it.
-    start : Start
-        Its values to begin with.
-    most : float
-        Mean square from which on it is not fitted any better, as others leave much less.
-    beside : sequence of Placed
-        Effects known to be there that the model has not yet.
+    It is fitted no better from a mean square `most` on, as others leave much less. Effects `beside` are known to be
+    there, but the model has them not yet.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):

@@ -25,14 +25,7 @@ _FRICTIONS = (*_DIFFERS, "coulomb_friction", "viscous_friction", "stribeck_frict
 def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] = ()) -> bool:
     """Whether a machine can be as a model with one more effect says, and the log determines its values.
 
-    Parameters
-    ----------
-    fit, found : Fit
-        The model without and with it.
-    blocks : Blocks
-        Of the latter.
-    beside : sequence of Placed
-        Effects known to be there that neither model has yet.
+    `blocks` are those of the model with the effect; effects `beside` are known to be there, in neither model yet.
     """
     item, prediction = found.state.placed[-1], found.state.prediction
     explains = found.mean_square < THRESHOLDS.explains_all * fit.mean_square

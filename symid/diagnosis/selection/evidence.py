@@ -155,17 +155,7 @@ class Errors:
 
 
 def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outcome:
-    """Probabilities of the verdicts.
-
-    Parameters
-    ----------
-    steps : sequence of SelectionStep
-        Of the search.
-    upheld : int
-        How many of the effects accepted hold on the validation data.
-    errors : Errors
-        On the validation data.
-    """
+    """Probabilities of the verdicts; `upheld` effects hold on the validation data, which the errors are of."""
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(steps[0]) if steps else 0.0
@@ -205,7 +195,7 @@ def _covers(errors: Errors) -> float:
 
 
 def _in_vain(errors: Errors) -> float:
-    """Probability that what was found is no cause of the gap, but lies near to one: it takes too little of it away."""
+    """Probability that an effect found is not a cause of the gap but only near one: it takes too little of it away."""
     if errors.explained <= THRESHOLDS.noise_alone or not np.isfinite(errors.left):
         return 0.02
     return 0.02 + 0.96 * _logistic((THRESHOLDS.least_removed - (1 - errors.left)) / THRESHOLDS.removed_width)

@@ -24,19 +24,14 @@ _OTHER_PLACES = 3
 def forward_selection(
     fit: Fit, library: Sequence[Effect], nominal: Fit | None = None
 ) -> tuple[SelectionStep, ...]:
-    """Turns of the search: the first, and those that accept their best candidate after it.
+    """Steps of the search: the first, and those that accept their best candidate after it.
 
-    Parameters
-    ----------
-    fit : Fit
-        The re-identified model.
-    library : sequence of Effect
-        What is considered.
-    nominal : Fit, optional
-        The model before re-identification, another start for effects that led the parameters astray.
+    The model before re-identification, `nominal`, is another start for effects that led the parameters astray.
     """
     fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
+    # Greedy but for one choice: a delay and a lag are nearly the same until further effects are in the model. Where one
+    # of them comes first, both searches are run to their end, and the better prediction of blocks left out decides.
     first = _selection_step(fit, library, nominal).with_acceptable()
     branches = [_continued(fit, begun, library) for begun in (first, *first.other_timing())]
     return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
@@ -81,6 +76,7 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
+    # A refinement may imitate its simpler effect, as presliding does Coulomb friction: both are fitted and compared.
     simpler = [c.placed for c in found if _is_simpler(c.placed.key, tried)]
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in simpler], confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
@@ -112,6 +108,9 @@ def _stages(
     confirmed: Mapping[Key, Confirmed],
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
+    # Screening is linear, confirmation is not. The likeliest candidates come first, from the values of their screening;
+    # then starts for errors with several minima, each only while nothing explains the error: joints integrated with
+    # their motion, the nominal model, effects carried over to other hidden places, a grid over the hidden spring.
     best_gain = max((max(c.penalised_gain, c.white_penalised_gain) for c in found), default=0.0)
     least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * best_gain)
     promising = [c for c in found if max(c.penalised_gain, c.white_penalised_gain) > least]

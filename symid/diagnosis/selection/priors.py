@@ -1,8 +1,8 @@
-"""What speaks for one effect rather than another besides the errors of its fit.
+"""Prior knowledge that favours one effect over another, besides the errors of its fit.
 
 A constant force and friction that is stronger one way are the same force while an axis moves. Friction that has grown
 one way has raised the mean level as much as it differs by, though; a constant force has left it alone. So the level
-beside its nominal value tells which of the two is there. And while an axis turns steadily, a periodic force of its
+beside its nominal value shows which of the two is there. And while an axis turns steadily, a periodic force of its
 position, which every motor has, is one of time.
 """
 
@@ -20,7 +20,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 
 def temperature(best: float) -> float:
-    """By what gains in log-likelihood are divided where the best candidate gains so much.
+    """Temperature by which gains in log-likelihood are divided, from that of the best candidate.
 
     Examples
     --------
@@ -33,12 +33,7 @@ def temperature(best: float) -> float:
 def prior(state: State, nominal: Mapping[str, float]) -> float:
     """Logarithm of the prior odds of the last effect of a model, beside others that explain as much.
 
-    Parameters
-    ----------
-    state : State
-        The model with its values.
-    nominal : mapping of str to float
-        Values that the user gave; empty if there are none.
+    `nominal` are the values that the user gave; empty if there are none.
     """
     item = state.placed[-1]
     if item.effect.name == "asymmetric_friction":

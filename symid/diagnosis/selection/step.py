@@ -46,12 +46,12 @@ class Confirmed:
 
     @property
     def placed(self) -> Placed:
-        """What was added, with its place and values."""
+        """The effect added, with its place and values."""
         return self.fit.state.placed[-1]
 
     @property
     def effect(self) -> Effect:
-        """What was added."""
+        """Effect and place added."""
         return self.placed.effect
 
     @property
