@@ -29,8 +29,8 @@ from scipy import linalg, signal
 import symid
 from symid.axis import Axis
 from symid.output_error import OutputErrorIdentification, identify_output_error
-from symid.output_error.comparison import ErrorModel
-from symid.output_error.starts import rigid_start, spread, with_heavy_bodies
+from symid.output_error.error_model import ErrorModel
+from symid.output_error.rough_starts import rigid_start, spread, with_heavy_bodies
 from symid.simulation import (
     Cascade,
     Command,

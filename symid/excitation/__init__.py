@@ -1,6 +1,6 @@
 """Design of the reference for an identification: the motion within limits that determines the parameters best."""
 
-from symid.excitation.design import Design, design
+from symid.excitation.best_reference import Design, design
 from symid.excitation.expectation import Expectation, IdentificationTrial
 from symid.excitation.references import references
 

@@ -26,7 +26,7 @@ from symid.identification import (
     judged,
     observe,
 )
-from symid.instrumental.estimate import InstrumentalFit, estimate_by_instruments
+from symid.instrumental.instrumental_fit import InstrumentalFit, estimate_by_instruments
 from symid.instrumental.recorded_gains import cascade_of_log
 from symid.simulation import ClosedLoop
 

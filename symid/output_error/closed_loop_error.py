@@ -18,7 +18,7 @@ from scipy.linalg import solve_triangular
 from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
-from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ClosedLoop
 
 _ORDER = 12

@@ -13,13 +13,13 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
 from symid.identification.settings import said_delays
-from symid.output_error.comparison import ErrorModel
-from symid.output_error.estimate import LikelihoodFit
+from symid.output_error.error_model import ErrorModel
+from symid.output_error.fit_status import remarks_on, verdict_of
 from symid.output_error.hidden_laws import Models, models_of
-from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.likelihood_fit import LikelihoodFit
+from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.result import OutputErrorIdentification
-from symid.output_error.starts import plausible, rigid_start, spread, with_heavy_bodies
-from symid.output_error.verdict import remarks_on, verdict_of
+from symid.output_error.rough_starts import plausible, rigid_start, spread, with_heavy_bodies
 from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
 
 

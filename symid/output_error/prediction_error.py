@@ -17,7 +17,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.data import Log
-from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.predictor import Predictor, predictor
 from symid.output_error.run import LogRun, Motion, motion_between
 from symid.output_error.sampled_plant import SampledPlant, sampled_plant

@@ -15,9 +15,9 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.identification.physical import jacobian
 from symid.identification.result import headline_of
-from symid.output_error.comparison import ErrorModel
-from symid.output_error.estimate import LikelihoodFit
-from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.error_model import ErrorModel
+from symid.output_error.likelihood_fit import LikelihoodFit
+from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.prediction_error import PredictionError
 from symid.shown import Shown
 

@@ -13,7 +13,7 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.errors import SymidError
 from symid.output_error.levenberg_marquardt import Minimum, central_slope, minimise
-from symid.output_error.prediction import OutputErrorPrediction
+from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.simulation import ForwardDynamics
 
 _LOGARITHMIC_STEP = 1e-5

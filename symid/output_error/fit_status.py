@@ -11,7 +11,7 @@ from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.misfit import said_unexplained
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters
-from symid.output_error.estimate import LikelihoodFit
+from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0

@@ -14,7 +14,7 @@ from symid.data import Log, QuinticSpline
 from symid.errors import SettingError
 from symid.identification import Preparation
 from symid.output_error.closed_loop_error import ClosedLoopError
-from symid.output_error.estimate import LikelihoodFit, fit_errors
+from symid.output_error.likelihood_fit import LikelihoodFit, fit_errors
 from symid.output_error.prediction_error import PredictionError
 from symid.output_error.run import run_of
 from symid.output_error.search import RunError
