@@ -41,7 +41,7 @@ _TURN = repr(math.tau)
 
 @dataclass(frozen=True)
 class Imperfection(ABC):
-    """Base of what acts beyond the regressor.
+    """Base class of effects with given numbers that no regressor contains.
 
     Simulation and exports read what it does from `law` and `rate`, in the names of the fields, q and v (displacement
     and velocity of its joint), t (time), F (force of the drive), y (reading) and z (what it remembers).
@@ -248,7 +248,7 @@ class EncoderRipple(Imperfection):
 
 @dataclass(frozen=True)
 class PayloadChange(Imperfection):
-    """The mass (or inertia) of a body is another from a moment on.
+    """The mass (or inertia) of a body changes at a moment.
 
     Parameters
     ----------

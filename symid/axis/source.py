@@ -93,7 +93,7 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
 
 
 def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis:
-    """Write an axis to a file, from which `load_axis` reads it; what the file held before is lost.
+    """Write an axis to a file, from which `load_axis` reads it; an existing file is overwritten.
 
     Parameters
     ----------

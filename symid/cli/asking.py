@@ -1,4 +1,4 @@
-"""Questions of `symid import` on what a foreign file does not say."""
+"""Questions of `symid import` on what a foreign file leaves open."""
 
 from __future__ import annotations
 

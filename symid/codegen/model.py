@@ -1,4 +1,4 @@
-"""`GeneratedModel`: what the numeric half knows of an axis, read from a generated module."""
+"""`GeneratedModel`: the model of an axis for the numeric packages, read from a generated module."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def diagnose(
     library: Sequence[Effect] = LIBRARY,
     controller: Cascade | Sequence[Cascade] | None = None,
 ) -> Diagnosis:
-    """Why simulation and machine differ.
+    """Find out why simulation and machine differ.
 
     Parameters
     ----------

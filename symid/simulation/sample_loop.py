@@ -33,6 +33,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
     for k in range(begin, end):
         inputs[:n_memory] = memory
         inputs[n_memory : n_known - ages.size] = references[k]
+        # Readings of sample k see the motion up to it, and forces act after it: there is no algebraic loop.
         for i in range(ages.size):
             value = _taken(k - 1 - ages[i], places[i], rows, i, states, accelerations, between)
             if misread[i] >= 0:
@@ -49,6 +50,7 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
             return k - begin
         if not asked:
             _product(law_after, inputs, after)
+        # The mode holds over the whole sample, or this sample is not made: the engine then finds the event within it.
         z[n_state : n_state + n_drives] = forces[k]
         if is_timed:
             laws.arguments[2], laws.arguments[3] = np.abs(forces[k]).sum(), (k + 0.5) * channels.period

@@ -1,4 +1,4 @@
-"""Units as they are written in headers and options: what is taken is only what a unit means for its signal.
+"""Units as they are written in headers and options: a unit is interpreted for its signal.
 
     unit   = ["/"] factor { ["*" | "·" | " " | "/" | "per"] factor }
     factor = number | name [power] | "(" unit ")"

@@ -30,7 +30,7 @@ def diagnose(
     controller: Cascade | Sequence[Cascade] | None = None,
     **columns: Any,
 ) -> Diagnosis:
-    """Why simulation and machine differ.
+    """Find out why simulation and machine differ.
 
     Parameters
     ----------

@@ -111,6 +111,7 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
                 continue
             place, speed = q[j, k] + joints[0, j] * x, v[j, k] + joints[0, j] * rate
             level = _at(j, place, speed, courses[j, k], operations, operands, ends, arguments, stack)
+            # the force that would stop the joint within the step, or the level of the law if that is smaller
             own = speed / (joints[0, j] * inputs[0, 1] * joints[1, j])
             own = level if own > level else -level if own < -level else own
             forces[j, i] = own
