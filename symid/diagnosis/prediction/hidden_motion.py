@@ -11,21 +11,21 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 import scipy
 import sympy as sp
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import ComplexArray, FloatArray, read_only
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 from symid.simulation.postfix import Program, program
 
-_POINTS_PER_ROW = 2
-"""Of the integration: the band ends at a quarter of that rate."""
 ARGUMENTS = ("q", "v", "_course", "_z", "_load")
 """Of the programs of laws, before their values; rewritten at each step."""
+_KEPT = 64
+"""Directions and discretised equations that are kept: derivatives by values of laws ask for the same ones."""
 _NOTHING = 1e-9
 """Share of a change that rounding leaves in an equation in which it does not stand."""
 
@@ -88,13 +88,18 @@ class HiddenMotion:
 
 def hidden_motion(plant: Plant, driven: FloatArray) -> HiddenMotion:
     """The hidden coordinate for the row of the driven position; two bodies."""
-    free = np.linalg.svd(driven[None])[2][-1]
-    balance = np.linalg.svd(plant.drive[None])[2][-1]
+    free, balance = _beside(tuple(driven)), _beside(tuple(plant.drive))
     carried = driven / (driven @ driven)
     stiffness = balance @ plant.stiffness @ free
     if stiffness:
         carried = carried - free * (balance @ plant.stiffness @ carried) / stiffness
     return HiddenMotion(free, carried, balance)
+
+
+@lru_cache(maxsize=_KEPT)
+def _beside(row: tuple[float, ...]) -> FloatArray:
+    """Direction of unit length in which a product with a row is zero."""
+    return read_only(np.linalg.svd(np.array([row]))[2][-1])
 
 
 def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
@@ -111,40 +116,34 @@ def acts_on_hidden(plant: Plant, other: Plant, driven: FloatArray) -> bool:
 def integrated_motion(
     record: Record,
     plant: Plant,
-    known: ComplexArray,
+    known: FloatArray,
     laws: Sequence[tuple[FloatArray, Pointwise]],
 ) -> tuple[ComplexArray, tuple[ComplexArray, ...]]:
     """Spectra of the displacements of two bodies, (2, n_bins), and of the force of each law on hidden motion.
 
-    `known` are spectra of other forces on the bodies, (n_bins, 2); a law has the direction of its joint and its force.
+    `known` are other forces on the bodies as `Record.course`, (2, n_points); a law has the direction of its joint and
+    its force.
     """
-    driven = plant.sensors[record.signals[0]][0]
     # The measured position fixes one combination of the two bodies; one coordinate is left. What the measured motion
-    # does to its balance is linear and made in the frequency domain; only this coordinate is stepped in time.
-    hidden, s = hidden_motion(plant, driven), 1j * record.omega
-    carried = np.stack([m @ hidden.carried for m in (plant.stiffness, plant.damping, plant.mass)])
-    inertia = (
-        np.tensordot(np.stack([np.ones_like(s), s, s**2]), carried, axes=(0, 0)) * record.motion[:, None]
-    )
-    n_points, stride = record.n_rows * _POINTS_PER_ROW, record.fine_per_row // _POINTS_PER_ROW
+    # does to its balance is linear in courses that are the same for all models; only this coordinate is stepped in time.
+    hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
     row, by_state = _drive_balance(plant, hidden)
+    matrices = plant.stiffness, plant.damping, plant.mass
+    rows = np.stack([hidden.balance, -row])
+    pushed, load = rows @ known - np.stack([rows @ m @ hidden.carried for m in matrices], 1) @ record.driven_courses
     mass, damping, stiffness = (
         float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
     )
+    n_points = pushed.size
     step = record.period / n_points
     z, forces = _periodic(
         _discretised(mass, damping, stiffness, step),
-        _Driven(
-            record.grid((known - inertia) @ hidden.balance, n_points),
-            record.grid((inertia - known) @ row, n_points),
-            record.grid(record.motion, n_points),
-            record.grid(s * record.motion, n_points),
-        ),
+        _Driven(pushed, load, *record.driven_courses[:2]),
         np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws]),
         by_state,
         [law for _, law in laws],
         math.ceil(record.duration / step),
-        stride,
+        record.n_fine // n_points,
     )
     displacement = np.multiply.outer(hidden.carried, record.motion) + np.multiply.outer(
         hidden.free, record.from_grid(z)
@@ -230,13 +229,14 @@ def _stepped(
     states, forces = steps(
         transition,
         np.stack([first + second, second]),
-        np.outer(first, driven.pushed) + np.outer(second, np.roll(driven.pushed, -1)),
-        np.multiply.outer(joints[:, 0], driven.q),
-        np.multiply.outer(joints[:, 0], driven.v),
+        first,
+        driven.pushed,
+        driven.q,
+        driven.v,
         courses,
         driven.load,
         by_state,
-        np.column_stack([joints[:, 1:], [law.reach for law in laws]]).T.copy(),
+        np.column_stack([joints, [law.reach for law in laws]]).T.copy(),
         np.array([law.dry for law in laws]),
         np.concatenate([p.operations for p in programs]),
         np.concatenate([p.operands for p in programs]),
@@ -251,6 +251,7 @@ def _stepped(
     return states, list(forces)
 
 
+@lru_cache(maxsize=_KEPT)
 def _discretised(
     mass: float, damping: float, stiffness: float, step: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -25,7 +25,8 @@ def _built_up(z, path, reach):  # type: ignore[no-untyped-def]
 def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
     transition,
     inputs,
-    given,
+    first,
+    pushed,
     q,
     v,
     courses,
@@ -50,19 +51,21 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
         Of the hidden coordinate and its rate over a step without forces.
     inputs : array of shape (2, 2)
         What a force that is held over the step does, and one that rises to 1 over it.
-    given : array of shape (2, n_points)
-        What all other forces do over each step.
-    q, v : arrays of shape (n_laws, n_points)
-        Displacement and velocity of each joint without the hidden coordinate.
+    first : array of shape (2,)
+        What a force at the beginning of the step does that falls to 0 over it.
+    pushed : array of shape (n_points,)
+        All other forces.
+    q, v : arrays of shape (n_points,)
+        Driven position and its velocity.
     courses : array of shape (n_laws, n_points)
         Factors that follow the time.
     load : array of shape (n_points,)
         Drive force without the hidden coordinate and the laws.
     by_state : array of shape (2,)
         Shares of the hidden coordinate and its rate in the drive force.
-    joints : array of shape (4, n_laws)
-        Displacement for a unit of the hidden coordinate, shares of the force in that of the hidden coordinate and in
-        the drive's, reach of Dahl's state.
+    joints : array of shape (5, n_laws)
+        Displacement for a unit of the driven position and for one of the hidden coordinate, shares of the force in that
+        of the hidden coordinate and in the drive's, reach of Dahl's state.
     dry : bool array of shape (n_laws,)
         Which are dry friction.
     operations, operands, ends : arrays
@@ -82,13 +85,15 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
         k = order[i]
         if i:
             last = order[i - 1]
-            ahead = transition[0, 0] * x + transition[0, 1] * rate + given[0, last] - inputs[0, 0] * force
-            rate = transition[1, 0] * x + transition[1, 1] * rate + given[1, last] - inputs[0, 1] * force
+            now, then = pushed[last], pushed[(last + 1) % pushed.size]
+            given, quickened = first[0] * now + inputs[1, 0] * then, first[1] * now + inputs[1, 1] * then
+            ahead = transition[0, 0] * x + transition[0, 1] * rate + given - inputs[0, 0] * force
+            rate = transition[1, 0] * x + transition[1, 1] * rate + quickened - inputs[0, 1] * force
             x = ahead
         drive = load[k] + by_state[0] * x + by_state[1] * rate
         if i:
             for j in range(n_laws):
-                drive += joints[2, j] * forces[j, i - 1]
+                drive += joints[3, j] * forces[j, i - 1]
         # dry friction acts over the step that ends here, smooth forces act at its end
         midway = 0.5 * (drive + before_drive) if i else drive
         before_drive = drive
@@ -97,26 +102,26 @@ def steps(  # type: ignore[no-untyped-def]  # compiled for arrays
             arguments[j, 4] = midway if dry[j] else drive
             if dry[j]:
                 continue
-            place, speed = q[j, k] + joints[0, j] * x, v[j, k] + joints[0, j] * rate
-            if np.isfinite(joints[3, j]):
-                arguments[j, 3] = _built_up(arguments[j, 3], place - before[j], joints[3, j])
+            place, speed = joints[0, j] * q[k] + joints[1, j] * x, joints[0, j] * v[k] + joints[1, j] * rate
+            if np.isfinite(joints[4, j]):
+                arguments[j, 3] = _built_up(arguments[j, 3], place - before[j], joints[4, j])
                 before[j] = place
             own = _at(j, place, speed, courses[j, k], operations, operands, ends, arguments, stack)
             forces[j, i] = own
-            total += joints[1, j] * own
+            total += joints[2, j] * own
         x -= inputs[1, 0] * (total - force)
         rate -= inputs[1, 1] * (total - force)
         for j in range(n_laws):
             if not dry[j]:
                 continue
-            place, speed = q[j, k] + joints[0, j] * x, v[j, k] + joints[0, j] * rate
+            place, speed = joints[0, j] * q[k] + joints[1, j] * x, joints[0, j] * v[k] + joints[1, j] * rate
             level = _at(j, place, speed, courses[j, k], operations, operands, ends, arguments, stack)
             # the force that would stop the joint within the step, or the level of the law if that is smaller
-            own = speed / (joints[0, j] * inputs[0, 1] * joints[1, j])
+            own = speed / (joints[1, j] * inputs[0, 1] * joints[2, j])
             own = level if own > level else -level if own < -level else own
             forces[j, i] = own
-            x -= inputs[0, 0] * joints[1, j] * own
-            rate -= inputs[0, 1] * joints[1, j] * own
+            x -= inputs[0, 0] * joints[2, j] * own
+            rate -= inputs[0, 1] * joints[2, j] * own
         force = total
         states[i] = x
     return states, forces

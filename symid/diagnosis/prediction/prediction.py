@@ -98,6 +98,11 @@ class Prediction:
         return total
 
     @cached_property
+    def law_courses(self) -> FloatArray:
+        """The same at the points of an integration, of shape (n_bodies, n_points)."""
+        return self.record.course(self.law_forces.T)
+
+    @cached_property
     def outputs(self) -> ComplexArray:
         """Drive forces and further readings without effects of drives and of sensors, shape (n_outputs, n_bins)."""
         if self.of_integrated is not None:
@@ -274,9 +279,11 @@ def prediction_of(
         weights = noise_weights(record, response, levels)
     n = len(response.plant.bodies)
     of_effects = np.zeros((record.n_bins, n), dtype=complex) if forces is None else forces
-    acting = of_effects if before is None else of_effects + before.law_forces
     if integrated:
-        moved, pushes = integrated_motion(record, response.plant, acting, integrated)
+        known = np.zeros((n, 1)) if before is None else before.law_courses
+        if of_effects.any():
+            known = known + record.course(of_effects.T)
+        moved, pushes = integrated_motion(record, response.plant, known, integrated)
         own = -sum(np.multiply.outer(push, d) for push, (d, _) in zip(pushes, integrated, strict=True))
         return Prediction(
             record,
@@ -290,6 +297,7 @@ def prediction_of(
             tuple(impedances),
             levels,
         )
+    acting = of_effects if before is None else of_effects + before.law_forces
     moved = response.displacements(record.motions, acting)
     observed = _as_measured(record, response, moved)
     return Prediction(

@@ -38,6 +38,8 @@ _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
 _FINEST = 8
+_POINTS_PER_ROW = 2
+"""Of an integration."""
 _FINEST_FORCE = 1e-4
 """Noise of a force that is known best, relative to the largest: a record of 12 bits has more."""
 _FINEST_READING = 1e-8
@@ -188,6 +190,12 @@ class Record:
         return np.asarray(self.motions[0])
 
     @cached_property
+    def driven_courses(self) -> FloatArray:
+        """Course of the first driven position, its velocity and its acceleration, of shape (3, n_points)."""
+        s = 1j * self.omega
+        return self.course(np.stack([self.motion, s * self.motion, s**2 * self.motion]))
+
+    @cached_property
     def measured(self) -> ComplexArray:
         """Spectra of the drive forces and of the other sensors, of shape (n_outputs, n_bins)."""
         forces = map(self._in_time, self.forces, self.whole_forces)
@@ -269,6 +277,10 @@ class Record:
     def rows(self, spectrum: ComplexArray) -> FloatArray:
         """Signal at the rows."""
         return self.grid(spectrum, self.n_rows)
+
+    def course(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal at the points of an integration: the band ends at a quarter of their rate."""
+        return self.grid(spectrum, _POINTS_PER_ROW * self.n_rows)
 
     def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
         """Signal at any number of evenly spaced points of a period."""
