@@ -130,7 +130,9 @@ def integrated_motion(
     row, by_state = _drive_balance(plant, hidden)
     matrices = plant.stiffness, plant.damping, plant.mass
     rows = np.stack([hidden.balance, -row])
-    pushed, load = rows @ known - np.stack([rows @ m @ hidden.carried for m in matrices], 1) @ record.driven_courses
+    pushed, load = (
+        rows @ known - np.stack([rows @ m @ hidden.carried for m in matrices], 1) @ record.driven_courses
+    )
     mass, damping, stiffness = (
         float(hidden.balance @ m @ hidden.free) for m in (plant.mass, plant.damping, plant.stiffness)
     )

@@ -284,7 +284,7 @@ class Record:
 
     def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
         """Signal at any number of evenly spaced points of a period."""
-        return np.asarray(scipy.fft.irfft(spectrum, n)) * (n / self.n_extended)
+        return np.asarray(scipy.fft.irfft(spectrum * (1 / self.n_extended), n, norm="forward"))
 
     def _spectrum(self, values: FloatArray) -> ComplexArray:
         return np.asarray(scipy.fft.rfft(values)[: self.n_bins])

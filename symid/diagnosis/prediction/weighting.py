@@ -9,13 +9,13 @@ because no model predicts friction at rest; reversals stay.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.diagnosis.prediction.record import Record
 
 SLOW_SHARE = 0.004
@@ -57,6 +57,7 @@ class Weighting:
     density: FloatArray
     restarts: FloatArray
     allowed: BoolArray | None = None
+    _begun: dict[str, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     def rows(self, errors: ComplexArray) -> FloatArray:
         """Weighted errors of shape (..., n_outputs, n_rows) from spectra of shape (..., n_outputs, n_bins)."""
@@ -78,12 +79,19 @@ class Weighting:
         beginning : array of shape (n_starts, n_outputs, n_rows)
             What an unknown state at the beginning of the log makes of them.
         """
-        flat = _without(self.flat(rows), self._basis)
-        return _without(flat, _orthonormal(_without(self.flat(beginning), self._basis)))
+        if self._begun.get("rows") is not beginning:  # a step of a fit asks several times
+            basis = _orthonormal(_without(self.flat(beginning), self._basis))
+            self._begun.update(rows=beginning, basis=basis)
+        return _without(_without(self.flat(rows), self._basis), self._begun["basis"])
 
     def flat(self, rows: FloatArray) -> FloatArray:
         """Kept rows one after the other, of shape (..., n_outputs * n_kept)."""
-        return rows[..., self.kept].reshape(*rows.shape[:-2], rows.shape[-2] * int(self.kept.sum()))
+        kept = rows.take(self._places, axis=-1)
+        return kept.reshape(*rows.shape[:-2], kept.shape[-2] * kept.shape[-1])
+
+    @cached_property
+    def _places(self) -> IntArray:
+        return np.flatnonzero(self.kept)
 
     @cached_property
     def _basis(self) -> FloatArray:

@@ -102,7 +102,7 @@ class _Projection:
                 continue
             unit = group / norms[:, None]
             target = unit @ self.left
-            share = np.linalg.lstsq(unit @ unit.T, target, rcond=1e-8)[0]
+            share = target if len(unit) == 1 else np.linalg.lstsq(unit @ unit.T, target, rcond=1e-8)[0]
             if fixed:
                 share = norms
                 closed = float(2 * target @ share - share @ (unit @ unit.T) @ share) / self.square
