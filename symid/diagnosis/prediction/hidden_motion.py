@@ -125,7 +125,7 @@ def integrated_motion(
     its force.
     """
     # The measured position fixes one combination of the two bodies; one coordinate is left. What the measured motion
-    # does to its balance is linear in courses that are the same for all models; only this coordinate is stepped in time.
+    # does to its balance is linear in courses that all models share; only this coordinate is stepped in time.
     hidden = hidden_motion(plant, plant.sensors[record.signals[0]][0])
     row, by_state = _drive_balance(plant, hidden)
     matrices = plant.stiffness, plant.damping, plant.mass
