@@ -74,10 +74,15 @@ def repeated(x: FloatArray) -> BoolArray:
     # between i and i + 1 nothing changes, though it moves the same way before and after
     before, after = x[n : -n - 1] - x[: -2 * n - 1], x[2 * n + 1 :] - x[n + 1 : -n]
     least = _STEPS * max(smallest, noise)
-    odd = (step[n:-n] == 0.0) & (np.minimum(np.abs(before), np.abs(after)) > least) & (before * after > 0)
+    steady = (np.minimum(np.abs(before), np.abs(after)) > least) & (before * after > 0)
+    odd, usual = (step[n:-n] == 0.0) & steady, np.abs(before + after) / (2 * n)
+    # where the smallest steps come among large ones as often, rough values are rounded to the same by chance
+    small = (step[n:-n] > 0.0) & (step[n:-n] < np.minimum(1.5 * smallest, 0.5 * usual)) & steady
+    if 2 * np.count_nonzero(small) >= np.count_nonzero(odd):
+        return found
     # a machine that stops for a moment slows down before; a lost sample has a full step beside it
     beside = np.maximum(step[n - 1 : -n - 1], step[n + 1 : -n + 1])
-    odd &= beside > 0.25 * np.abs(before + after) / n
+    odd &= beside > 0.5 * usual
     # the largest value of a clipped or limited channel is repeated for another reason
     odd &= (x[n : -n - 1] < x.max()) & (x[n : -n - 1] > x.min())
     found[n + 1 : -n] = odd

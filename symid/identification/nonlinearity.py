@@ -27,6 +27,8 @@ from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
 """Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
+_WORST_CLOCK = 0.02
+"""Relative difference of two clocks; a delay that grows faster along a log has another cause."""
 _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
@@ -148,7 +150,8 @@ class ColumnTests:
             grown = [self._growing(r, self.parts[r.part].moved(*names).slope) for r in self.rows]
             drift = _Column.of(Z, rest, np.concatenate(grown), y)
             certain = max(self.criteria.clock_explains, self._certain(rest, self.criteria.clock_certain))
-            if drift.share > certain and abs(drift.factor) > self.criteria.clock_drift * period:
+            longest = _WORST_CLOCK * period * max(part.log.n_samples for part in self.parts)
+            if drift.share > certain and self.criteria.clock_drift * period < abs(drift.factor) < longest:
                 return (
                     f"the time of {' and '.join(names)} drifts by {drift.factor / period:+.2g} samples from begin to "
                     "end of the log against the other signals: clocks run at different rates; resample by their own "

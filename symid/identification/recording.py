@@ -35,8 +35,8 @@ _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
 _LIMITED_SHARE = 0.01
 """Of all steps that are as large as the largest: noise makes no two of them."""
-_SWITCHED, _SOME = 3, 1000
-"""Values that a force which is switched has at most, and samples that are looked at before all of them."""
+_FEW_STEPS, _SOME = 10, 1000
+"""Changes of a force that are a sequence of steps, and samples that are looked at before all of them."""
 
 
 def fault_of(
@@ -136,20 +136,22 @@ def _slew_limited(x: FloatArray) -> float:
 
 
 def is_switched(force: FloatArray) -> bool:
-    """Whether a force only ever has two levels, and 0 at rest, as that of a relay or a binary sequence.
+    """Whether a force is that of a relay or a binary sequence, with two levels and 0 at rest, or of a few steps.
 
-    What rounding leaves of a small force passes 0 between both.
+    What rounding leaves of a small force passes 0 between both levels, and changes often.
 
     Examples
     --------
-    >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
+    >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.tile([0.0, 1.0, 0.0, -1.0], 9))
     (True, False)
     """
-    if np.unique(force[:: max(force.size // _SOME, 1)]).size > _SWITCHED:
+    if np.unique(force[:: max(force.size // _SOME, 1)]).size > _FEW_STEPS + 1:
         return False
     levels, steps = np.unique(force), np.abs(np.diff(force))
-    across = np.mean(steps[steps > 0] == np.ptp(levels)) if np.any(steps) else 0.0
-    return bool(levels.size == 2 or (levels.size == _SWITCHED and 0.0 in levels and 2 * across >= 1.0))
+    changes = steps[steps > 0]
+    across = bool(changes.size) and 2 * np.mean(changes == np.ptp(levels)) >= 1.0
+    two = levels.size == 2 or (levels.size == 3 and 0.0 in levels and across)
+    return bool(two or 0 < changes.size <= _FEW_STEPS)
 
 
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:

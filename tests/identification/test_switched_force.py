@@ -52,3 +52,9 @@ def test_a_relay_is_no_limit_and_no_coarse_record(run: dict[str, np.ndarray]) ->
 )
 def test_what_is_switched(force: list[float], switched: bool) -> None:
     assert is_switched(np.tile(force, 300)) is switched
+
+
+def test_a_few_steps_are_no_rounding() -> None:
+    levels = np.repeat([0.0, 2.0, 4.0, 6.0, 0.0], 150)
+    assert is_switched(levels)
+    assert not is_switched(levels + np.tile([0.0, 2.0], 375))  # a rounded force changes often
