@@ -14,7 +14,7 @@ residual r at the estimate. Where they are right, the estimate is off by -(W'S^2
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -91,31 +91,50 @@ def bias_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) 
     fit : LeastSquares
         The parameters, all determined.
     """
-    return replace(_bias_and_growth(model, parts, fit)[0], removed=None)
+    return Bias(NoiseBias.of(model, parts, fit).whole, _bias_of_preparation(model, parts, fit))
 
 
-def _bias_and_growth(
+@dataclass(frozen=True, eq=False)
+class NoiseBias:
+    """Bias by noise of the sensors in W, the part that can be taken off, and by what matrix errors grow by that."""
+
+    whole: FloatArray
+    removed: FloatArray
+    growth: FloatArray
+
+    @classmethod
+    def of(cls, model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> NoiseBias:
+        """From the logs that were identified; parameters as in `bias_of`."""
+        p, root = fit.solution.size, fit.rank.inverse_root
+        noise = np.zeros((p, p + 1))
+        for part, weights in _weighted(model, parts, fit):
+            noise += np.einsum("j,jab->ab", weights * part.observation.valid.sum(axis=1), part.noise)[:p]
+        # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
+        shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
+        growth = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
+        taken, steps = shares < _TAKEN, root @ directions
+        moves = growth * (steps.T @ (noise[:, p] - noise[:, :p] @ fit.solution))
+        grown = steps @ np.diag(np.where(taken, growth, 1.0)) @ np.linalg.pinv(steps)
+        return cls(steps @ moves, steps @ np.where(taken, moves, 0.0), grown)
+
+
+def _weighted(
     model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
-) -> tuple[Bias, FloatArray]:
-    """Bias of an estimate with what of it can be taken off, and by what matrix its errors grow if that is done."""
-    p, root = fit.solution.size, fit.rank.inverse_root
-    noise, slope = np.zeros((p, p + 1)), np.zeros(p)
+) -> Iterator[tuple[Excerpt, FloatArray]]:
+    """Parts, each with the squared weights of its equations and how many rows of the log one of it stands for."""
+    equations = len(model.output_names)
     for part, share in zip(parts, share_of_rows(parts, fit.rows), strict=True):
-        equations = len(model.output_names)
-        weights = fit.weights[part.of * equations : (part.of + 1) * equations] ** 2 * share
-        rows, seen = part.observation.valid.sum(axis=1), part.observation
-        noise += np.einsum("j,jab->ab", weights * rows, part.noise)[:p]
+        yield part, fit.weights[part.of * equations : (part.of + 1) * equations] ** 2 * share
+
+
+def _bias_of_preparation(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> FloatArray:
+    slope, root = np.zeros(fit.solution.size), fit.rank.inverse_root
+    for part, weights in _weighted(model, parts, fit):
+        seen = part.observation
         rest = _rest_of_sharper_rows(model, part.log, seen, fit.solution, part.levels)
         own = np.where(seen.valid, seen.y - seen.W @ fit.solution, 0.0)  # of all rows it is orthogonal to W
         slope += np.einsum("j,jt,jta->a", weights, rest - own, seen.W)
-    # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
-    shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
-    growth = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
-    taken, steps = shares < _TAKEN, root @ directions
-    moves = growth * (steps.T @ (noise[:, p] - noise[:, :p] @ fit.solution))
-    removed = steps @ np.where(taken, moves, 0.0)
-    whole = Bias(steps @ moves, -root @ (root.T @ slope), removed)
-    return whole, steps @ np.diag(np.where(taken, growth, 1.0)) @ np.linalg.pinv(steps)
+    return np.asarray(-root @ (root.T @ slope))
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,9 +147,9 @@ class Correction:
     @classmethod
     def of(cls, model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Correction:
         """From the logs that were identified; parameters as in `bias_of`."""
-        found, growth = _bias_and_growth(model, parts, fit)
-        assert found.removed is not None
-        return cls(replace(found, noise=found.noise - (1.0 - _LEFT) * found.removed), growth)
+        noise = NoiseBias.of(model, parts, fit)
+        left = noise.whole - (1.0 - _LEFT) * noise.removed
+        return cls(Bias(left, _bias_of_preparation(model, parts, fit), noise.removed), noise.growth)
 
     def grown(self, covariance: FloatArray) -> FloatArray:
         """Covariance of the parameters once it is taken off."""

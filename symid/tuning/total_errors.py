@@ -12,8 +12,9 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
-from symid.estimation import estimate, triangular_factors
-from symid.identification import PhysicalEstimate, Preparation, observe, physical_estimates
+from symid.identification import PhysicalEstimate, Preparation, excerpts, physical_estimates
+from symid.identification.bias import NoiseBias
+from symid.identification.cutoff import Estimation
 
 _SCAN_DRAWS = 3
 """Draws of noise in the scan."""
@@ -62,12 +63,17 @@ class TotalErrors:
         return self.runs[0]
 
     def relative(self, log: Log, settings: Preparation) -> FloatArray:
-        """Relative error of each parameter of a log, at most 1 in magnitude, which counts as lost."""
-        seen = observe(self.model, log, settings)
-        fit = estimate(triangular_factors(seen.W, seen.y, seen.valid))
+        """Relative error of each parameter that `identify` finds, at most 1 in magnitude, which counts as lost.
+
+        As there friction beside the drive is taken off the force, and the bias by noise off the parameters.
+        """
+        trial = Estimation(self.model, (log,), settings, "wls", None).trial()
+        fit = trial.fit
         found: tuple[PhysicalEstimate, ...] = ()
         if fit.status == "ok":
-            found = physical_estimates(self.model, fit.parameters, fit.covariance, self.parameters)
+            parts = excerpts(self.model, (log,), [run.observation for run in trial.runs])
+            minimal = fit.parameters - NoiseBias.of(self.model, parts, fit).removed
+            found = physical_estimates(self.model, minimal, fit.covariance, self.parameters)
         if not found:
             return np.full(len(self.names), _LOST)
         values = dict(zip(self.model.physical_units, found[0].parameters, strict=True))

@@ -53,10 +53,9 @@ def test_replayed_log_moves_as_the_log_did_under_a_controller_unknown_to_it(clea
     assert np.abs(replayed["q"] - clean["q"]).max() < 1e-3 * np.ptp(clean["q"])
 
 
-def test_tuned_setting_beats_others_on_noise_that_it_has_not_seen(clean, tuned):
-    fresh = TotalErrors(
-        load_generated("rigid_1m"), (clean,), {name: NOISE[name] for name in ("F", "q")}, VALUES, 12
-    )
+def test_tuned_setting_is_near_the_best_of_a_grid_on_noise_that_it_has_not_seen(clean, tuned):
+    model, noise = load_generated("rigid_1m"), {name: NOISE[name] for name in ("F", "q")}
+    fresh = TotalErrors(model, (clean,), noise, VALUES, 12)
     late = {"F": -2.5e-4}
 
     def total(settings: Preparation) -> float:
@@ -64,8 +63,9 @@ def test_tuned_setting_beats_others_on_noise_that_it_has_not_seen(clean, tuned):
 
     cutoff = tuned.preparation.cutoff_hz
     chosen = total(Preparation(cutoff_hz=cutoff, decimation=tuned.preparation.decimation, late=late))
-    others = [total(Preparation(cutoff_hz=other, late=late)) for other in (6.0, 200.0, 390.0)]
-    assert chosen < 0.7 * min(others)
+    others = [total(Preparation(cutoff_hz=other, late=late)) for other in np.geomspace(6.0, 390.0, 16)]
+    assert chosen < 1.1 * min(others)
+    assert chosen < 0.6 * others[0]
 
 
 def test_more_noise_asks_for_a_lower_cutoff_or_leaves_more_error(clean, tuned):
