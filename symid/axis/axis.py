@@ -79,7 +79,10 @@ class Axis(Shown):
             object.__setattr__(self, "drive", self.drive[0])
         drives = self.drive if isinstance(self.drive, tuple) else (self.drive,)
         faults = declaration_faults(self.name, self.elements, drives, self.sensors)
-        faults = faults or (*unit_faults(self.elements, drives), *known_faults(self.elements, self.known))
+        faults = faults or (
+            *unit_faults(self.elements, drives),
+            *known_faults(self.elements, drives, self.known),
+        )
         if faults:
             raise DeclarationError(str(self.name), faults)
         object.__setattr__(self, "known", dict(self.known))

@@ -154,13 +154,14 @@ def parameter_names(element: object) -> tuple[str, ...]:
     )
 
 
-def known_faults(elements: Sequence[object], known: object) -> Iterator[str]:
+def known_faults(elements: Sequence[object], drives: Sequence[Drive], known: object) -> Iterator[str]:
     """Faults of the values of known parameters, in a declaration without other faults."""
     if not isinstance(known, Mapping):
         yield f"known={known!r} must be a mapping of names of parameters to values"
         return
     holders = [element for element in elements if isinstance(element, (Parametrised, Law))]
     names = {name for element in holders for name in parameter_names(element)}
+    names |= {drive.constant for drive in drives if drive.constant is not None}
     signed = {term.parameter for e in holders if isinstance(e, Law) for term in e.terms() if term.signed}
     written = [pair for element in holders for pair in element.numbers().items()]
     for name in _repeated(name for name, _ in dict.fromkeys(written)):

@@ -192,7 +192,7 @@ def runs_of(
     if not Path(file).suffix:
         trajectories = (trajectory_of(axis, options),) * len(axis.drives)
     else:
-        unit = axis.signal_units[axis.sensors[0].signal]
+        unit = axis.signal_units[axis.controlled]
         own = {f"reference_{drive.signal}": unit for drive in axis.drives}
         log = read_log(file, expected={"reference": unit, **own})
         trajectories = tuple(from_log(log, name if name in log.signals else "reference") for name in own)
@@ -231,7 +231,7 @@ def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:
     if kind == "multisine":
         return _within(options, partial(_multisine, (low, high), seconds, options["rate"]))
     if Path(kind).suffix:
-        unit = axis.signal_units[axis.sensors[0].signal]
+        unit = axis.signal_units[axis.controlled]
         return from_log(read_log(kind, expected={"reference": unit}))
     raise SettingError(
         f"trajectory {kind!r} is not known: use trapezoids, chirp, multisine or the path of a log"

@@ -194,12 +194,13 @@ def _not_finite(time: FloatArray, before: int) -> list[str]:
 
 def _not_forward(time: FloatArray, intervals: FloatArray, before: int) -> list[str]:
     faults = []
-    for bad, what in ((intervals == 0.0, "repeated time"), (intervals < 0.0, "step backwards")):
+    repeated, backwards = ("repeated time", "repeated times"), ("step backwards", "steps backwards")
+    for bad, (what, several) in ((intervals == 0.0, repeated), (intervals < 0.0, backwards)):
         where = np.flatnonzero(bad)
         if where.size:
             first = where[0] + 1
             faults.append(
-                f"t has {describe(where.size, what)}, the first at "
+                f"t has {where.size} {what if where.size == 1 else several}, the first at "
                 f"t = {time[first]:.7g} s (row {before + first + 1}): remove those rows or split the log there"
             )
     return faults

@@ -36,6 +36,7 @@ _WORDS: Final[tuple[tuple[Quantity, str], ...]] = (
     ("position", r"pos\w*|lage|weg|angle|winkel|encoder|scale|q\w?|x|y|z"),
 )
 _SETPOINT: Final = r"set\w*|soll\w*|cmd|command\w*|ref\w*|target\w*|nominal|desired|demand\w*|goal|qg"
+_NUMBERS: Final = r"samples?|index|idx|count\w*|cycles?|row|line|nr|no|seq\w*"
 _WRITTEN: Final = {
     "Nm": "N*m",
     "°": "deg",
@@ -115,6 +116,9 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
                 header, "percent", "%", setpoint, f"{word!r} in percent: of a rated value", True
             )
         return _without_unit(header, by_name, word, setpoint, values, written)
+    numbered = _match(words, _NUMBERS) is not None
+    if numbered and _rises_evenly(values):
+        return ForeignColumn(header, None, None, setpoint, "it numbers the samples", False)
     if written is None and not setpoint and _rises_evenly(values):
         return _without_unit(header, "time", "rises in equal steps", setpoint, values, written)
     why = f"its unit {written!r} is not known" if written else "neither name nor unit identifies it"

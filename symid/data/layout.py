@@ -117,6 +117,8 @@ def first_lines(path: Path, encoding: str) -> list[str]:
 
 def lines_of(path: Path, content: bytes, encoding: str) -> list[str]:
     """The first lines of the bytes of a text file; errors as those of `first_lines`."""
+    if content.startswith(b"PK\x03\x04"):
+        raise LogError(f"{path}: is an archive: unpack it, and give the files in it")
     try:
         text = codecs.getincrementaldecoder(encoding)().decode(content[: 4 * _BEGINNING])[:_BEGINNING]
     except UnicodeError as error:

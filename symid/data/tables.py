@@ -44,6 +44,8 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     suffix = suffix_of(path)
     if suffix in (".txt", ".tsv") and layout is None and writer_of(path) is not None:
         suffix = ".csv"
+    if suffix == ".zip":
+        raise LogError(f"{path}: is an archive: unpack it, and give the files in it")
     if suffix not in SUFFIXES and layout is None:
         raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {_suffixes()}")
     try:

@@ -157,6 +157,11 @@ def _starts(
     """Parameters to begin with: nominal ones, or rough ones and what of least squares can be true."""
     if nominal is not None:
         dynamics.at(nominal)  # an error names what is missing or impossible
+        positive = dynamics.parameters_of("mass") | dynamics.parameters_of("stiffness")
+        if nothing := [name for name in nominal if name in positive and nominal[name] == 0]:
+            raise SettingError(
+                f"the nominal {nothing[0]} is 0, from where no search goes: give a positive value, or fix it at 0"
+            )
         known = [dict(nominal)]
     else:
         rough = rigid_start(model, dynamics, logs)

@@ -33,11 +33,16 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     """Parameters of an axis of which the first log shows only the rigid motion: a mass for each body, and friction."""
     log, axis = logs[0], dynamics.axis
     lowpass = LowPass(0.02 * log.sampling_frequency)
-    known = [name for name, (_, order) in dynamics.sensors.items() if order == 0 and name in log.signals]
+    orders = {name: order for name, (_, order) in dynamics.sensors.items() if name in log.signals}
+    known = [name for name, order in orders.items() if order == min(orders.values())]
     found = []
     for drive, own in zip(axis.drives, axis.controlled_signals, strict=True):
-        position = lowpass.apply(log[own if own in known else known[0]], log.sampling_frequency)
-        v, a = derivatives(position, log.sampling_period, 2)
+        signal = own if own in known else known[0]
+        read = lowpass.apply(log[signal], log.sampling_frequency)
+        if orders[signal] == 2:
+            read = np.cumsum(read - read.mean()) * log.sampling_period
+        rates = derivatives(read, log.sampling_period, 2)
+        v, a = rates if orders[signal] == 0 else (read, rates[0])
         motion = np.stack([a, v, np.sign(v), np.ones_like(v)], axis=1)
         force = lowpass.apply(log[drive.signal], log.sampling_frequency)
         found.append(np.linalg.lstsq(motion, force, rcond=None)[0])

@@ -300,7 +300,8 @@ def tuned_cascades(
     for signal in signals:
         if signal not in plant.sensors or plant.sensors[signal].order != 0:
             raise SettingError(
-                f"{signal!r} is not a position sensor of this axis: a cascade controls a position"
+                f"{signal!r} is not a position sensor of this axis: a cascade controls a position, so declare one; "
+                "an identification need not use it"
             )
     rows = np.array([plant.sensors[signal].row for signal in signals])
     angular = 2 * math.pi * bandwidth_hz

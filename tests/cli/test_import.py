@@ -1,6 +1,7 @@
 """`symid import`: foreign files written by hand are guessed, declared as guesses, mapped and identified alike."""
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -302,3 +303,20 @@ def test_a_struct_and_a_json_log_are_no_empty_tables(
         assert mapping["columns"] == {"t": "time", "q": "position", "F": "force"}
         assert mapping["missing"] == []
         assert run("identify", "rigid_1m", name, "--mapping", "m.json") == 0
+
+
+def test_numbers_of_samples_are_no_times(recorded: Log, folder: Path) -> None:
+    rows = table({"sample": recorded.time / PERIOD, "q": recorded["q"], "F": recorded["F"]}, ",")
+    (folder / "numbered.csv").write_text(rows)
+    (first, *_) = foreign_columns(open_table(folder / "numbered.csv"))
+    assert (first.quantity, first.reason) == (None, "it numbers the samples")
+    assert run("import", "numbered.csv", "--axis", "rigid_1m", "--no-ask", "-o", "m.json") == 0
+    assert "--rate" in json.loads((folder / "m.json").read_text())["missing"][0]
+
+
+def test_an_archive_is_to_be_unpacked(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with zipfile.ZipFile(folder / "run.zip", "w") as archive:
+        archive.writestr("run.csv", "t,q,F\n")
+    for command in (("identify", "rigid_1m", "run.zip"), ("import", "run.zip")):
+        assert run(*command) == 2
+        assert "run.zip: is an archive: unpack it, and give the files in it" in capsys.readouterr().err

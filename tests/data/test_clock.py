@@ -69,6 +69,7 @@ def test_all_faults_are_told_at_once():
     text = faults_of(time)
     assert "1 repeated time, the first at t = 0.99 s (row 101)" in text
     assert "1 step backwards" in text
+    assert "499 steps backwards" in faults_of(0.01 * np.arange(500)[::-1])
     assert "(row 301)" in text
     assert "1 value that are empty" not in text
     assert "empty or no possible time, the first in row 451" in text

@@ -153,3 +153,15 @@ def test_the_command(
     assert run("identify", "current.py", *logs, "--known", "Ml=12.5kg") == 2
     assert "1 values for 2 logs" in capsys.readouterr().err
     assert run("identify", "current.py", *logs, "--known", "Ml=0,1", "--method", "iv") == 2
+
+
+def test_a_known_constant_of_the_drive_makes_the_others_si() -> None:
+    known = AXIS.with_known({"Kt": 55.0, "Ml": 0.0})
+    found = identify(known, log_with(0.0, 1), examine=False)
+    assert list(found.physical_parameters) == ["M", "Fv", "Fs"]
+    for (name, value), deviation in zip(
+        found.physical_parameters.items(), found.physical_deviations, strict=True
+    ):
+        assert abs(value - TRUE[name]) < 4 * deviation + 1e-3 * TRUE[name], name
+    with pytest.raises(SettingError, match="the nominal Ml is 0, from where no search goes"):
+        identify(AXIS, log_with(0.0, 1), method="oe", nominal=TRUE | {"Ml": 0.0})
