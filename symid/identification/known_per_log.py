@@ -128,7 +128,7 @@ def identify_with_known(
     SettingError
         If the values are not those of one set of parameters for each log.
     """
-    _check(axis, logs, known)
+    _check(logs, known)
     values = list(dict.fromkeys(tuple(sorted(one.items())) for one in known))
     found = []
     for group in values:
@@ -138,7 +138,7 @@ def identify_with_known(
     return _shared(axis, tuple(found), tuple(map(dict, values)), nominal)
 
 
-def _check(axis: Axis, logs: Sequence[AnyLog], known: Sequence[Mapping[str, float]]) -> None:
+def _check(logs: Sequence[AnyLog], known: Sequence[Mapping[str, float]]) -> None:
     if len(known) != len(logs):
         raise SettingError(
             f"known values are given for {len(known)} logs, there are {len(logs)}: give one set a log"

@@ -91,7 +91,7 @@ def verdict(
         cause = "the model, the filter, the timing or the log does not fit"
         return "not_physical", f"{', '.join(negative)} came out negative: {cause}"
     if not model.known and (unexplained := _unexplained(model, fit)):
-        cause = "a column or unit is another one than declared, the log is damaged, or the model does not fit"
+        cause = "a column or unit differs from its declaration, the log is damaged, or the model does not fit"
         return "poor_fit", f"the parameters leave {unexplained}: {cause}"
     return "ok", ""
 
