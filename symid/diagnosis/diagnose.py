@@ -24,7 +24,12 @@ from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
-from symid.diagnosis.selection.backward import backward_elimination, brought_first, without
+from symid.diagnosis.selection.backward import (
+    backward_elimination,
+    brought_first,
+    most_probable,
+    without,
+)
 from symid.diagnosis.selection.forward import forward_selection
 from symid.diagnosis.selection.held import HELD, is_held, shows_hold
 from symid.diagnosis.selection.step import LATE_READING, SelectionStep
@@ -207,7 +212,8 @@ def _diagnosed(
     if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
     declared = state if nominal else None
-    steps = [step.fitted_on() if step.accepts else step for step in steps]
+    if accepted := [step for step in steps if step.accepts]:
+        steps = [step.fitted_on() for step in most_probable(accepted)]
     steps, comparison = _on_held_out(base, steps, declared, data)
     steps, comparison = _largest_first(base, steps, declared, data, comparison)
     fits = fits_of(base, steps)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from symid.data import Log
-from symid.diagnosis.effects import Key, declared_effects, effects_of_element, with_alike
+from symid.diagnosis.effects import declared_effects, effects_of_element
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.gap import Gap, Level
@@ -138,7 +138,7 @@ def _effects(
     for i, step in enumerate(accepted):
         item = last.state.placed[known + i]
         best = item.key
-        chance = _beside(named - {best}, best, probabilities(step))
+        chance = probabilities(step, named - {best})
         rivals = [k for k, p in chance.items() if p >= THRESHOLDS.indistinguishable and k != best]
         there = chances.effect if i == 0 else is_there(step)
         felt = comparison.felt_by(i + 2)
@@ -155,14 +155,6 @@ def _effects(
             )
         )
     return tuple(found)
-
-
-def _beside(others: Collection[Key], best: Key, chance: Mapping[Key, float]) -> dict[Key, float]:
-    """Probabilities beside other effects: what is there anyway, or is nearly that, stands in for nothing."""
-    present = with_alike(others)
-    left = {k: p for k, p in chance.items() if k == best or k not in present}
-    total = math.fsum(left.values())
-    return {key: p / total for key, p in left.items()}
 
 
 def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:

@@ -19,7 +19,7 @@ from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
-from symid.diagnosis.selection.priors import prior
+from symid.diagnosis.selection.evidence import probabilities
 from symid.diagnosis.selection.screening import screened
 from symid.diagnosis.selection.step import LATE_READING, Confirmed, SelectionStep, takes
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -103,6 +103,30 @@ def brought_first(steps: Sequence[SelectionStep], at: int) -> tuple[SelectionSte
     return other if as_good else tuple(steps)
 
 
+def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
+    """Steps in which each effect gives way to the rival that is more probable beside the others, fitted again.
+
+    What was found first was chosen by its gain; what else is known, as the level of a friction, speaks in the end.
+
+    Parameters
+    ----------
+    steps : sequence of SelectionStep
+        That accept their effects.
+    """
+    for at in range(len(steps)):
+        step = steps[at]
+        named = {own.confirmed[0].key for own in steps if own is not step}
+        likeliest = next(iter(probabilities(step, named)))
+        rival = next((own for own in step.confirmed if own.key == likeliest), step.confirmed[0])
+        if rival is step.confirmed[0]:
+            continue
+        members, whole = _members(steps), steps[-1].confirmed[0].fit
+        others = (own for own in step.confirmed if own is not rival)
+        members[at] = Member(rival.placed, replace(step, confirmed=(rival, *others)), 0.0)
+        steps = _chain(members, steps[0].before, THRESHOLDS.as_good * whole.mean_square) or steps
+    return tuple(steps)
+
+
 def _members(steps: Sequence[SelectionStep]) -> list[Member]:
     """Effects of steps that accept them, with their values beside all others."""
     placed = steps[-1].confirmed[0].fit.state.placed[-len(steps) :]
@@ -180,7 +204,7 @@ def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:
     """
     least = max(THRESHOLDS.least_penalised_gain, deviation(own.squares, best.squares, own.fit.n_rows))
     if best.placed.contains(own.key):
-        if prior(best.fit.state, first.nominal) > prior(own.fit.state, first.nominal):
+        if best.odds > own.odds:
             return True
         least = max(least, THRESHOLDS.refined * own.penalised_gain)
     return best.penalised_gain - own.penalised_gain > least
@@ -217,10 +241,10 @@ def _without(whole: Fit, at: int) -> Fit:
 
 
 def _in_place_of(step: SelectionStep, before: Fit, found: Confirmed) -> SelectionStep:
-    """A step with another model before it; rivals stay as far behind as they were."""
+    """A step with another model before it; rivals, and what speaks for them, stay as far behind as they were."""
     best, *rivals = step.confirmed
-    behind = [replace(rival, gain=found.gain + rival.gain - best.gain) for rival in rivals]
+    behind = [rival.beside(best, found) for rival in rivals]
     screened = tuple(
         replace(candidate, gain=found.gain + candidate.gain - best.gain) for candidate in step.screened
     )
-    return SelectionStep(before, (found, *behind), screened, step.refused)
+    return SelectionStep(before, (replace(found, odds=best.odds), *behind), screened, step.refused)

@@ -58,7 +58,8 @@ def _judged(fit: Fit, found: Fit, beside: Sequence[Placed]) -> Confirmed | None:
     own, before = blocks.squares, fit.blocks.squares
     grown = (own.sum(axis=1) > THRESHOLDS.spoiled * before.sum(axis=1)) & (found.squares > THRESHOLDS.spoiled)
     gain = log_likelihood(own, n) - log_likelihood(before, n)
-    return Confirmed(found.released(), gain, certainty(before, own, n), own, spoils=bool(grown.any()))
+    certain, odds = certainty(before, own, n), prior(found.state, fit.nominal)
+    return Confirmed(found.released(), gain, certain, own, odds, spoils=bool(grown.any()))
 
 
 def ranked(confirmed: Iterable[Confirmed], before: Fit) -> list[Confirmed]:
@@ -89,8 +90,7 @@ def _likelier(own: Confirmed, best: Confirmed, before: Fit) -> bool:
     doubt = temperature(best.penalised_gain) + THRESHOLDS.doubt * deviation(
         best.squares, own.squares, before.n_rows
     )
-    odds = prior(own.fit.state, before.nominal) - prior(best.fit.state, before.nominal)
-    return odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
+    return own.odds - best.odds + (own.penalised_gain - best.penalised_gain) / doubt > 0
 
 
 def _is_certain(fit: Fit) -> bool:

@@ -8,15 +8,15 @@ therefore tempered by a share of the largest one: candidates that explain nearly
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from symid.diagnosis.effects import Key
+from symid.diagnosis.effects import Key, with_alike
 from symid.diagnosis.fitting.blocks import deviation
-from symid.diagnosis.selection.priors import prior, temperature
+from symid.diagnosis.selection.priors import temperature
 from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -25,11 +25,28 @@ _HALF = 0.5
 Verdict = Literal["no_gap", "parameters", "effect", "partly", "unexplained", "recording"]
 
 
-def probabilities(step: SelectionStep) -> dict[Key, float]:
-    """Probability of each candidate of a step, if one of them is right.
+def probabilities(step: SelectionStep, beside: Collection[Key] = ()) -> dict[Key, float]:
+    """Probability of each candidate of a step, the most probable first, if one of them is right.
 
     Where places cannot be told apart, a driven body is a little more likely.
+
+    Parameters
+    ----------
+    step : SelectionStep
+        The step.
+    beside : collection of (str, str)
+        Other effects of the whole model: what is there anyway, or is nearly that, stands in for nothing.
     """
+    chance = _of_candidates(step)
+    present = with_alike(beside)
+    best = step.confirmed[0].key if step.confirmed else None
+    left = {key: p for key, p in chance.items() if key == best or key not in present}
+    total = math.fsum(left.values())
+    return {key: p / total for key, p in left.items()}
+
+
+def _of_candidates(step: SelectionStep) -> dict[Key, float]:
+    """Probability of each candidate of a step, whatever else is there."""
     driven = step.before.state.prediction.record.driven_bodies
     gains = _penalised_gains(step)
     least = min(gains.values(), default=0.0)
@@ -41,7 +58,7 @@ def probabilities(step: SelectionStep) -> dict[Key, float]:
         return {}
     best = max(gains.values())
     doubt = _doubts(step)
-    likelier = {c.key: prior(c.fit.state, step.before.nominal) for c in step.confirmed}
+    likelier = {c.key: c.odds for c in step.confirmed}
     logits = {
         key: (value - best) / (temperature(best) + doubt.get(key, 0.0))
         + THRESHOLDS.driven_bonus * (key[1] in driven)

@@ -29,6 +29,8 @@ class Confirmed:
         Probability that it predicts such blocks better than the model without it.
     squares : array of shape (n_outputs, n_blocks)
         Sums of squares of its errors of each of these blocks.
+    odds : float
+        Logarithm of its prior odds.
     spoils : bool
         Whether it makes the error of another output grow by much.
     """
@@ -37,12 +39,19 @@ class Confirmed:
     gain: float
     certainty: float
     squares: FloatArray
+    odds: float = 0.0
     spoils: bool = False
 
     @property
     def penalised_gain(self) -> float:
         """The gain, less what its free values would gain in noise."""
         return self.gain - THRESHOLDS.penalty * self.placed.n_free
+
+    def beside(self, best: Confirmed, found: Confirmed) -> Confirmed:
+        """A rival of `best`, as far behind it as it was, block by block, where `found` is the best in its place."""
+        share = found.squares.sum(axis=1) / best.squares.sum(axis=1)
+        squares = found.squares + (self.squares - best.squares) * share[:, None]
+        return replace(self, gain=found.gain + self.gain - best.gain, squares=squares)
 
     @property
     def placed(self) -> Placed:
