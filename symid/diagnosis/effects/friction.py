@@ -35,6 +35,8 @@ is known to a fraction of a sample."""
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
 """Time constants of a drift, relative to the log: of slower ones the log shows the rate alone."""
+_TOGETHER = 0.99
+"""Correlation of the velocities of joints that move in proportion."""
 _MOST_CHANGED = 3.0
 """Change of a declared friction by a drift within the log, relative to its level."""
 
@@ -154,6 +156,19 @@ def declared_level(prediction: Prediction, place: str, kind: type[Law]) -> float
     )
     values = prediction.axis.with_known_values(prediction.parameters)
     return sum(abs(values[term.parameter]) for law in laws for term in law.terms())
+
+
+def moving_along(prediction: Prediction, place: str) -> dict[str, float]:
+    """Joints that move in proportion to one, itself among them, and what a friction of theirs is there.
+
+    Of a motor and its load, which part for vibrations alone, a log shows the sum of their dry frictions.
+    """
+    own, inside = prediction.joints[place], prediction.record.in_log
+    return {
+        name: joint.top_speed / own.top_speed
+        for name, joint in prediction.joints.items()
+        if joint is own or abs(np.corrcoef(joint.v[inside], own.v[inside])[0, 1]) > _TOGETHER
+    }
 
 
 class FrictionDrift(JointEffect):

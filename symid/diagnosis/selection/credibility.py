@@ -9,7 +9,7 @@ import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
-from symid.diagnosis.effects.friction import declared_level
+from symid.diagnosis.effects.friction import declared_level, moving_along
 from symid.diagnosis.fitting.blocks import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
 from symid.diagnosis.fitting.state import State
@@ -19,6 +19,7 @@ from symid.diagnosis.thresholds import THRESHOLDS
 _OF_MASSES = ("flexible_mode", "payload_change")
 _DIFFERS = ("asymmetric_friction", "position_dependent_friction")
 """Friction that adds to its mean here and takes away there."""
+_DRY = ("coulomb_friction", "presliding_friction")
 _FRICTIONS = (*_DIFFERS, "coulomb_friction", "viscous_friction", "stribeck_friction", "quadratic_drag")
 
 
@@ -65,25 +66,25 @@ def force_share(fit: Fit) -> float:
 def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> bool:
     """Whether dry and viscous friction of a joint, as declared and found, would push it along for a part of its way.
 
-    What such friction stands for while the axis moves is a constant force, a weight, or no friction at all.
+    What such friction stands for while the axis moves is a constant force, a weight, or no friction at all. Dry
+    friction that is declared in a joint that moves along may be that of this one.
     """
     joint, inside = state.prediction.joints[at], state.prediction.record.in_log
     moving = inside & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed)
     q, v = joint.q[moving], joint.v[moving]
-    level, coefficient = (
-        declared_level(state.prediction, at, kind) for kind in (CoulombFriction, ViscousFriction)
-    )
-    force = level * np.sign(v) + coefficient * v
+    along = moving_along(state.prediction, at)
+    level = sum(declared_level(state.prediction, j, CoulombFriction) * share for j, share in along.items())
+    force = level * np.sign(v) + declared_level(state.prediction, at, ViscousFriction) * v
     for item in (*state.placed, *beside):
         if item.at == at and item.effect.name in _FRICTIONS and isinstance(item.effect, LawEffect):
             terms = item.effect.functions.arrays
             force = force + sum(
                 c * term(q, v, *item.shape) for c, term in zip(item.amplitudes, terms, strict=True)
             )
-        elif item.key == ("presliding_friction", at):
-            force = force + item.amplitudes[0] * np.sign(v)
-    along = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))
-    return bool(np.mean(along) > THRESHOLDS.pushed)
+        elif item.at in along and item.effect.name in _DRY:
+            force = force + item.amplitudes[0] * along[item.at] * np.sign(v)
+    pushing = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))
+    return bool(np.mean(pushing) > THRESHOLDS.pushed)
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:

@@ -14,9 +14,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from symid.axis import CoulombFriction
-from symid.diagnosis.effects import Placed
+from symid.diagnosis.effects import LawEffect, Placed
+from symid.diagnosis.effects.friction import moving_along
 from symid.diagnosis.fitting.state import State
+from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.diagnosis.thresholds import THRESHOLDS
+
+_LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
 
 
 def temperature(best: float) -> float:
@@ -52,18 +56,30 @@ def _turns_steadily(state: State, at: str) -> bool:
 
 def _one_sidedness(state: State, item: Placed, nominal: Mapping[str, float]) -> float:
     """Logarithm of how much likelier the friction level is if it has grown one way than if it has not changed."""
+    along = moving_along(state.prediction, item.at)
     frictions = [law for law in state.prediction.axis.laws if isinstance(law, CoulombFriction)]
-    levels = [law.named("level") for law in frictions if getattr(law.at, "name", "") == item.at]
+    levels = {law.named("level"): along.get(getattr(law.at, "name", ""), 0.0) for law in frictions}
     before, after = (
-        sum(values.get(name, 0.0) for name in levels) for values in (nominal, state.prediction.parameters)
+        sum(values.get(name, 0.0) * share for name, share in levels.items())
+        for values in (nominal, state.prediction.parameters)
     )
-    after += sum(p.amplitudes[0] for p in state.placed if p.key == ("coulomb_friction", item.at))
+    after += sum(along.get(p.at, 0.0) * _level(state, p) for p in state.placed if p.effect.name in _LEVELS)
     scale = THRESHOLDS.level_spread * max(abs(before), abs(after))
-    if not scale or any(name not in nominal for name in levels):
+    if not scale or any(share and name not in nominal for name, share in levels.items()):
         return 0.0
     return _likelihood((after - before - abs(item.amplitudes[0])) / scale) - _likelihood(
         (after - before) / scale
     )
+
+
+def _level(state: State, item: Placed) -> float:
+    """Mean friction that an effect makes while its joint moves."""
+    assert isinstance(item.effect, LawEffect)
+    joint = state.prediction.joints[item.at]
+    moving = state.prediction.record.in_log & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed)
+    q, v = joint.q[moving], joint.v[moving]
+    terms = zip(item.amplitudes, item.effect.functions.arrays, strict=True)
+    return float(sum(c * np.mean(term(q, v, *item.shape) * np.sign(v)) for c, term in terms))
 
 
 def _likelihood(deviations: float) -> float:
