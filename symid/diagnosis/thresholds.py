@@ -78,6 +78,9 @@ class Thresholds:
         of a force of position times velocity).
     least_acting : float
         Share of the logged force that must act on the axis: with less, the drive has been explained away.
+    own_course : float
+        Share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a sine
+        cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real).
     explains_all : float
         Share of the mean square up to which what is left speaks for an unusual size: a gain that bends by most of it, a
         command that an integrator winds up to many times a limit.
@@ -163,6 +166,7 @@ class Thresholds:
     pushes: float = 0.1
     pushed: float = 0.02
     least_acting: float = 0.5
+    own_course: float = 0.01
     explains_all: float = 0.01
     fit_of_noise: float = 1.5
     other_stiffness: float = 0.1

@@ -105,8 +105,8 @@ def test_logs_that_cannot_be_diagnosed() -> None:
     _, q, F = waves()
     with pytest.raises(LogError, match="no position"):
         record_of(dynamics, Log("x", 0.0, 1e-3, {"Fm": F, "ddq1": q}))
-    with pytest.raises(LogError, match="at least 400"):
-        record_of(dynamics, Log("x", 0.0, 1e-3, {"Fm": F[:300], "q2": q[:300]}))
+    with pytest.raises(LogError, match="at least 200"):
+        record_of(dynamics, Log("x", 0.0, 1e-3, {"Fm": F[:150], "q2": q[:150]}))
 
 
 def test_response_is_the_rational_function_of_the_paper() -> None:

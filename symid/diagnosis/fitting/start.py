@@ -20,7 +20,11 @@ from symid.identification import identify
 
 
 def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
-    """Physical parameters by weighted least squares on the minimal regressor."""
+    """Physical parameters by weighted least squares on the minimal regressor.
+
+    A mass that comes out negative, as the force has the wrong sign or hardly accelerates the axis, begins with its
+    absolute value: what is wrong is said of the fit from there.
+    """
     try:
         found = identify(load_generated(axis, record.signals), record.log, examine=False).physical_parameters
     except SymidError as error:
@@ -32,7 +36,9 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
         raise SettingError(
             f"no values to begin with follow from the log for {', '.join(lacking)}: give --nominal P.json"
         )
-    return {name: float(found[name]) for name in axis.physical_parameters}
+    masses = record.dynamics.parameters_of("mass")
+    values = {name: float(found[name]) for name in axis.physical_parameters}
+    return {name: abs(value) if name in masses else value for name, value in values.items()}
 
 
 _OTHER = (0.6, 0.77, 1.3, 1.7)

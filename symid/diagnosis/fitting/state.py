@@ -93,8 +93,9 @@ def first_state(
     weighting = weighting_in(prediction, allowed)
     if weighting.kept.sum() < _LEAST_ROWS:
         raise LogError(
-            f"log {record.log.source!r} has {weighting.kept.sum()} rows of motion: a diagnosis needs {_LEAST_ROWS}; "
-            "take a log in which the axis moves"
+            f"log {record.log.source!r} has {weighting.kept.sum()} independent rows of motion, {_LEAST_ROWS} are "
+            f"needed: it is compared up to {record.band_hz:.3g} Hz, where its position still exceeds its noise, and "
+            "rests are left out; take a longer log, or one that moves more or is read finer"
         )
     first = _state(prediction, (), record.measured - prediction.outputs, weighting)
     declared = tuple(

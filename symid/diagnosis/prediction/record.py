@@ -33,7 +33,7 @@ from symid.simulation import ForwardDynamics
 _CONTINUATION = 0.5
 _BAND_OF_MOTION = 2.0
 _END_SECONDS = 0.01
-_LEAST_SAMPLES = 400
+_LEAST_SAMPLES = 200
 _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""

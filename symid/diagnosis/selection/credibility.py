@@ -38,6 +38,8 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
         return False
     if item.effect.name in _DIFFERS and friction_drives(found.state, item.at, beside):
         return False
+    if _is_a_gain(found):
+        return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
     return is_determined(item, blocks) and (explains or acting_share(found) > THRESHOLDS.least_acting)
@@ -114,6 +116,21 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
         return True
     strength = amplitudes @ np.linalg.pinv(covariance[:n, :n], hermitian=True) @ amplitudes
     return bool(strength > THRESHOLDS.deviations**2)
+
+
+def _is_a_gain(found: Fit) -> bool:
+    """Whether what the last effect makes of the force of its drive is in proportion to it, which the parameters are.
+
+    Of a force that a relay switches between two values, every limit and every bend of the gain is one.
+    """
+    prediction, item = found.state.prediction, found.state.placed[-1]
+    if not item.effect.is_of_command:
+        return False
+    kept, n_drives = found.weighting.kept, prediction.record.n_drives
+    pair = np.stack([item.change(prediction), prediction.record.measured])
+    change, force = found.weighting.rows(pair)[:, :n_drives, kept].reshape(2, -1)
+    likeness = (change @ force) ** 2 / max(float((change @ change) * (force @ force)), np.finfo(float).tiny)
+    return bool(1 - likeness < THRESHOLDS.own_course)
 
 
 def acting_share(fit: Fit) -> float:

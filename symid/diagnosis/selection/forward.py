@@ -71,7 +71,7 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     found = screened(fit, library)
     confirmed: dict[Key, Confirmed] = {}
     tried: dict[Key, Placed] = {}
-    for stage in _stages(fit, found, library, nominal, confirmed):
+    for stage in _stages(fit, found, library, nominal, confirmed, tried):
         tried |= _confirm(fit, stage, confirmed)
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
@@ -106,18 +106,21 @@ def _stages(
     library: Sequence[Effect],
     nominal: Fit | None,
     confirmed: Mapping[Key, Confirmed],
+    tried: Mapping[Key, Placed],
 ) -> Iterator[Iterable[Start]]:
     """Starts of fits, the cheapest first."""
     # Screening is linear, confirmation is not. The likeliest candidates come first, from the values of their screening;
     # then starts for errors with several minima, each only while nothing explains the error: joints integrated with
     # their motion, the nominal model, effects carried over to other hidden places, a grid over the hidden spring.
-    best_gain = max((max(c.penalised_gain, c.white_penalised_gain) for c in found), default=0.0)
-    least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * best_gain)
-    promising = [c for c in found if max(c.penalised_gain, c.white_penalised_gain) > least]
+    promising = _promising(found)
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
+    if not confirmed:  # what seemed best is no machine's: the others are seen without it
+        yield [
+            Start.of(fit, c.placed) for c in _promising([c for c in found if c.placed.key not in tried])[:6]
+        ]
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         return
     if nominal is None:
@@ -135,6 +138,13 @@ def _stages(
     yield islice(from_other_places(fit, [c.fit for c in best]), _OTHER_PLACES)
     if _least_left(confirmed) > THRESHOLDS.hardly * fit.mean_square:
         yield of_grid(fit, nominal, library)
+
+
+def _promising(found: Sequence[Candidate]) -> list[Candidate]:
+    """Candidates that gain enough to be fitted, beside the best of them."""
+    gains = [max(c.penalised_gain, c.white_penalised_gain) for c in found]
+    least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * max(gains, default=0.0))
+    return [own for own, gain in zip(found, gains, strict=True) if gain > least]
 
 
 def _least_left(confirmed: Mapping[Key, Confirmed]) -> float:
