@@ -18,7 +18,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     log = rigid_log(lambda t, q, v, a, path: 300 * v * abs(v), seconds=5.0)
     table = pl.DataFrame({"t": log.time, "q": log["q"], "F": log["F"]})
     table.write_csv("run.csv")
-    table.head(300).write_csv("short.csv")
+    table.head(150).write_csv("short.csv")
     table.drop("q").write_csv("blind.csv")
     Path("nominal.json").write_text(json.dumps(RIGID))
     Path("lacking.json").write_text('{"M": 1}')
