@@ -26,6 +26,8 @@ _SEGMENT = 1024
 _USED = 0.65
 _UNEVEN = 2.0
 _FEW = 8
+_ENOUGH = 60
+"""Rows of which either half shows the level of its errors to some 20 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,9 +248,11 @@ class Comparison:
         """Whether the re-identified model errs as much where the axis moves little as where it moves much.
 
         Rows are halved by the speed and by the acceleration of the driven joint. Noise of any colour does not know of
-        the motion; an error of the model does.
+        the motion; an error of the model does. A few rows cannot show it.
         """
         record, kept = self.record, self.weighting.kept
+        if kept.sum() < _ENOUGH:
+            return False
         s, squares = 1j * record.omega, self.squares(1)
         for motion in (s * self.motion, s**2 * self.motion * record.taper):
             course = np.abs(record.rows(motion)[kept])
