@@ -70,6 +70,8 @@ def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is
     >>> channel_fault(np.where(np.arange(4000) % 37, x, 0.0), "F")[:38]
     'F is exactly 0 in 95 single samples be'
     """
+    if is_force and is_switched(x):
+        return ""
     most = max(FEWEST, criteria.dead_share * x.size)
     if (lost := int(np.count_nonzero(dropped(x)))) >= most:
         return f"{name} is exactly 0 in {lost} single samples between others: samples were lost and filled with 0"

@@ -1,0 +1,62 @@
+"""What no machine is, what cannot be told apart, and how far rivals stay behind."""
+
+import numpy as np
+import pytest
+import scipy
+from hand_made import rigid_log
+
+from symid import AsymmetricFriction, Log, load_axis
+from symid.diagnosis import diagnose
+from symid.diagnosis.diagnose import Recorded, data_of
+from symid.diagnosis.effects import Placed, Saturation
+from symid.diagnosis.fitting.fit import Fit
+from symid.diagnosis.fitting.state import first_state, with_effects
+from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.selection.credibility import _is_a_gain
+from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
+
+SCREW = load_axis("ballscrew_2m1s")
+VALUES = {"Mm": 80.0, "Fvm": 80.0, "Fsm": 40.0, "Kt": 8e6, "Ft": 900.0, "Ml": 160.0, "Fvl": 100.0}
+
+
+def switched_log() -> Log:
+    """A slide of 6 kg under a force that a relay switches: M q(2) + Fv q(1) = F, solved exactly."""
+    t = np.arange(0.0, 8.0, 2e-3)
+    force = 13.0 * np.sign(np.sin(2 * np.pi * (0.9 * t + 0.3 * np.sin(0.8 * t))))
+    _, q, _ = scipy.signal.lsim(([1.0], [6.0, 8.0, 0.0]), force, t)
+    return Log.from_arrays({"q": q, "F": force}, sampling_period=2e-3)
+
+
+@pytest.mark.parametrize(("log", "is_gain"), [(switched_log(), True), (rigid_log(), False)])
+def test_a_limit_of_a_switched_force_is_a_gain(log: Log, is_gain: bool) -> None:
+    data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recorded({}, None))
+    state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
+    limit = Placed(Saturation(), "actuator", (0.5 * float(np.abs(log["F"]).max()),), (1.0,))
+    assert _is_a_gain(Fit(with_effects(state, weighting, (limit,)), weighting)) is is_gain
+
+
+def test_one_sided_friction_of_the_load_may_be_in_the_friction_of_the_motor() -> None:
+    """The model has Coulomb friction at the motor alone, which moves with the load."""
+    load = next(body for body in SCREW.bodies if body.name == "load")
+    axis = SCREW.with_effect(AsymmetricFriction(load, viscous=("b1", "b2"), coulomb=("F1", "F2")))
+    axis = axis.with_signal("qm", noise=1e-7).with_signal("Fm", noise=1.0)
+    values = VALUES | {
+        "F1": 60.0,
+        "F2": 0.0,
+        "b1": 0.0,
+        "b2": 0.0,
+    }  # 30 N in the mean, which the motor's take up
+    reference = trapezoids(0.1, [0.1, 0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    run = simulate(axis, values, reference, tuned_cascade(plant_of(SCREW, VALUES), "qm"), seed=1).log
+    log = Log.from_arrays({"qm": run["qm"], "Fm": run["Fm"]}, sampling_period=run.sampling_period)
+    first = diagnose(SCREW, log, nominal=VALUES, held=True).effects[0]
+    assert ("asymmetric_friction", "load") in ((first.effect, first.at), *first.indistinguishable_from)
+    assert first.effect == "asymmetric_friction"
+
+
+def test_a_force_of_the_wrong_sign_is_said_without_nominal_values() -> None:
+    log = rigid_log()
+    turned = Log.from_arrays({"q": log["q"], "F": -log["F"]}, sampling_period=log.sampling_period)
+    found = diagnose(load_axis("rigid_1m"), turned)
+    assert found.verdict == "recording"
+    assert "opposite" in found.faults[0]
