@@ -175,7 +175,7 @@ class Thresholds:
     falls: float = 0.995
     no_excess: float = 0.05
     tempered_share: float = 0.004
-    doubt: float = 0.5
+    doubt: float = 2.0
     level_spread: float = 0.08
     level_elsewhere: float = 0.05
     steady: float = 0.99
