@@ -101,7 +101,10 @@ def response_of(
 
 
 def _inverse(matrix: ComplexArray) -> ComplexArray:
-    """Inverses of matrices of shape (n, n, n_bins); of three rows by cofactors, ten times faster than LAPACK."""
+    """Inverses of matrices of shape (n, n, n_bins); of two and three rows by cofactors, faster than LAPACK."""
+    if len(matrix) == 2:
+        (a, b), (c, d) = matrix
+        return np.asarray(np.array([[d, -b], [-c, a]]) / (a * d - b * c), dtype=np.complex128)
     if len(matrix) != 3:
         found = np.asarray(np.linalg.inv(np.moveaxis(matrix, -1, 0)), dtype=np.complex128)
         return np.moveaxis(found, 0, -1)
