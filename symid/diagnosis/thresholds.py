@@ -174,8 +174,8 @@ class Thresholds:
     half_sample: float = 0.12
     falls: float = 0.995
     no_excess: float = 0.05
-    tempered_share: float = 0.004
-    doubt: float = 2.0
+    tempered_share: float = 0.006
+    doubt: float = 1.0
     level_spread: float = 0.08
     level_elsewhere: float = 0.05
     steady: float = 0.99

@@ -17,9 +17,9 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
     present = [name for name in dynamics.sensors if name in log.signals]
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
     if not positions:
-        raise LogError(
-            f"log {log.source!r} has no position: a diagnosis needs one, such as {_first_position(dynamics)}"
-        )
+        declared = [name for name, (_, order) in dynamics.sensors.items() if order == 0]
+        way = f"such as {declared[0]}" if declared else "declare one, and log it or the integral of the speed"
+        raise LogError(f"log {log.source!r} has no position: a diagnosis needs one, {way}")
     drives, driven = _drive_directions(dynamics), list[str]()
     if np.linalg.matrix_rank(drives) < len(drives):
         names = [drive.signal for drive in dynamics.axis.drives]
@@ -36,10 +36,6 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
             )
         driven.append(max(left, key=lambda name: _collocation(drive, dynamics.sensors[name][0])))
     return *driven, *(name for name in present if name not in driven)
-
-
-def _first_position(dynamics: ForwardDynamics) -> str:
-    return next((name for name, (_, order) in dynamics.sensors.items() if order == 0), "one")
 
 
 def _drive_directions(dynamics: ForwardDynamics) -> FloatArray:
