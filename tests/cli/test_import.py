@@ -1,7 +1,6 @@
 """`symid import`: foreign files written by hand are guessed, declared as guesses, mapped and identified alike."""
 
 import json
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -275,48 +274,3 @@ def test_options_complete_a_mapping_that_lacks_something(
     assert run(*identify, *complete) == 0
     found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
     assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=0.02)
-
-
-def test_a_file_without_names_is_imported_by_its_clock(
-    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = table({"t": recorded.time, "q": recorded["q"], "F": recorded["F"]}, ",")
-    (folder / "bare.txt").write_text(text.partition("\n")[2], encoding="utf-8")
-    assert run("import", "bare.txt", "--axis", "rigid_1m", "-o", "m.json") == 0
-    mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
-    assert mapping["columns"] == {"t": "column 1"}
-    named = ("--column", "q=column 2", "--column", "F=column 3")
-    assert run("identify", "rigid_1m", "bare.txt", "--mapping", "m.json", *named, "--json", "f.json") == 0
-    found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
-    assert found["Fv"]["value"] == pytest.approx(TRUE["Fv"], rel=0.05)
-
-
-def test_a_struct_and_a_json_log_are_no_empty_tables(
-    recorded, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    columns = {"time": recorded.time, "position": recorded["q"], "force": recorded["F"]}
-    scipy.io.savemat(folder / "s.mat", {"run": columns})
-    (folder / "s.json").write_text(json.dumps({"run": {k: v.tolist() for k, v in columns.items()}}))
-    for name in ("s.mat", "s.json"):
-        assert run("import", name, "--axis", "rigid_1m", "-o", "m.json") == 0
-        mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
-        assert mapping["columns"] == {"t": "time", "q": "position", "F": "force"}
-        assert mapping["missing"] == []
-        assert run("identify", "rigid_1m", name, "--mapping", "m.json") == 0
-
-
-def test_numbers_of_samples_are_no_times(recorded: Log, folder: Path) -> None:
-    rows = table({"sample": recorded.time / PERIOD, "q": recorded["q"], "F": recorded["F"]}, ",")
-    (folder / "numbered.csv").write_text(rows)
-    (first, *_) = foreign_columns(open_table(folder / "numbered.csv"))
-    assert (first.quantity, first.reason) == (None, "it numbers the samples")
-    assert run("import", "numbered.csv", "--axis", "rigid_1m", "--no-ask", "-o", "m.json") == 0
-    assert "--rate" in json.loads((folder / "m.json").read_text())["missing"][0]
-
-
-def test_an_archive_is_to_be_unpacked(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with zipfile.ZipFile(folder / "run.zip", "w") as archive:
-        archive.writestr("run.csv", "t,q,F\n")
-    for command in (("identify", "rigid_1m", "run.zip"), ("import", "run.zip")):
-        assert run(*command) == 2
-        assert "run.zip: is an archive: unpack it, and give the files in it" in capsys.readouterr().err
