@@ -105,3 +105,36 @@ def test_a_channel_that_never_changes_is_refused_as_in_a_file(name: str) -> None
     log = Log.from_arrays(signals, sampling_period=1e-3)
     with pytest.raises(LogError, match=rf"'{name}' is constant \(0\) over the whole log"):
         diagnose(load_axis("ballscrew_2m1s"), log)
+
+
+def test_declared_dry_friction_of_a_hidden_load_is_integrated_with_its_motion() -> None:
+    """From values 15 % off, where the frequency response of a load that friction holds at times says nothing."""
+    motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    spring = Spring("coupling", Between(first=motor, second=load), "K", damping="C")
+    laws = [kind(body, name) for kind, body, name in (
+        (ViscousFriction, motor, "Fvm"), (CoulombFriction, motor, "Fsm"),
+        (ViscousFriction, load, "Fvl"), (CoulombFriction, load, "Fsl"),
+    )]  # fmt: skip
+    axis = Axis("coupled", (motor, load, spring, *laws), Drive("F", motor), (Position("q", motor),))
+    true = {
+        "Mm": 80.0,
+        "Ml": 160.0,
+        "K": 5e6,
+        "C": 900.0,
+        "Fvm": 80.0,
+        "Fsm": 40.0,
+        "Fvl": 100.0,
+        "Fsl": 50.0,
+    }
+    reference = trapezoids(
+        [0.1, 0.05], [0.1, 0.2, 0.3], acceleration=4.0, jerk=100.0, dwell=0.1, sampling_period=1e-3
+    )
+    noisy = axis.with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
+    run = simulate(noisy, true, reference, tuned_cascade(plant_of(axis, true), "q"), seed=1).log
+    log = Log.from_arrays({"q": run["q"], "F": run["F"]}, sampling_period=run.sampling_period)
+    data = data_of(axis, (joined([log]), None), Recorded({}, True))
+    signs = np.random.default_rng(1).choice([-0.15, 0.15], len(true))
+    nominal = {name: value * (1 + off) for (name, value), off in zip(true.items(), signs, strict=True)}
+    found = start.fitted_axis(*first_state(data.record, nominal, data.training))
+    for name in ("Mm", "Ml", "K", "Fsm", "Fsl"):
+        assert found.parameters[name] == pytest.approx(true[name], rel=0.06)

@@ -11,9 +11,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import sympy as sp
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.diagnosis.effects import JointEffect, LinearEffect, Placed, TransferEffect, declared_effects
+from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction, prediction_of
 from symid.diagnosis.prediction.record import Record
@@ -22,6 +24,7 @@ from symid.errors import LogError
 
 _TAKES_PART = 0.2
 _LEAST_ROWS = 20
+_LEVEL = sp.Symbol("level")
 _BALANCED = 3
 """Further turns in which an implicit force finds its balance: friction of half the load is then within 6 %, and
 the next step begins there."""
@@ -101,7 +104,7 @@ def first_state(
     declared = tuple(
         replace(item, integrated=can_integrate(prediction, item)) for item in declared_effects(prediction)
     )
-    return with_effects(first, weighting, declared) if declared else first, weighting
+    return with_effects(first, weighting, declared) if declared or prediction.dry_terms else first, weighting
 
 
 def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
@@ -196,18 +199,40 @@ def _acted_on(
         elif isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-            if any(other.integrated for other in placed):  # which knows forces and no impedances
+            if before.dry_terms or any(
+                other.integrated for other in placed
+            ):  # which knows forces and no impedances
                 forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
         else:
             forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
+    dry = before.dry_terms
+    plant = record.dynamics.at(parameters) if nearby or dry else before.response.plant
+    for i, k in dry:
+        direction, level = plant.laws[i].direction, plant.laws[i].terms[k].parameter
+        integrated.append((direction, Pointwise(_LEVEL, {"level": level}, dry=True)))
+        if not nearby:
+            joint = before.along(direction)
+            impedances.append((direction, _equivalent(level * before.laws[i][1][k], joint)))
     if nearby:
-        response = replace(before.response, plant=record.dynamics.at(parameters))
+        response = replace(before.response, plant=plant)
         like = replace(before, response=response)
         return prediction_of(
-            record, parameters, before=before, like=like, forces=forces, integrated=integrated
+            record,
+            parameters,
+            before=before,
+            like=like,
+            forces=forces,
+            integrated=integrated,
+            held=dry,
         )
     return prediction_of(
-        record, parameters, before=before, forces=forces, impedances=impedances, integrated=integrated
+        record,
+        parameters,
+        before=before,
+        forces=forces,
+        impedances=impedances,
+        integrated=integrated,
+        held=dry,
     )
 
 
@@ -222,8 +247,7 @@ def is_hidden(prediction: Prediction, joint: Joint) -> bool:
     dynamics = prediction.record.dynamics
     if not len(dynamics.bodies) == len(dynamics.motion[0]) == 2:
         return False
-    driven = prediction.driven_shares(joint.direction) is not None
-    return not driven and np.array_equal(joint.spectrum, joint.modelled)
+    return prediction.is_hidden(joint)
 
 
 def can_integrate(prediction: Prediction, item: Placed) -> bool:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Between, Body, Ground, Spring
@@ -50,6 +51,8 @@ class Prediction:
         What hangs on the axis besides.
     levels : tuple of float
         Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
+    held : tuple of (int, int)
+        Laws, and their terms, of declared dry friction that is integrated with the hidden motion, see `dry_terms`.
     """
 
     record: Record
@@ -62,6 +65,7 @@ class Prediction:
     of_integrated: ComplexArray | None = None
     impedances: tuple[Impedance, ...] = ()
     levels: tuple[float, ...] = ()
+    held: tuple[tuple[int, int], ...] = ()
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
         """The same with weights that allow for other errors of the model."""
@@ -83,7 +87,7 @@ class Prediction:
         """Direction of each joint with nonlinear laws, and the spectra of their expressions."""
         found = []
         for direction, terms in self.record.dynamics.laws:
-            joint = self._joint("", direction)
+            joint = self.along(direction)
             found.append((direction, tuple(joint.law_force(term) for term in terms)))
         return tuple(found)
 
@@ -91,8 +95,11 @@ class Prediction:
     def law_forces(self) -> ComplexArray:
         """Forces of the laws and of constants on the bodies, of shape (n_bins, n_bodies)."""
         total = np.zeros((self.record.n_bins, len(self.response.plant.bodies)), dtype=complex)
-        for (direction, spectra), law in zip(self.laws, self.response.plant.laws, strict=True):
-            force = sum(term.parameter * x for term, x in zip(law.terms, spectra, strict=True))
+        for i, ((direction, spectra), law) in enumerate(
+            zip(self.laws, self.response.plant.laws, strict=True)
+        ):
+            terms = enumerate(zip(law.terms, spectra, strict=True))
+            force = sum(term.parameter * x for k, (term, x) in terms if (i, k) not in self.held)
             total -= np.multiply.outer(force, direction)
         total[0] += self.response.plant.constant * self.record.n_extended
         return total
@@ -101,6 +108,30 @@ class Prediction:
     def law_courses(self) -> FloatArray:
         """The same at the points of an integration, of shape (n_bodies, n_points)."""
         return self.record.course(self.law_forces.T)
+
+    @cached_property
+    def dry_terms(self) -> tuple[tuple[int, int], ...]:
+        """Laws, and their terms, of declared Coulomb friction in joints of two bodies that no sensor sees.
+
+        What holds a hidden body at times follows from no frequency response.
+        """
+        if not len(self.response.plant.bodies) == len(self.record.dynamics.bodies) == 2:
+            return ()
+        return tuple(
+            (i, k)
+            for i, law in enumerate(self.response.plant.laws)
+            for k, term in enumerate(law.terms)
+            if isinstance(term.source, sp.sign) and self.is_hidden(self.along(law.direction))
+        )
+
+    def along(self, direction: FloatArray) -> Joint:
+        """The motion along a direction over the bodies."""
+        return self._joint("", direction)
+
+    def is_hidden(self, joint: Joint) -> bool:
+        """Whether the motion of a joint follows from the model: no sensor tells it."""
+        driven = self.driven_shares(joint.direction) is not None
+        return not driven and np.array_equal(joint.spectrum, joint.modelled)
 
     @cached_property
     def outputs(self) -> ComplexArray:
@@ -248,6 +279,7 @@ def prediction_of(
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
+    held: tuple[tuple[int, int], ...] = (),
 ) -> Prediction:
     """The axis under a record.
 
@@ -268,7 +300,11 @@ def prediction_of(
         What hangs on the axis besides.
     integrated : sequence of (array, callable)
         Direction and force of laws in hidden joints that are integrated with their motion.
+    held : tuple of (int, int)
+        Those of them that are declared, see `Prediction`.
     """
+    if before is not None and before.held != held:
+        before = replace(before, held=held)
     levels = () if before is None else before.levels
     if before is not None and before.parameters == parameters and not (impedances or before.impedances):
         like = before  # an implicit force looks for its balance
@@ -296,6 +332,7 @@ def prediction_of(
             np.asarray(own),
             tuple(impedances),
             levels,
+            held,
         )
     acting = of_effects if before is None else of_effects + before.law_forces
     moved = response.displacements(record.motions, acting)
