@@ -211,7 +211,7 @@ axis = Axis(
     assert code == 1
     assert "wrote mine__qm_ql.py" in out
     assert err.startswith("symid: mine__qm.py cannot be derived: ")
-    assert "add a position or velocity sensor of 'load'" in err
+    assert "measure ql too" in err
     assert [path.name for path in (project / "generated").glob("*.py")] == ["mine__qm_ql.py"]
     code, out, _ = run(capsys, "generate", "mine", "--check", "--json", "-")
     assert (code, list(json.loads(out)["refused"])) == (1, ["mine__qm.py"])

@@ -171,7 +171,7 @@ def test_directions_are_those_of_the_derivation() -> None:
 def test_faults_are_said_and_files_written() -> None:
     with pytest.raises(DeclarationError, match=r"time_constant is 0\.0: it must be positive"):
         AXIS.with_effect(FrictionDrift(MOTOR, 1.0, 0.0, time_constant=0.0))
-    with pytest.raises(DeclarationError, match="no position sensor: choose from q"):
+    with pytest.raises(DeclarationError, match="not a position sensor: choose from q"):
         AXIS.with_effect(EncoderRipple("qx", 1e-6, 0.0, pitch=0.01))
     better = AXIS.with_effect(*(element for element, _ in CASES.values()))
     space: dict[str, object] = {}

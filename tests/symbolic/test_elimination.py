@@ -189,9 +189,14 @@ def test_coulomb_friction_of_an_unseen_load_is_refused_with_the_sensor_that_help
         derive(axis, ("qm",))
     message = str(refused.value)
     assert "CoulombFriction at 'load'" in message
-    assert "add a position or velocity sensor of 'load' relative to 'ground'" in message
+    assert "measure ql too" in message
     assert "\n" not in message
     assert len(derive(axis, ("qm", "ql")).minimal.output) == 2
+    alone = Axis("unseen", axis.elements, Drive("F", motor), (Position("qm", motor),))
+    with pytest.raises(
+        EliminationError, match="add a position or velocity sensor of 'load' relative to 'ground'"
+    ):
+        derive(alone, ("qm",))
 
 
 def test_a_velocity_sensor_is_enough_for_friction_but_not_for_a_pendulum() -> None:

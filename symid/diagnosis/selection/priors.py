@@ -29,7 +29,7 @@ def temperature(best: float) -> float:
     Examples
     --------
     >>> temperature(1000.0)
-    5.0
+    7.0
     """
     return 1 + THRESHOLDS.tempered_share * max(best, 0.0)
 
