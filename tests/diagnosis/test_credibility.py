@@ -5,7 +5,17 @@ import pytest
 import scipy
 from hand_made import rigid_log
 
-from symid import AsymmetricFriction, Log, load_axis
+from symid import (
+    AsymmetricFriction,
+    Axis,
+    Body,
+    CoulombFriction,
+    Drive,
+    Log,
+    Position,
+    ViscousFriction,
+    load_axis,
+)
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.effects import Placed, Saturation
@@ -60,3 +70,15 @@ def test_a_force_of_the_wrong_sign_is_said_without_nominal_values() -> None:
     found = diagnose(load_axis("rigid_1m"), turned)
     assert found.verdict == "recording"
     assert "opposite" in found.faults[0]
+
+
+def test_a_mass_and_the_force_constant_beside_it_are_not_determined() -> None:
+    """One log shows their ratios alone."""
+    slide = Body("slide", mass="M")
+    laws = ViscousFriction(slide, "Fv"), CoulombFriction(slide, "Fs")
+    axis = Axis("slide", (slide, *laws), Drive("F", slide, gain="Kt", unit="A"), (Position("q", slide),))
+    log, values = rigid_log(), {"M": 110.0, "Fv": 140.0, "Fs": 9.0, "Kt": 1.1}
+    found = diagnose(axis, log, nominal=values, library=()).parameters
+    assert [parameter.reidentified_std for parameter in found] == [np.inf] * 4
+    known = diagnose(axis.with_known({"Kt": 1.0}), log, nominal=values, library=()).parameters
+    assert all(np.isfinite(parameter.reidentified_std) for parameter in known)
