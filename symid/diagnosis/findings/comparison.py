@@ -94,9 +94,11 @@ class Comparison:
 
     @property
     def worsened(self) -> int | None:
-        """The first of several effects that clearly makes the error grow on these data; None if none does."""
+        """The first of several effects that clearly makes the error, or a hidden motion, grow on these data."""
         n_effects = len(self.states) - 2
-        grows = (n for n in range(n_effects) if self.removed(n + 1, n + 2).high < 0)
+        grows = (
+            n for n in range(n_effects) if self.states[n + 2] is None or self.removed(n + 1, n + 2).high < 0
+        )
         return next(grows, None) if n_effects > 1 else None
 
     @property
@@ -349,9 +351,19 @@ def compared(
     """
     base, weighting = applied(fits[0].state, record, allowed)
     models = [nominal, *(fit.state for fit in fits[1:])]
-    states: list[State | None] = [
-        None if model is None else applied(model, record, allowed)[0].weighted(weighting) for model in models
-    ]
+    states = [_applied(model, record, allowed, weighting) for model in models]
     states.insert(1, base)
     errors = (None if state is None else errors_of(state, weighting) for state in states)
     return Comparison(weighting, tuple(states), tuple(errors))
+
+
+def _applied(
+    model: State | None, record: Record, allowed: BoolArray | None, weighting: Weighting
+) -> State | None:
+    """A model under a record; None without one, or where its hidden motion grows without bound there."""
+    if model is None:
+        return None
+    try:
+        return applied(model, record, allowed)[0].weighted(weighting)
+    except OverflowError:
+        return None
