@@ -247,15 +247,17 @@ def _largest_first(
     Logs excite effects differently: what errs most in the logs for identification may be small in the validation data.
     """
     accepted = [step for step in steps if step.accepts][: comparison.upheld]
-    shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
-    at = int(np.argmax(shares)) if shares else 0
-    if at == 0 or accepted[0].confirmed[0].effect.name == LATE_READING:
+    if not accepted or accepted[0].confirmed[0].effect.name == LATE_READING:
         return steps, comparison
-    ordered = brought_first(accepted, at)
-    other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
-    as_good = other.misfit**2 < THRESHOLDS.as_good * comparison.misfit**2
-    holds = other.upheld > 0 and as_good and other.removed(1, 2).share > shares[0]
-    return (ordered, other) if holds else (steps, comparison)
+    shares = [comparison.removed(i + 1, i + 2).share for i in range(len(accepted))]
+    larger = [i for i, share in enumerate(shares) if share > shares[0]]
+    for at in sorted(larger, key=lambda i: -shares[i]):
+        ordered = brought_first(accepted, at)
+        other = compared(data.validation, nominal, fits_of(base, ordered), data.held_out)
+        as_good = other.misfit**2 < THRESHOLDS.as_good * comparison.misfit**2
+        if other.upheld > 0 and as_good and other.removed(1, 2).share > shares[0]:
+            return ordered, other
+    return steps, comparison
 
 
 def _with_hold(

@@ -215,13 +215,16 @@ def _chain(
 ) -> tuple[SelectionStep, ...] | None:
     """Steps in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left.
 
-    Of effects that are `justified` beside each other, what each takes away at its place does not count.
+    Of effects that are `justified` beside each other, what each takes away at its place does not count, and those are
+    left out that no machine has behind the first.
     """
     chain: list[SelectionStep] = []
     before = first
     for i, member in enumerate(members):
         later = [other.placed for other in members[i + 1 :]]
         found = confirmed_from(before, Start.of(before, member.placed), beside=later)
+        if found is None and justified and i:
+            continue
         if found is None:
             return None
         step = _in_place_of(member.step, before, found)
