@@ -9,12 +9,14 @@ from symid import Cogging, PayloadChange, QuadraticDrag, load_axis
 from symid.data import Log
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
+from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.fitting.fit import Fit
-from symid.diagnosis.fitting.state import first_state
+from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.prediction.joined import joined
+from symid.diagnosis.prediction.weighting import Weighting
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
-diagnose_module = sys.modules[data_of.__module__]
+diagnose_module, comparison_module = (sys.modules[own.__module__] for own in (data_of, compared))
 RIGID = load_axis("rigid_1m")
 VALUES = {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
 ELASTIC = load_axis("direct_2m1s")
@@ -55,3 +57,21 @@ def test_hidden_bodies_go_on_when_a_mass_changes(moment: float) -> None:
         data = data_of(declared, (joined([log]), None), Recorded({}, True))
         left.append(Fit(*first_state(data.record, FLEXIBLE)).mean_square)
     assert left[1] < 0.02 * left[0]
+
+
+def test_a_model_that_grows_without_bound_on_the_validation_log_is_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    under = comparison_module.applied
+
+    def grows(model: State, *others: object) -> tuple[State, Weighting]:
+        if model.placed:
+            raise OverflowError("the hidden motion grows without bound")
+        return under(model, *others)
+
+    monkeypatch.setattr(comparison_module, "applied", grows)
+    found = diagnose(
+        RIGID, slide([0.05, 0.1, 0.3], 1), validation=slide([0.1, 0.3, 0.5], 2), nominal=VALUES, held=True
+    )
+    assert found.verdict == "unexplained"
+    assert not found.effects
