@@ -13,7 +13,8 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import length_unit
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
-from symid.diagnosis.prediction.prediction import Prediction, place_named
+from symid.diagnosis.prediction.places import place_named
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
 from symid.units import Unit
 

@@ -23,7 +23,8 @@ from symid.axis import (
 from symid.axis.imperfections import JointImperfection
 from symid.diagnosis.effects import forces, friction, signals
 from symid.diagnosis.effects.base import ACTUATOR, Effect, Placed, Shape
-from symid.diagnosis.prediction.prediction import Prediction, place_named
+from symid.diagnosis.prediction.places import place_named
+from symid.diagnosis.prediction.prediction import Prediction
 
 
 def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:

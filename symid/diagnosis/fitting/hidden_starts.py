@@ -17,8 +17,9 @@ import numpy as np
 from symid.axis import Between, Body, Spring
 from symid.diagnosis.effects import Effect, JointEffect, Placed
 from symid.diagnosis.fitting.fit import Fit, cost_of
-from symid.diagnosis.fitting.state import State, can_integrate, first_state, is_hidden, with_effects
-from symid.diagnosis.prediction.prediction import Prediction, place_of
+from symid.diagnosis.fitting.state import State, can_integrate, first_state, with_effects
+from symid.diagnosis.prediction.places import place_of
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.weighting import Weighting
 
 _STIFFNESSES = (0.75, 0.87, 1.0, 1.15, 1.3)
@@ -148,9 +149,9 @@ def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]
 def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
     """Springs whose deflection no sensor reads, with the body that hangs on them."""
     for spring in (e for e in prediction.axis.elements if isinstance(e, Spring)):
-        if not is_hidden(prediction, prediction.springs[place_of(spring)]):
+        if not prediction.is_hidden(prediction.springs[place_of(spring)]):
             continue
         ends = (spring.at.first, spring.at.second) if isinstance(spring.at, Between) else (spring.at,)
-        hidden = [b for b in ends if isinstance(b, Body) and is_hidden(prediction, prediction.joints[b.name])]
+        hidden = [b for b in ends if isinstance(b, Body) and prediction.is_hidden(prediction.joints[b.name])]
         if hidden:
             yield spring, hidden[0]

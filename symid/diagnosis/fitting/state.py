@@ -242,18 +242,10 @@ def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
     return np.tensordot(item.amplitudes, item.effect.forces_at(prediction, joint, item.shape), 1)
 
 
-def is_hidden(prediction: Prediction, joint: Joint) -> bool:
-    """Whether the motion of a joint follows from the model: two bodies, and no sensor that reads it."""
-    dynamics = prediction.record.dynamics
-    if not len(dynamics.bodies) == len(dynamics.motion[0]) == 2:
-        return False
-    return prediction.is_hidden(joint)
-
-
 def can_integrate(prediction: Prediction, item: Placed) -> bool:
     """Whether an effect acts on hidden motion, and its force is known point by point."""
     effect = item.effect
-    if not isinstance(effect, JointEffect) or not is_hidden(prediction, effect.joint(prediction, item.at)):
+    if not isinstance(effect, JointEffect) or not prediction.is_hidden(effect.joint(prediction, item.at)):
         return False
     return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
 

@@ -18,7 +18,8 @@ from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.prediction import Prediction, place_named
+from symid.diagnosis.prediction.places import place_named
+from symid.diagnosis.prediction.prediction import Prediction
 from symid.errors import SettingError
 
 Values: TypeAlias = dict[str, float]

@@ -5,7 +5,7 @@ A prediction is what effects look at when they are asked for their missing force
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,10 +13,10 @@ import numpy as np
 import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Axis, Between, Body, Ground, Spring
-from symid.axis.elements import Joint as Place
+from symid.axis import Axis, Spring
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.places import direction_of, place_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Response, noise_weights, response_of
 
@@ -115,8 +115,6 @@ class Prediction:
 
         What holds a hidden body at times follows from no frequency response.
         """
-        if not len(self.response.plant.bodies) == len(self.record.dynamics.bodies) == 2:
-            return ()
         return tuple(
             (i, k)
             for i, law in enumerate(self.response.plant.laws)
@@ -129,7 +127,9 @@ class Prediction:
         return self._joint("", direction)
 
     def is_hidden(self, joint: Joint) -> bool:
-        """Whether the motion of a joint follows from the model: no sensor tells it."""
+        """Whether the motion of a joint follows from the model: two bodies, and no sensor that shows it."""
+        if not len(self.record.dynamics.bodies) == len(self.response.plant.bodies) == 2:
+            return False
         driven = self.driven_shares(joint.direction) is not None
         return not driven and np.array_equal(joint.spectrum, joint.modelled)
 
@@ -172,7 +172,7 @@ class Prediction:
     def joints(self) -> Mapping[str, Joint]:
         """Joints of the bodies that have a mass."""
         return {
-            body.name: self._joint(body.name, _direction(body, self.response.plant.bodies))
+            body.name: self._joint(body.name, direction_of(body, self.response.plant.bodies))
             for body in self.axis.free_bodies
             if body.name in self.record.dynamics.bodies
         }
@@ -186,7 +186,7 @@ class Prediction:
         """Joints with a spring: a spring between bodies by its own name, one in a body's joint by the body's."""
         bodies = self.response.plant.bodies
         return {
-            place_of(element): self._joint(place_of(element), _direction(element.at, bodies))
+            place_of(element): self._joint(place_of(element), direction_of(element.at, bodies))
             for element in self.axis.elements
             if isinstance(element, Spring)
         }
@@ -233,41 +233,6 @@ def _along(direction: FloatArray, displacements: ComplexArray) -> ComplexArray:
     for i in np.flatnonzero(direction):
         found += direction[i] * displacements[i]
     return found
-
-
-def place_of(spring: Spring) -> str:
-    """Name of the place of a spring."""
-    return spring.name if isinstance(spring.at, Between) else spring.at.name
-
-
-def place_named(axis: Axis, name: str) -> Place:
-    """Body or spring of an axis that an effect sits at."""
-    springs: Iterable[Spring] = (e for e in axis.elements if isinstance(e, Spring))
-    found = next((body for body in axis.free_bodies if body.name == name), None)
-    return found if found is not None else next(s.at for s in springs if place_of(s) == name)
-
-
-def _direction(at: Body | Between, bodies: tuple[str, ...]) -> FloatArray:
-    """Displacement in a joint as a product with those of the free bodies."""
-    if isinstance(at, Between):
-        return np.asarray(_absolute(at.second, bodies) - at.ratio * _absolute(at.first, bodies))
-    if at.gears:
-        return np.asarray(sum(gear.ratio * _direction(gear.to, bodies) for gear in at.gears))
-    own = np.eye(len(bodies))[bodies.index(at.name)]
-    return np.asarray(own - _absolute(at.on, bodies)) if _is_carried(at) else own
-
-
-def _absolute(body: Body | Ground, bodies: tuple[str, ...]) -> FloatArray:
-    """Displacement of a body against the ground as such a product."""
-    if isinstance(body, Ground):
-        return np.zeros(len(bodies))
-    relative = _direction(body, bodies)
-    return np.asarray(relative + _absolute(body.on, bodies)) if _is_carried(body) else relative
-
-
-def _is_carried(body: Body) -> bool:
-    """Whether the motion of what a body is on adds to its own: a turning body on a sliding one turns by its own."""
-    return isinstance(body.on, Body) and body.on.turns == body.turns
 
 
 def prediction_of(
