@@ -67,7 +67,10 @@ def sentence(
     first, *further = (spoken(effect.effect, effect.at) for effect in effects)
     doubt = effects[0].indistinguishable_from
     if doubt:
-        first += f" (or {spoken(*doubt[0])}: this log does not tell them apart)"
+        *others_like_it, last = (spoken(*key) for key in doubt)
+        rest = ", ".join(others_like_it)
+        either = f"{rest} or {last}" if rest else last
+        first += f" (or {either}: this log does not tell them apart)"
     with_them = "with them" if further else "with it"
     falls = "force errors fall" if others else "force error falls"
     named = " and ".join([first, *further])
