@@ -21,7 +21,7 @@ _INTEGRATED_STEP = 1e-3
 
 def derivatives(state: State) -> ComplexArray:
     """Derivatives of the prediction by physical parameters and the effects' values, (n_columns, n_outputs, n_bins)."""
-    if state.prediction.held or any(item.integrated for item in state.placed):
+    if state.prediction.integrated_terms or any(item.integrated for item in state.placed):
         return _by_differences(state)
     prediction, placed = state.prediction, state.placed
     found = [_by_parameters(prediction, placed)]

@@ -185,7 +185,7 @@ def _acted_on(
     before: Prediction, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
 ) -> Prediction:
     """The prediction that follows when effects act as the motion and the forces of another one ask for."""
-    record, forces = before.record, np.zeros_like(before.forces)
+    record, forces, dry = before.record, np.zeros_like(before.forces), before.dry_terms
     impedances, integrated = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
@@ -199,13 +199,10 @@ def _acted_on(
         elif isinstance(item.effect, LinearEffect):
             stiffness = item.amplitudes[0] * item.effect.stiffness(record.omega, item.shape)
             impedances.append((joint.direction, stiffness))
-            if before.dry_terms or any(
-                other.integrated for other in placed
-            ):  # which knows forces and no impedances
+            if dry or any(other.integrated for other in placed):  # an integration knows forces alone
                 forces -= np.multiply.outer(stiffness * joint.spectrum, joint.direction)
         else:
             forces -= np.multiply.outer(_force(before, item, joint), joint.direction)
-    dry = before.dry_terms
     plant = record.dynamics.at(parameters) if nearby or dry else before.response.plant
     for i, k in dry:
         direction, level = plant.laws[i].direction, plant.laws[i].terms[k].parameter
@@ -213,26 +210,16 @@ def _acted_on(
         if not nearby:
             joint = before.along(direction)
             impedances.append((direction, _equivalent(level * before.laws[i][1][k], joint)))
-    if nearby:
-        response = replace(before.response, plant=plant)
-        like = replace(before, response=response)
-        return prediction_of(
-            record,
-            parameters,
-            before=before,
-            like=like,
-            forces=forces,
-            integrated=integrated,
-            held=dry,
-        )
+    like = replace(before, response=replace(before.response, plant=plant)) if nearby else None
     return prediction_of(
         record,
         parameters,
         before=before,
+        like=like,
         forces=forces,
         impedances=impedances,
         integrated=integrated,
-        held=dry,
+        integrated_terms=dry,
     )
 
 

@@ -51,7 +51,7 @@ class Prediction:
         What hangs on the axis besides.
     levels : tuple of float
         Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
-    held : tuple of (int, int)
+    integrated_terms : tuple of (int, int)
         Laws, and their terms, of declared dry friction that is integrated with the hidden motion, see `dry_terms`.
     """
 
@@ -65,7 +65,7 @@ class Prediction:
     of_integrated: ComplexArray | None = None
     impedances: tuple[Impedance, ...] = ()
     levels: tuple[float, ...] = ()
-    held: tuple[tuple[int, int], ...] = ()
+    integrated_terms: tuple[tuple[int, int], ...] = ()
 
     def leveled(self, levels: Sequence[float]) -> Prediction:
         """The same with weights that allow for other errors of the model."""
@@ -99,7 +99,7 @@ class Prediction:
             zip(self.laws, self.response.plant.laws, strict=True)
         ):
             terms = enumerate(zip(law.terms, spectra, strict=True))
-            force = sum(term.parameter * x for k, (term, x) in terms if (i, k) not in self.held)
+            force = sum(term.parameter * x for k, (term, x) in terms if (i, k) not in self.integrated_terms)
             total -= np.multiply.outer(force, direction)
         total[0] += self.response.plant.constant * self.record.n_extended
         return total
@@ -244,7 +244,7 @@ def prediction_of(
     forces: ComplexArray | None = None,
     impedances: Sequence[Impedance] = (),
     integrated: Sequence[tuple[FloatArray, Pointwise]] = (),
-    held: tuple[tuple[int, int], ...] = (),
+    integrated_terms: tuple[tuple[int, int], ...] = (),
 ) -> Prediction:
     """The axis under a record.
 
@@ -265,11 +265,11 @@ def prediction_of(
         What hangs on the axis besides.
     integrated : sequence of (array, callable)
         Direction and force of laws in hidden joints that are integrated with their motion.
-    held : tuple of (int, int)
+    integrated_terms : tuple of (int, int)
         Those of them that are declared, see `Prediction`.
     """
-    if before is not None and before.held != held:
-        before = replace(before, held=held)
+    if before is not None and before.integrated_terms != integrated_terms:
+        before = replace(before, integrated_terms=integrated_terms)
     levels = () if before is None else before.levels
     if before is not None and before.parameters == parameters and not (impedances or before.impedances):
         like = before  # an implicit force looks for its balance
@@ -297,7 +297,7 @@ def prediction_of(
             np.asarray(own),
             tuple(impedances),
             levels,
-            held,
+            integrated_terms,
         )
     acting = of_effects if before is None else of_effects + before.law_forces
     moved = response.displacements(record.motions, acting)
