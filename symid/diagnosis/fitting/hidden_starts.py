@@ -149,9 +149,13 @@ def _near(fit: Fit, nominal: Fit, spring: Spring, body: Body) -> Iterator[State]
 def _hidden_springs(prediction: Prediction) -> Iterator[tuple[Spring, Body]]:
     """Springs whose deflection no sensor reads, with the body that hangs on them."""
     for spring in (e for e in prediction.axis.elements if isinstance(e, Spring)):
-        if not prediction.is_hidden(prediction.springs[place_of(spring)]):
+        if not prediction.record.is_hidden(prediction.springs[place_of(spring)].direction):
             continue
         ends = (spring.at.first, spring.at.second) if isinstance(spring.at, Between) else (spring.at,)
-        hidden = [b for b in ends if isinstance(b, Body) and prediction.is_hidden(prediction.joints[b.name])]
+        hidden = [
+            b
+            for b in ends
+            if isinstance(b, Body) and prediction.record.is_hidden(prediction.joints[b.name].direction)
+        ]
         if hidden:
             yield spring, hidden[0]

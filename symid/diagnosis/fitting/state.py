@@ -104,7 +104,7 @@ def first_state(
     declared = tuple(
         replace(item, integrated=can_integrate(prediction, item)) for item in declared_effects(prediction)
     )
-    return with_effects(first, weighting, declared) if declared or prediction.dry_terms else first, weighting
+    return with_effects(first, weighting, declared) if declared or record.dry_terms else first, weighting
 
 
 def leveled(state: State, allowed: BoolArray | None, levels: Sequence[float]) -> tuple[State, Weighting]:
@@ -185,7 +185,7 @@ def _acted_on(
     before: Prediction, parameters: Mapping[str, float], placed: tuple[Placed, ...], *, nearby: bool
 ) -> Prediction:
     """The prediction that follows when effects act as the motion and the forces of another one ask for."""
-    record, forces, dry = before.record, np.zeros_like(before.forces), before.dry_terms
+    record, forces, dry = before.record, np.zeros_like(before.forces), before.record.dry_terms
     impedances, integrated = [], []
     for item in placed:
         if not isinstance(item.effect, JointEffect):
@@ -232,7 +232,9 @@ def _force(prediction: Prediction, item: Placed, joint: Joint) -> ComplexArray:
 def can_integrate(prediction: Prediction, item: Placed) -> bool:
     """Whether an effect acts on hidden motion, and its force is known point by point."""
     effect = item.effect
-    if not isinstance(effect, JointEffect) or not prediction.is_hidden(effect.joint(prediction, item.at)):
+    if not isinstance(effect, JointEffect) or not prediction.record.is_hidden(
+        effect.joint(prediction, item.at).direction
+    ):
         return False
     return effect.pointwise(prediction, item.shape, item.amplitudes) is not None
 

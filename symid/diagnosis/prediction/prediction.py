@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Spring
@@ -52,7 +51,7 @@ class Prediction:
     levels : tuple of float
         Errors of the model that the weights of the outputs allow for, see `noise_weights`; 1 each if empty.
     integrated_terms : tuple of (int, int)
-        Laws, and their terms, of declared dry friction that is integrated with the hidden motion, see `dry_terms`.
+        Those of `Record.dry_terms` that are integrated with the hidden motion: laws, and their terms.
     """
 
     record: Record
@@ -109,29 +108,9 @@ class Prediction:
         """The same at the points of an integration, of shape (n_bodies, n_points)."""
         return self.record.course(self.law_forces.T)
 
-    @cached_property
-    def dry_terms(self) -> tuple[tuple[int, int], ...]:
-        """Laws, and their terms, of declared Coulomb friction in joints of two bodies that no sensor sees.
-
-        What holds a hidden body at times follows from no frequency response.
-        """
-        return tuple(
-            (i, k)
-            for i, law in enumerate(self.response.plant.laws)
-            for k, term in enumerate(law.terms)
-            if isinstance(term.source, sp.sign) and self.is_hidden(self.along(law.direction))
-        )
-
     def along(self, direction: FloatArray) -> Joint:
         """The motion along a direction over the bodies."""
         return self._joint("", direction)
-
-    def is_hidden(self, joint: Joint) -> bool:
-        """Whether the motion of a joint follows from the model: two bodies, and no sensor that shows it."""
-        if not len(self.record.dynamics.bodies) == len(self.response.plant.bodies) == 2:
-            return False
-        driven = self.driven_shares(joint.direction) is not None
-        return not driven and np.array_equal(joint.spectrum, joint.modelled)
 
     @cached_property
     def outputs(self) -> ComplexArray:

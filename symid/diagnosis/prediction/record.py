@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import scipy
+import sympy as sp
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Body
@@ -103,6 +104,27 @@ class Record:
     def readings(self) -> tuple[str, ...]:
         """Sensors that are predicted."""
         return self.signals[self.n_drives :]
+
+    def is_hidden(self, direction: FloatArray) -> bool:
+        """Whether motion along a direction follows from the model: that of two bodies, which no sensor shows."""
+        sensors, n_bodies = self.dynamics.sensors, len(self.dynamics.bodies)
+        if not n_bodies == direction.size == 2 or any(sensors[name][1] == 0 for name in self.readings):
+            return False
+        rows = [sensors[name][0] for name in self.driven]
+        return bool(np.linalg.matrix_rank(np.stack([*rows, direction])) > len(rows))
+
+    @cached_property
+    def dry_terms(self) -> tuple[tuple[int, int], ...]:
+        """Laws, and their terms, of declared Coulomb friction in hidden joints.
+
+        What holds a hidden body at times follows from no frequency response.
+        """
+        return tuple(
+            (i, k)
+            for i, law in enumerate(self.dynamics.laws)
+            for k, term in enumerate(law.terms)
+            if isinstance(term.source, sp.sign) and self.is_hidden(law.direction)
+        )
 
     @cached_property
     def n_extended(self) -> int:
