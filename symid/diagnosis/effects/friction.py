@@ -18,7 +18,6 @@ from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
-from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.units import Unit
 
 _SPEED, _COURSE, _STATE, _LOAD, _AMPLITUDE, _VISCOUS = sp.symbols("v _course _z _load amplitude viscous")
@@ -61,7 +60,7 @@ class PreslidingFriction(JointEffect):
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """Samples show how the friction builds up."""
         joint, record = prediction.joints[placed.at], prediction.record
-        moving = np.flatnonzero(record.in_log & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed))
+        moving = np.flatnonzero(joint.moving)
         begins = moving[1:][np.diff(np.sign(joint.v[moving])) != 0]
         ahead = max(1, round(record.log.sampling_period / record.fine_time[1]))
         begins = begins[begins + ahead < joint.q.size]

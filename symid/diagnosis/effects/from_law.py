@@ -121,6 +121,13 @@ class LawEffect(JointEffect):
         level = sp.Max(functions.level, 0) if self.varies_along_stroke else functions.level
         return Pointwise(level, values, dry=True)
 
+    def force_at(
+        self, q: FloatArray, v: FloatArray, shape: Shape, amplitudes: tuple[float, ...]
+    ) -> FloatArray:
+        """Force for displacements and velocities of the joint."""
+        terms = zip(amplitudes, self.functions.arrays, strict=True)
+        return np.asarray(sum(c * term(q, v, *shape) for c, term in terms))
+
     @property
     def varies_along_stroke(self) -> bool:
         """Whether it is dry friction whose level depends on the place."""

@@ -9,8 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray, IntArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.simulation.forward_dynamics import LawTerm
 
 Found = TypeVar("Found")
@@ -89,6 +90,11 @@ class Joint:
         return self.remembered(
             ("law", id(term)), None, lambda: self.record.from_grid(self.averaged(term.forces(self.q, self.v)))
         )
+
+    @cached_property
+    def moving(self) -> BoolArray:
+        """Points of the fine grid within the log at which the joint is not at rest."""
+        return self.record.in_log & (np.abs(self.v) > SLOW_SHARE * self.top_speed)
 
     @cached_property
     def range(self) -> tuple[float, float]:

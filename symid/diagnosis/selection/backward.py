@@ -121,8 +121,7 @@ def most_probable(steps: Sequence[SelectionStep]) -> tuple[SelectionStep, ...]:
         if rival is step.confirmed[0]:
             continue
         members, whole = _members(steps), steps[-1].confirmed[0].fit
-        others = (own for own in step.confirmed if own is not rival)
-        members[at] = Member(rival.placed, replace(step, confirmed=(rival, *others)), 0.0)
+        members[at] = Member(rival.placed, step.led_by(rival), 0.0)
         steps = _chain(members, steps[0].before, THRESHOLDS.as_good * whole.mean_square) or steps
     return tuple(steps)
 

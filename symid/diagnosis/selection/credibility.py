@@ -13,7 +13,6 @@ from symid.diagnosis.effects.friction import declared_level, moving_along
 from symid.diagnosis.fitting.blocks import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _OF_MASSES = ("flexible_mode", "payload_change")
@@ -71,18 +70,14 @@ def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> boo
     What such friction stands for while the axis moves is a constant force, a weight, or no friction at all. Dry
     friction that is declared in a joint that moves along may be that of this one.
     """
-    joint, inside = state.prediction.joints[at], state.prediction.record.in_log
-    moving = inside & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed)
-    q, v = joint.q[moving], joint.v[moving]
+    joint = state.prediction.joints[at]
+    q, v = joint.q[joint.moving], joint.v[joint.moving]
     along = moving_along(state.prediction, at)
     level = sum(declared_level(state.prediction, j, CoulombFriction) * share for j, share in along.items())
     force = level * np.sign(v) + declared_level(state.prediction, at, ViscousFriction) * v
     for item in (*state.placed, *beside):
         if item.at == at and item.effect.name in _FRICTIONS and isinstance(item.effect, LawEffect):
-            terms = item.effect.functions.arrays
-            force = force + sum(
-                c * term(q, v, *item.shape) for c, term in zip(item.amplitudes, terms, strict=True)
-            )
+            force = force + item.effect.force_at(q, v, item.shape, item.amplitudes)
         elif item.at in along and item.effect.name in _DRY:
             force = force + item.amplitudes[0] * along[item.at] * np.sign(v)
     pushing = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))

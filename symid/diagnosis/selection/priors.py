@@ -17,7 +17,6 @@ from symid.axis import CoulombFriction
 from symid.diagnosis.effects import LawEffect, Placed
 from symid.diagnosis.effects.friction import moving_along
 from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.diagnosis.thresholds import THRESHOLDS
 
 _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
@@ -76,10 +75,8 @@ def _level(state: State, item: Placed) -> float:
     """Mean friction that an effect makes while its joint moves."""
     assert isinstance(item.effect, LawEffect)
     joint = state.prediction.joints[item.at]
-    moving = state.prediction.record.in_log & (np.abs(joint.v) > SLOW_SHARE * joint.top_speed)
-    q, v = joint.q[moving], joint.v[moving]
-    terms = zip(item.amplitudes, item.effect.functions.arrays, strict=True)
-    return float(sum(c * np.mean(term(q, v, *item.shape) * np.sign(v)) for c, term in terms))
+    q, v = joint.q[joint.moving], joint.v[joint.moving]
+    return float(np.mean(item.effect.force_at(q, v, item.shape, item.amplitudes) * np.sign(v)))
 
 
 def _likelihood(deviations: float) -> float:

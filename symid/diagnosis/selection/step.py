@@ -60,7 +60,7 @@ class Confirmed:
 
     @property
     def effect(self) -> Effect:
-        """Effect and place added."""
+        """The effect added."""
         return self.placed.effect
 
     @property
@@ -111,8 +111,11 @@ class SelectionStep:
         found = [own for own in self.confirmed if own.penalised_gain > least and self._accepts(own)]
         if not found:
             return self
-        others = (own for own in self.confirmed if own is not found[0])
-        return replace(self, confirmed=(found[0], *others))
+        return self.led_by(found[0])
+
+    def led_by(self, own: Confirmed) -> SelectionStep:
+        """The same with another of its candidates first."""
+        return replace(self, confirmed=(own, *(other for other in self.confirmed if other is not own)))
 
     def fitted_on(self) -> SelectionStep:
         """The same with its best model fitted until its error hardly falls any more."""
@@ -130,11 +133,7 @@ class SelectionStep:
         least = THRESHOLDS.other_timing * self.confirmed[0].penalised_gain
         at = self.confirmed[0].placed.at
         others = [own for own in self.confirmed[1:] if own.effect.name in LATE_FORCES and own.placed.at == at]
-        return tuple(
-            replace(self, confirmed=(own, *(c for c in self.confirmed if c is not own)))
-            for own in others
-            if own.penalised_gain > least and self._accepts(own)
-        )
+        return tuple(self.led_by(own) for own in others if own.penalised_gain > least and self._accepts(own))
 
     def justifies_another(self, first: Fit) -> bool:
         """Whether the best candidate is worth being accepted besides others, where `first` was to be explained."""
