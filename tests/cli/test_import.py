@@ -6,23 +6,12 @@ from pathlib import Path
 import pytest
 import scipy
 from command_line import run
-from recorded_run import PERIOD, TRUE, recorded_run, table
+from recorded_run import PERIOD, TRUE, table
 
-from symid.data import Layout, Log, foreign_columns, guessed_layout, open_table
+from symid.data import Layout, foreign_columns, guessed_layout, open_table
 from symid.report.colours import DARK
 
 KT = 12.5  # N/A
-
-
-@pytest.fixture(scope="module")
-def recorded() -> Log:
-    return recorded_run()
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def written(kind: str, log, folder: Path) -> str:

@@ -8,20 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import run
-from recorded_run import PERIOD, TRUE, recorded_run, table
-
-from symid.data import Log
-
-
-@pytest.fixture(scope="module")
-def recorded() -> Log:
-    return recorded_run()
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+from recorded_run import PERIOD, TRUE, table
 
 
 def counted(recorded, folder: Path) -> str:

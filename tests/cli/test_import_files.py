@@ -7,20 +7,9 @@ from pathlib import Path
 import pytest
 import scipy
 from command_line import run
-from recorded_run import PERIOD, TRUE, recorded_run, table
+from recorded_run import PERIOD, TRUE, table
 
 from symid.data import Log, foreign_columns, open_table
-
-
-@pytest.fixture(scope="module")
-def recorded() -> Log:
-    return recorded_run()
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def test_a_file_without_names_is_imported_by_its_clock(

@@ -1,0 +1,19 @@
+"""A recorded run, and a folder of its own for each test of a command."""
+
+from pathlib import Path
+
+import pytest
+from recorded_run import recorded_run
+
+from symid.data import Log
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Log:
+    return recorded_run()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
