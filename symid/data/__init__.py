@@ -15,16 +15,15 @@ from symid.data.filtering import (
     kept_indices,
 )
 from symid.data.foreign import ForeignColumn, foreign_columns
+from symid.data.formats import open_table
 from symid.data.frames import Frame
 from symid.data.layout import Layout, guessed_layout
 from symid.data.log import Log
 from symid.data.long_log import AnyLog, LongLog, spans
-from symid.data.reading import ForeignColumns, columns_in, read_log
-from symid.data.scanning import MEMORY, open_log
+from symid.data.opening import MEMORY, ForeignColumns, columns_in, open_log, read_log
 from symid.data.spline import QuinticSpline
 from symid.data.stuck import cut_in_motion, inspect_spans
 from symid.data.table import Table
-from symid.data.tables import open_table
 from symid.data.writing import write_frame, write_log
 from symid.data.zero_phase import Piece, ZeroPhaseFilter, in_pieces, kept_of
 

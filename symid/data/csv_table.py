@@ -1,9 +1,11 @@
-"""CSV files as tables: the first line names the columns, which commas, semicolons or tabs separate."""
+"""CSV files, plain or compressed: the first line names the columns, which commas, semicolons or tabs separate."""
 
 from __future__ import annotations
 
 import bisect
 import csv
+import gzip
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,13 +15,24 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.layout import Layout, fields, first_lines, layout_of_text, lines_of, uncommented
-from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, source_of, values_of
+from symid.data.layout import (
+    Layout,
+    fields,
+    first_lines,
+    is_number,
+    layout_of_text,
+    lines_of,
+    uncommented,
+)
+from symid.data.memory import free_memory
+from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304
 """Bytes of the chunks of lines in which a long file is read."""
+_TIMES_TEXT: Final = 4
+"""Memory of columns and text of a compressed file together, in multiples of its text."""
 
 
 def open_csv(path: Path) -> Table:
@@ -29,16 +42,12 @@ def open_csv(path: Path) -> Table:
     headers = tuple(text.strip() for text in _fields(uncommented(first), separator))
     if not any(headers):
         raise LogError(f"{path}: the first line is empty: it must hold the names of the columns")
-    if all(_is_number(text) for text in headers):
+    if all(is_number(text, comma=True) for text in headers):
         raise LogError(
             f"{path}: the first line holds numbers: it must hold the names of the columns, or let symid import look"
         )
-    width = max(len(headers), len(_fields(second, separator)))
-    return Table(
-        headers,
-        lambda positions: _read_csv(path, separator, width, positions),
-        lambda positions: _slices(path, separator, width, positions),
-    )
+    file = _Csv(path, separator, max(len(headers), len(_fields(second, separator))))
+    return Table(headers, file.read, file.slices)
 
 
 def open_laid_out(path: Path, layout: Layout) -> Table:
@@ -46,8 +55,16 @@ def open_laid_out(path: Path, layout: Layout) -> Table:
     return _laid_out(path, layout, first_lines(path, layout.encoding), path.read_bytes)
 
 
-def open_text(path: Path, text: bytes, layout: Layout | None = None) -> Table:
-    """Table in text from another file, of a layout that is given or guessed; LogError if it holds no numbers."""
+def open_gzipped(path: Path, memory: int | None = None, layout: Layout | None = None) -> Table:
+    """Table in a CSV file compressed by gzip, of a layout that is given or guessed.
+
+    LogError if it is damaged, or longer than the memory.
+    """
+    most = (free_memory() if memory is None else memory) / _TIMES_TEXT
+    with parsing(path, "gzip", OSError, EOFError, zlib.error), gzip.open(path) as file:
+        text = file.read(int(min(most, 2**62)) + 1)
+    if len(text) > most:
+        raise LogError(f"{path}: holds more than {most / 1e6:.3g} MB of text: uncompress it")
     given = layout or layout_of_text(path, text)
     return _laid_out(path, given, lines_of(path, text, given.encoding), lambda: text)
 
@@ -60,6 +77,7 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
         )
     headers = layout.headers(lines)
     width = max(len(headers), len(fields(lines[skipped], layout.separator)))
+    file = _Csv(path, layout.separator, width)
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         try:
@@ -70,10 +88,8 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
         if layout.separator == " ":
             text = "\n".join(" ".join(line.split()) for line in text.split("\n"))
         values = text.encode("utf-8", errors="replace")
-        try:
-            frame = _scan_csv(values, layout.separator, width, positions, pl.String(), header_rows=0)
-        except POLARS_FAILURES as error:
-            raise damaged(path, "CSV", error) from error
+        with parsing(path, "CSV", *POLARS_FAILURES):
+            frame = file.scan(values, positions, pl.String(), header_rows=0)
         return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
 
     return Table(headers, read)
@@ -100,66 +116,105 @@ def _fields(line: str, separator: str) -> list[str]:
         ) from error
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
+@dataclass(frozen=True)
+class _Csv:
+    """A CSV file with its separator and the number of its columns."""
 
+    path: Path
+    separator: str
+    width: int
 
-def _read_csv(path: Path, separator: str, width: int, positions: Sequence[int]) -> list[FloatArray | str]:
-    try:
-        frame = _scan_csv(path, separator, width, positions, pl.Float64())
-    except POLARS_FAILURES:
-        return _read_csv_as_text(path, separator, width, positions)
-    return [values_of(series) for series in _without_blank_end(frame)]
+    def read(self, positions: Sequence[int]) -> list[FloatArray | str]:
+        """Values of columns, as those of a `Table`."""
+        frame, numeric = self._frame(self.path, positions, header_rows=1)
+        texts = _without_blank_end(frame)
+        return [values_of(x) if numeric else _values_of_text(x, self.separator) for x in texts]
 
+    def slices(self, positions: Sequence[int]) -> Slices:
+        """Rows by the place of their lines, which are counted once: numbers have no line ends in quotes."""
+        lines = _Lines.of(self.path)
 
-def _scan_csv(
-    source: Path | bytes,
-    separator: str,
-    width: int,
-    positions: Sequence[int],
-    dtype: pl.DataType,
-    header_rows: int = 1,
-) -> pl.DataFrame:
-    names = [f"column_{position}" for position in range(width)]
-    wanted = [names[position] for position in positions]
-    return pl.read_csv(
-        source_of(source) if isinstance(source, Path) else source,
-        has_header=False,
-        skip_rows=header_rows,
-        separator=separator,
-        decimal_comma=separator != ",",  # points are understood as well
-        schema={name: dtype if name in wanted else pl.String() for name in names},
-        columns=sorted(set(positions)),
-        encoding="utf8-lossy",
-        glob=False,
-    ).select(wanted)
+        def chunks(first: int, last: int) -> tuple[pl.DataFrame, bool]:
+            with self.path.open("rb") as file:
+                file.seek(lines.offsets[first])
+                text = file.read(lines.offsets[last] - lines.offsets[first])
+            return self._frame(text, positions, header_rows=0)
 
-
-def _read_csv_as_text(
-    path: Path, separator: str, width: int, positions: Sequence[int]
-) -> list[FloatArray | str]:
-    """Read a file value by value to find the first value that is not a number."""
-    try:
-        frame = _scan_csv(path, separator, width, positions, pl.String())
-    except POLARS_FAILURES as error:
-        raise _uneven(path, separator, width) or damaged(path, "CSV", error) from error
-    return [_values_of_text(series, separator) for series in _without_blank_end(frame)]
-
-
-def _uneven(path: Path, separator: str, width: int) -> LogError | None:
-    """Error that names the first row with more fields than there are columns, if there is one."""
-    with path.open(encoding="utf-8", errors="replace", newline="") as file:
-        for row, line in enumerate(file):
-            n_fields = line.count(separator) + 1
-            if n_fields > width:
-                return LogError(
-                    f"{path}: row {row} has {n_fields} fields where there are {width} columns: correct it"
+        def read(first: int, stop: int) -> list[FloatArray | str]:
+            begin, end = bisect.bisect_right(lines.rows, first) - 1, bisect.bisect_left(lines.rows, stop)
+            rows, numeric = chunks(begin, end)
+            if rows.height < stop - lines.rows[begin]:
+                raise LogError(
+                    f"{self.path}: rows {first + 1} to {stop} have fewer lines than rows: write it again"
                 )
-    return None
+            part = rows.slice(first - lines.rows[begin], stop - first)
+            return [values_of(x) if numeric else _values_of_text(x, self.separator, first) for x in part]
+
+        n_rows = 0
+        for chunk in range(len(lines.rows) - 2, -1, -1):  # there may be blank lines at the end of the file
+            if kept := _without_blank_end(chunks(chunk, chunk + 1)[0]).height:
+                n_rows = lines.rows[chunk] + kept
+                break
+        return Slices(n_rows, read)
+
+    def _frame(
+        self, source: Path | bytes, positions: Sequence[int], header_rows: int
+    ) -> tuple[pl.DataFrame, bool]:
+        """Columns, and whether they are numbers: they are texts where one holds anything else."""
+        try:
+            try:
+                return self.scan(source, positions, pl.Float64(), header_rows), True
+            except POLARS_FAILURES:
+                return self.scan(source, positions, pl.String(), header_rows), False
+        except POLARS_FAILURES as error:
+            raise self._uneven() or damaged(self.path, "CSV", error) from error
+
+    def scan(
+        self, source: Path | bytes, positions: Sequence[int], dtype: pl.DataType, header_rows: int
+    ) -> pl.DataFrame:
+        """Columns of a type from the file, or from text of it; the exceptions are those of polars."""
+        names = [f"column_{position}" for position in range(self.width)]
+        wanted = [names[position] for position in positions]
+        return pl.read_csv(
+            source_of(source) if isinstance(source, Path) else source,
+            has_header=False,
+            skip_rows=header_rows,
+            separator=self.separator,
+            decimal_comma=self.separator != ",",  # points are understood as well
+            schema={name: dtype if name in wanted else pl.String() for name in names},
+            columns=sorted(set(positions)),
+            encoding="utf8-lossy",
+            glob=False,
+        ).select(wanted)
+
+    def _uneven(self) -> LogError | None:
+        """Error that names the first row with more fields than there are columns, if there is one."""
+        with self.path.open(encoding="utf-8", errors="replace", newline="") as file:
+            for row, line in enumerate(file):
+                n_fields = line.count(self.separator) + 1
+                if n_fields > self.width:
+                    return LogError(
+                        f"{self.path}: row {row} has {n_fields} fields where there are {self.width} columns: correct it"
+                    )
+        return None
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """Bytes and rows before each chunk of a CSV file; the last ones are those of the file."""
+
+    offsets: list[int]
+    rows: list[int]
+
+    @classmethod
+    def of(cls, path: Path) -> _Lines:
+        with path.open("rb") as file:
+            file.readline()
+            offsets, rows = [file.tell()], [0]
+            while chunk := file.read(_CHUNK) + file.readline():
+                offsets.append(file.tell())
+                rows.append(rows[-1] + chunk.count(b"\n") + (not chunk.endswith(b"\n")))
+        return cls(offsets, rows)
 
 
 def _without_blank_end(frame: pl.DataFrame) -> pl.DataFrame:
@@ -183,63 +238,3 @@ def _values_of_text(texts: pl.Series, separator: str, before: int = 0) -> FloatA
     return (
         f"has {texts[first]!r} in row {before + first + 1}{more} where a number is required: correct the file"
     )
-
-
-# Slices
-
-
-@dataclass(frozen=True)
-class _Lines:
-    """Bytes and rows before each chunk of a CSV file; the last ones are those of the file."""
-
-    offsets: list[int]
-    rows: list[int]
-
-    @classmethod
-    def of(cls, path: Path) -> _Lines:
-        with path.open("rb") as file:
-            file.readline()
-            offsets, rows = [file.tell()], [0]
-            while chunk := file.read(_CHUNK) + file.readline():
-                offsets.append(file.tell())
-                rows.append(rows[-1] + chunk.count(b"\n") + (not chunk.endswith(b"\n")))
-        return cls(offsets, rows)
-
-    def chunks(self, first: int, stop: int) -> tuple[int, int]:
-        """Chunks that hold the rows from `first` to before `stop`."""
-        return bisect.bisect_right(self.rows, first) - 1, bisect.bisect_left(self.rows, stop)
-
-
-def _slices(path: Path, separator: str, width: int, positions: Sequence[int]) -> Slices:
-    """Rows by the place of their lines, which are counted once: numbers have no line ends in quotes."""
-    lines = _Lines.of(path)
-
-    def frame(first: int, last: int) -> tuple[pl.DataFrame, bool]:
-        with path.open("rb") as file:
-            file.seek(lines.offsets[first])
-            text = file.read(lines.offsets[last] - lines.offsets[first])
-        try:
-            try:
-                return _scan_csv(text, separator, width, positions, pl.Float64(), 0), True
-            except POLARS_FAILURES:
-                return _scan_csv(text, separator, width, positions, pl.String(), 0), False
-        except POLARS_FAILURES as error:
-            raise _uneven(path, separator, width) or damaged(path, "CSV", error) from error
-
-    def read(first: int, stop: int) -> list[FloatArray | str]:
-        begin, end = lines.chunks(first, stop)
-        rows, numeric = frame(begin, end)
-        if rows.height < stop - lines.rows[begin]:
-            raise LogError(f"{path}: rows {first + 1} to {stop} have fewer lines than rows: write it again")
-        part = rows.slice(first - lines.rows[begin], stop - first)
-        return [values_of(x) if numeric else _values_of_text(x, separator, first) for x in part]
-
-    return Slices(_filled(lines, frame), read)
-
-
-def _filled(lines: _Lines, frame: Callable[[int, int], tuple[pl.DataFrame, bool]]) -> int:
-    """Rows without the blank lines at the end of the file."""
-    for chunk in range(len(lines.rows) - 2, -1, -1):
-        if kept := _without_blank_end(frame(chunk, chunk + 1)[0]).height:
-            return lines.rows[chunk] + kept
-    return 0

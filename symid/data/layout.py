@@ -155,7 +155,7 @@ def layout_of_text(path: Path, content: bytes) -> Layout:
         decimal = "," if separator != "," and has_decimal_comma(lines[begin:], separator) else "."
         if header is not None:
             layout = Layout(encoding, separator, decimal, header, begin - header - 1)
-        elif begin == 0 or not _seems_named(lines[:begin], separator):
+        elif begin == 0 or sum(bool(text.strip()) for text in fields(lines[begin - 1], separator)) < 2:
             layout = Layout(encoding, separator, decimal, begin, named=False)
         else:
             continue
@@ -166,11 +166,6 @@ def layout_of_text(path: Path, content: bytes) -> Layout:
             f"{path}: no columns of numbers below a line of names are found: export it as CSV with one line of names"
         )
     return best[1]
-
-
-def _seems_named(above: Sequence[str], separator: str) -> bool:
-    """Whether the line above the values has several fields: names, of which some are missing."""
-    return len([text for text in fields(above[-1], separator) if text.strip()]) > 1
 
 
 def encoding_of(begin: bytes) -> str:

@@ -1,155 +1,24 @@
-"""Reading of logs: from the columns of a file to checked signals in SI units."""
+"""From the columns of a table to the checked signals of a log, in SI units."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TypedDict
 
 import numpy as np
 
 from symid.arrays import FloatArray
 from symid.data.checks import inspect_steps, inspect_values
-from symid.data.clock import Clock, inspect_clock
-from symid.data.columns import TIME, Assignment, Source, names_of, references_of, sources_of
-from symid.data.frames import SOURCE, Frame, table_of
-from symid.data.layout import Layout
+from symid.data.clock import inspect_clock
+from symid.data.columns import TIME, Source, references_of
 from symid.data.log import Log
 from symid.data.lost_samples import restored
 from symid.data.memory import require_room
 from symid.data.resampling import Rate, resampled
 from symid.data.stuck import inspect_spans
-from symid.data.table import Table, said_of
-from symid.data.tables import open_table
+from symid.data.table import Table
 from symid.errors import LogError
 from symid.units import Unit
-
-
-class ForeignColumns(TypedDict, total=False):
-    """Options for a file whose columns are not named after signals, or not in SI units; see `read_log`."""
-
-    columns: Mapping[str, str] | None
-    units: Mapping[str, str] | None
-    gains: Mapping[str, float] | None
-    layout: Layout | None
-    sampling_period: float | None
-    resample: Rate | None
-
-
-def read_log(
-    path: str | os.PathLike[str] | Frame,
-    *,
-    expected: Mapping[str, Unit],
-    alternatives: Mapping[str, tuple[str, float]] | None = None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    gains: Mapping[str, float] | None = None,
-    layout: Layout | None = None,
-    sampling_period: float | None = None,
-    resample: Rate | None = None,
-) -> Log:
-    """Read and check the signals of an axis from a file of any kind that is read.
-
-    A column is named after its signal, with or without a unit (SI): ``q2`` or ``q2 [mm]``.
-
-    Parameters
-    ----------
-    path : path-like or data frame
-        File, its kind given by the suffix; or a frame of pandas, polars or pyarrow, or columns by name.
-    expected : Mapping of str to Unit
-        Signals that the axis knows. Those in the file are read, and must be usable; others may be missing.
-    alternatives : Mapping of str to (str, float)
-        Another column from which a signal that the file does not have is made, and the factor to it (SI).
-    columns, units, gains : Mapping of str to str, str, float
-        For signals, ``t``, ``reference`` and alternative columns: the column of the file, its unit, and a
-        factor that is applied after the conversion to SI.
-    layout : Layout, optional
-        Of a CSV file that is not one line of names and then values.
-    sampling_period : float, optional
-        Time between two samples, s, of a file without a column of the time.
-    resample : float or "own", optional
-        Rate in Hz to which signals are resampled, "own" for the rate that they have in the middle: for clocks that
-        jitter, lack some samples, or differ between channels, see `resampled`. The notes report it.
-
-    Returns
-    -------
-    Log
-        The signals found, with ``reference`` if the file has it. Its notes list irregularities.
-
-    Raises
-    ------
-    LogError
-        In one line: the file is unreadable, a named column is missing, no signal is there, a unit does not
-        fit, a value is not a number, the clock is not uniform, a signal is constant.
-    """
-    file, table = opened(path, layout, sampling_period)
-    named = dict(columns or {})
-    given = Assignment(
-        table.headers, expected, alternatives or {}, {TIME: TIME, **named}, units or {}, gains or {}
-    )
-    with said_of(file):
-        sources = sources_of(given, named=named.keys())
-        return read_table(file, table, expected, sources, named.keys(), resample=resample)
-
-
-def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> frozenset[str]:
-    """Names of the columns of a file, with and without their units; LogError if it is not a log.
-
-    Parameters
-    ----------
-    path, layout
-        As in `read_log`.
-    """
-    return names_of(open_table(Path(path), layout).headers)
-
-
-def opened(
-    path: str | os.PathLike[str] | Frame,
-    layout: Layout | None,
-    sampling_period: float | None,
-    memory: int | None = None,
-) -> tuple[Path, Table]:
-    """Name and table of a log in a file or a frame; parameters and errors as those of `open_log`."""
-    if isinstance(path, (str, os.PathLike)):
-        return Path(path), opened_table(Path(path), layout, sampling_period, memory)
-    table = table_of(path)
-    with said_of(SOURCE):
-        return SOURCE, table if sampling_period is None else with_clock(table, sampling_period)
-
-
-def opened_table(
-    file: Path, layout: Layout | None, sampling_period: float | None, memory: int | None = None
-) -> Table:
-    """Table in a file, with a column of the time if it has none; parameters and errors as those of `open_log`."""
-    with said_of(file):
-        table = open_table(file, layout, memory)
-    if sampling_period is None:
-        return table
-    with said_of(file):
-        return with_clock(table, sampling_period)
-
-
-def with_clock(table: Table, sampling_period: float) -> Table:
-    """The table with a last column `t` of the time, for a file that has none.
-
-    LogError if there is such a column, or the period is not positive.
-    """
-    if TIME in table.headers:
-        raise LogError(f"there is a column {TIME!r}: give no sampling period beside it")
-    if not 1e-12 < sampling_period < 1e9:
-        raise LogError(f"sampling period {sampling_period:g} s is not possible: give a positive number")
-    last = len(table.headers)
-
-    def read(positions: Sequence[int]) -> list[FloatArray | str]:
-        others = [position for position in positions if position != last]
-        columns = iter(table.read(others))
-        found = dict(zip(others, columns, strict=True))
-        size = max((c.size for c in found.values() if not isinstance(c, str)), default=0)
-        found[last] = sampling_period * np.arange(size, dtype=np.float64)
-        return [found[position] for position in positions]
-
-    return Table((*table.headers, TIME), read, n_rows=table.n_rows)
 
 
 def read_table(
@@ -286,17 +155,6 @@ def _checked(
         faults = inspect_steps(time, {name: whole[name] for name in positions})
     if faults:
         raise LogError("; ".join(faults))
-    return _log(source, clock, time, values, notes, expected)
-
-
-def _log(
-    source: str,
-    clock: Clock,
-    time: FloatArray,
-    values: dict[str, FloatArray],
-    notes: list[str],
-    expected: Mapping[str, Unit],
-) -> Log:
     positions = positions_of(expected, values)
     return Log(
         source=source,

@@ -93,6 +93,18 @@ def damaged(path: Path, kind: str, error: BaseException) -> LogError:
     return LogError(f"{path}: is damaged or no {kind} file ({first_line(error)}): write it again")
 
 
+@contextmanager
+def parsing(path: Path, kind: str, *failures: type[BaseException]) -> Iterator[None]:
+    """Report what a parser raises on a damaged file, by default any exception but LogError, as `damaged`."""
+    expected = failures or (Exception,)
+    try:
+        yield
+    except LogError:
+        raise
+    except expected as error:
+        raise damaged(path, kind, error) from error
+
+
 def values_of(numbers: pl.Series) -> FloatArray:
     """Values of a column, NaN where it has none."""
     whole = numbers.fill_null(float("nan")) if numbers.has_nulls() else numbers

@@ -29,7 +29,7 @@ def small_file(tmp_path: Path) -> Path:
 
 
 def test_rows_count_and_not_bytes(small_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symid.data.scanning.read_table", lambda *_: pytest.fail("it was read at once"))
+    monkeypatch.setattr("symid.data.opening.read_table", lambda *_: pytest.fail("it was read at once"))
     with pytest.raises(LogError, match=r"small\.parquet"):  # its clock stands still in the first block
         open_log(small_file, expected=EXPECTED, memory=10_000_000)
 

@@ -66,8 +66,13 @@ def table_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Table:
     """
     columns: dict[str, npt.NDArray[Any]] = {}
     for name, array in arrays.items():
-        if array.dtype.kind in _NUMBERS + "mM" and array.size != 1:
-            columns.update(_split(name, array))
+        if array.dtype.kind not in _NUMBERS + "mM" or array.size == 1:
+            continue
+        if are_columns(array.shape):
+            rows = array if array.shape[0] > array.shape[1] else array.T
+            columns |= {f"{name}(:,{j + 1})": rows[:, j] for j in range(rows.shape[1])}
+        else:
+            columns[name] = array
     headers = tuple(columns)
     return Table(headers, lambda positions: [vector(columns[headers[position]]) for position in positions])
 
@@ -108,14 +113,9 @@ def short_names(paths: Sequence[tuple[str, ...]]) -> list[str]:
     return [path[-1] if count[path[-1]] == 1 else ".".join(path) for path in paths]
 
 
-def _split(name: str, array: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
-    """Columns of a matrix that is long and narrow; anything else as it is."""
-    if array.ndim != 2 or min(array.shape) == 1:
-        return {name: array}
-    rows = array if array.shape[0] > array.shape[1] else array.T
-    if rows.shape[1] > _MOST_COLUMNS or rows.shape[0] < 2 * rows.shape[1]:
-        return {name: array}
-    return {f"{name}(:,{j + 1})": rows[:, j] for j in range(rows.shape[1])}
+def are_columns(shape: Sequence[int]) -> bool:
+    """Whether an array of this shape, long and narrow, holds a signal in each column."""
+    return len(shape) == 2 and 1 < min(shape) <= _MOST_COLUMNS and max(shape) >= 2 * min(shape)
 
 
 def _clock_of(channel: Channel, times: list[tuple[str, FloatArray]]) -> str:

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.formats.channels import short_names, vector
+from symid.data.formats.channels import are_columns, short_names, vector
 from symid.data.formats.extra import required
 from symid.data.memory import require_room
-from symid.data.table import Table, damaged
-from symid.errors import LogError
+from symid.data.table import Table, parsing
 
 MAGIC: Final = b"\x89HDF\r\n\x1a\n"
 """Signature of HDF5 files, after an optional user block."""
 _UNITS: Final = ("unit", "units", "Unit", "Units")
-_MOST_COLUMNS: Final = 32
 
 
 def open_hdf5(path: Path, memory: int | None = None) -> Table:
@@ -27,42 +26,36 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     An attribute ``unit`` or ``units`` of a vector is its unit. LogError if it is damaged, or h5py is not installed.
     """
     h5py = required("h5py", path)
-    try:
-        with h5py.File(path, "r") as file:
-            found = _vectors(file, h5py)
-    except Exception as error:  # a damaged file raises various exceptions
-        raise damaged(path, "HDF5", error) from error
-    names = short_names([(*one.path, *one.column_name) for one in found])
+    with parsing(path, "HDF5"), h5py.File(path, "r") as file:
+        found = _vectors(file, h5py)
+    names = short_names([one.names for one in found])
     headers = tuple(
         f"{name} [{one.unit}]" if one.unit else name for name, one in zip(names, found, strict=True)
     )
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
-        try:
-            with h5py.File(path, "r") as file:
-                return [found[position].read(file) for position in positions]
-        except LogError:
-            raise
-        except Exception as error:
-            raise damaged(path, "HDF5", error) from error
+        with parsing(path, "HDF5"), h5py.File(path, "r") as file:
+            return [found[position].read(file) for position in positions]
 
     return Table(headers, read, n_rows=max((one.size for one in found), default=0))
 
 
+@dataclass(frozen=True)
 class _Column:
-    """A vector of a file, or a column of an array or of a compound."""
+    """A vector of a file, or a column of an array (by its number) or of a compound (by its name)."""
 
-    def __init__(
-        self, path: tuple[str, ...], unit: str, size: int, place: int | str | None, rows_first: bool
-    ) -> None:
-        self.path, self.unit, self.size, self.place, self.rows_first = path, unit, size, place, rows_first
+    path: tuple[str, ...]
+    unit: str
+    size: int
+    place: int | str | None = None
+    rows_first: bool = True
 
     @property
-    def column_name(self) -> tuple[str, ...]:
-        """Name within its array."""
+    def names(self) -> tuple[str, ...]:
+        """Names of groups, array and column."""
         if self.place is None:
-            return ()
-        return (str(self.place + 1),) if isinstance(self.place, int) else (self.place,)
+            return self.path
+        return (*self.path, str(self.place + 1) if isinstance(self.place, int) else self.place)
 
     def read(self, file: Any) -> FloatArray | str:
         """Values of the vector or column."""
@@ -82,23 +75,16 @@ def _vectors(file: Any, h5py: Any) -> list[_Column]:
         path, unit = tuple(name.split("/")), _unit(item)
         if item.dtype.names:
             numbers = [field for field in item.dtype.names if item.dtype[field].kind in "biuf"]
-            found.extend(_Column(path, "", item.size, field, True) for field in numbers if item.ndim == 1)
+            found.extend(_Column(path, "", item.size, field) for field in numbers if item.ndim == 1)
         elif item.dtype.kind in "biuf" and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
-            found.extend(_columns(path, unit, item))
+            long, narrow = max(item.shape), min(item.shape)
+            if are_columns(item.shape):
+                found.extend(_Column(path, unit, long, j, item.shape[0] == long) for j in range(narrow))
+            else:
+                found.append(_Column(path, unit, item.size))
 
     file.visititems(visit)
     return found
-
-
-def _columns(path: tuple[str, ...], unit: str, item: Any) -> list[_Column]:
-    """A vector, or the columns of a long and narrow array."""
-    shape = item.shape
-    if len(shape) != 2 or min(shape) == 1:
-        return [_Column(path, unit, item.size, None, True)]
-    long, narrow = max(shape), min(shape)
-    if narrow > _MOST_COLUMNS or long < 2 * narrow:
-        return [_Column(path, unit, item.size, None, True)]
-    return [_Column(path, unit, long, j, shape[0] == long) for j in range(narrow)]
 
 
 def _unit(item: Any) -> str:
@@ -106,10 +92,6 @@ def _unit(item: Any) -> str:
         given = next((item.attrs[name] for name in _UNITS if name in item.attrs), "")
     except (OSError, TypeError):  # an attribute of a kind that h5py does not read
         return ""
-    return (
-        given.decode("utf-8", "replace")
-        if isinstance(given, bytes)
-        else str(given)
-        if isinstance(given, str)
-        else ""
-    )
+    if isinstance(given, bytes):
+        return given.decode("utf-8", "replace")
+    return str(given) if isinstance(given, str) else ""

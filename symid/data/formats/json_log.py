@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from symid.data.formats.channels import short_names, table_of_arrays
 from symid.data.memory import require_room
-from symid.data.table import Table, damaged
+from symid.data.table import Table, parsing
 from symid.data.time_stamps import seconds_of_stamps
 from symid.errors import LogError
 
@@ -35,14 +35,13 @@ def open_json_lines(path: Path, memory: int | None = None) -> Table:
 def _parsed(path: Path, memory: int | None, *, lines: bool) -> object:
     require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        if lines:
-            return [json.loads(line) for line in text.splitlines() if line.strip()]
-        return json.loads(text)
+        with parsing(path, "JSON", ValueError):
+            text = path.read_text(encoding="utf-8-sig")
+            if lines:
+                return [json.loads(line) for line in text.splitlines() if line.strip()]
+            return json.loads(text)
     except RecursionError as error:
         raise LogError(f"{path}: is nested too deep: give columns or records of numbers") from error
-    except ValueError as error:
-        raise damaged(path, "JSON", error) from error
 
 
 def _table(path: Path, whole: object) -> Table:

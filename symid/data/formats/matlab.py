@@ -14,7 +14,7 @@ import scipy
 from symid.data.formats.channels import short_names, table_of_arrays
 from symid.data.formats.hdf5 import MAGIC, open_hdf5
 from symid.data.memory import require_room
-from symid.data.table import Table, damaged
+from symid.data.table import Table, parsing
 from symid.errors import LogError
 
 _VALUES, _NAMES = ("values", "Data", "data", "signal"), ("label", "Name", "name")
@@ -31,24 +31,14 @@ def open_matlab(path: Path, memory: int | None = None) -> Table:
         begin = file.read(520)
     if b"MATLAB 7.3" in begin[:128] or MAGIC in begin:
         return open_hdf5(path, memory)
-    try:
-        # Listing the variables without loading them (whosmat) fails on objects such as tf models.
+    with parsing(path, "MATLAB"):
         _require_room_for(path, memory)
         variables = scipy.io.loadmat(path, simplify_cells=True)
-    except LogError:
-        raise
-    except Exception as error:  # on a damaged file scipy raises any exception
-        raise damaged(path, "MATLAB", error) from error
     public = {name: value for name, value in variables.items() if not name.startswith("__")}
     found = [(names, array) for names, array in _arrays(public) if array.size != 1]
-    table = table_of_arrays(
-        dict(zip(short_names([names for names, _ in found]), [array for _, array in found], strict=True))
-    )
-    if (
-        public
-        and not table.headers
-        and any(type(value).__name__ == "MatlabOpaque" for value in public.values())
-    ):
+    names = short_names([names for names, _ in found])
+    table = table_of_arrays(dict(zip(names, [array for _, array in found], strict=True)))
+    if not table.headers and any(type(value).__name__ == "MatlabOpaque" for value in public.values()):
         raise LogError(
             f"{path}: holds objects such as timeseries only, which MATLAB alone reads: "
             "save their Time and Data as vectors"
@@ -79,6 +69,6 @@ def _require_room_for(path: Path, memory: int | None) -> None:
     """Raise LogError if the arrays of a MATLAB file, which may be compressed, would not fit."""
     try:
         listed = scipy.io.whosmat(path)
-    except Exception:  # noqa: BLE001  what cannot be listed may still be loaded
+    except Exception:  # noqa: BLE001  what cannot be listed, such as a tf model, may still be loaded
         return
     require_room(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -44,13 +44,10 @@ def open_mdf(path: Path, memory: int | None = None) -> Table:
             said = done.stderr.decode("utf-8", "replace").strip().splitlines()
             raise damaged(path, "MDF", ValueError(said[-1] if said else "its parser ended"))
         with np.load(written) as arrays:
-            count = len(arrays["names"])
-            return table_of_channels([_channel(arrays, place) for place in range(count)])
-
-
-def _channel(arrays: Any, place: int) -> Channel:
-    name, unit, clock = str(arrays["names"][place]), str(arrays["units"][place]), int(arrays["clocks"][place])
-    return Channel(name, unit, arrays[f"time_{clock}"], arrays[f"values_{place}"])
+            clocks = [arrays[f"time_{clock}"] for clock in arrays["clocks"]]
+            values = [arrays[f"values_{place}"] for place in range(len(clocks))]
+            listed = zip(arrays["names"], arrays["units"], clocks, values, strict=True)
+            return table_of_channels([Channel(str(name), str(unit), *rest) for name, unit, *rest in listed])
 
 
 def _write(path: Path, file: Path, memory: int | None) -> None:

@@ -1,18 +1,86 @@
-"""Recorded messages as channels: each number in them is a sample of a signal, named by topic and fields."""
+"""MCAP files and bags of ROS: each number in their messages is a sample of a signal, named by topic and fields."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from symid.data.formats.channels import Channel, short_names, table_of_channels
-from symid.data.table import Table
+from symid.data.formats.extra import required
+from symid.data.memory import require_room
+from symid.data.table import Table, parsing
+from symid.errors import LogError
 
+_BYTES_OF_A_VALUE: Final = 8
 _DEEPEST, _LONGEST_ARRAY = 8, 64
 _STAMPS: Final = ("stamp", "timestamp")
 _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsec", "nsecs")
+
+
+def open_mcap(path: Path, memory: int | None = None) -> Table:
+    """Table in an MCAP file: each number in its messages is a signal, with the times of its topic.
+
+    The definitions of its messages, of ROS 2 or JSON, are in the file. LogError if it is damaged, holds messages of
+    other encodings only, or mcap is not installed.
+    """
+    reader = required("mcap.reader", path)
+    ros2 = required("mcap_ros2.decoder", path)
+    require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
+    with parsing(path, "MCAP"), path.open("rb") as stream:
+        opened = reader.make_reader(stream, decoder_factories=[ros2.DecoderFactory(), _Json()])
+        summary = opened.get_summary()
+        if summary and summary.statistics:
+            require_room(summary.statistics.message_count, memory)
+        read = _readable(summary) if summary else None
+        if read == []:
+            other = ", ".join(sorted({one.message_encoding for one in summary.channels.values()}))
+            raise LogError(f"{path}: its messages are in {other or 'no encoding'}: record ROS 2 or JSON")
+        return table_of_messages(
+            (channel.topic, message.log_time, decoded)
+            for _, channel, message, decoded in opened.iter_decoded_messages(topics=read)
+        )
+
+
+def _readable(summary: Any) -> list[str]:
+    """Topics whose messages are decoded."""
+    found = []
+    for channel in summary.channels.values():
+        schema = summary.schemas.get(channel.schema_id)
+        ros2 = channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg"
+        if ros2 or channel.message_encoding == "json":
+            found.append(channel.topic)
+    return found
+
+
+class _Json:
+    """Decoder of JSON messages, as mcap asks for one."""
+
+    def decoder_for(self, message_encoding: str, schema: object) -> Callable[[bytes], object] | None:
+        """Decoder of an encoding, or None."""
+        return json.loads if message_encoding == "json" else None
+
+
+def open_rosbag(path: Path, memory: int | None = None) -> Table:
+    """Table in a bag of ROS 1, or of ROS 2 in SQLite: its signals are as those of `open_mcap`.
+
+    Messages of a bag without definitions are read with those that ROS 2 Humble has. LogError if it is damaged, or
+    rosbags is not installed.
+    """
+    highlevel = required("rosbags.highlevel", path)
+    typesys = required("rosbags.typesys", path)
+    require_room(path.stat().st_size // _BYTES_OF_A_VALUE, memory)
+    standard = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+    with parsing(path, "ROS bag"), highlevel.AnyReader([path], default_typestore=standard) as bag:
+        require_room(bag.message_count, memory)
+        known = [one for one in bag.connections if one.msgtype in bag.typestore.fielddefs]
+        return table_of_messages(  # without connections, all messages would be read
+            (connection.topic, time, bag.deserialize(raw, connection.msgtype))
+            for connection, time, raw in (bag.messages(connections=known) if known else ())
+        )
 
 
 def table_of_messages(messages: Iterable[tuple[str, int, object]]) -> Table:

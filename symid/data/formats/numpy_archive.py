@@ -10,7 +10,7 @@ import numpy as np
 
 from symid.data.formats.channels import table_of_arrays
 from symid.data.memory import require_room
-from symid.data.table import Table, damaged
+from symid.data.table import Table, parsing
 
 
 def open_npz(path: Path, memory: int | None = None) -> Table:
@@ -18,18 +18,9 @@ def open_npz(path: Path, memory: int | None = None) -> Table:
 
     LogError if it is damaged, or holds objects.
     """
-    try:
+    failures = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError)
+    with parsing(path, "NPZ", *failures):
         with zipfile.ZipFile(path) as archive:
             require_room(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
         with np.load(path, allow_pickle=False) as arrays:
             return table_of_arrays({name: arrays[name] for name in arrays.files})
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        EOFError,
-        zipfile.BadZipFile,
-        zlib.error,
-        NotImplementedError,
-    ) as error:
-        raise damaged(path, "NPZ", error) from error

@@ -1,4 +1,9 @@
-"""Readers of files by suffix."""
+"""Files as tables of named columns: the reader of each kind of file, found by its suffix.
+
+Of CSV, Parquet, Feather and HDF5 files only the headers and the columns asked for are read. What is wrong with a file
+as a whole raises; what is wrong with one column is returned in its place, as a sentence, so that a caller can report
+the faults of all columns together.
+"""
 
 from __future__ import annotations
 
@@ -7,27 +12,27 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from symid.data.csv_table import open_csv
+from symid.data.csv_table import open_csv, open_gzipped, open_laid_out
+from symid.data.formats.columnar import open_feather, open_parquet
 from symid.data.formats.excel import open_excel
-from symid.data.formats.feather import open_feather
-from symid.data.formats.gzipped import open_gzipped
 from symid.data.formats.hdf5 import open_hdf5
 from symid.data.formats.json_log import open_json, open_json_lines
 from symid.data.formats.matlab import open_matlab
-from symid.data.formats.mcap import open_mcap
 from symid.data.formats.mdf import open_mdf
+from symid.data.formats.messages import open_mcap, open_rosbag
 from symid.data.formats.numpy_archive import open_npz
-from symid.data.formats.parquet import open_parquet
-from symid.data.formats.rosbag import open_rosbag
 from symid.data.formats.scope_text import open_scope_text, writer_of
 from symid.data.formats.tdms import open_tdms
-from symid.data.table import Table
+from symid.data.layout import Layout
+from symid.data.table import Table, first_line, said_of
+from symid.errors import LogError
+from symid.files import require_regular
 
 Reader: TypeAlias = "Callable[[Path, int | None], Table]"
 """Function of the file and the memory in bytes that it may use (free memory if None)."""
 
 
-def open_text_file(path: Path) -> Table:
+def _open_text(path: Path, memory: int | None = None) -> Table:
     """Table in a CSV file, or in the text of a scope."""
     scope = writer_of(path)
     return open_scope_text(path, *scope) if scope else open_csv(path)
@@ -35,8 +40,8 @@ def open_text_file(path: Path) -> Table:
 
 READERS: Final[Mapping[str, Reader]] = MappingProxyType(
     {
-        ".csv": lambda path, _: open_text_file(path),
-        ".parquet": lambda path, _: open_parquet(path),
+        ".csv": _open_text,
+        ".parquet": open_parquet,
         ".mat": open_matlab,
         ".csv.gz": open_gzipped,
         ".feather": open_feather,
@@ -80,21 +85,42 @@ def suffix_of(path: Path) -> str:
     return ".csv.gz" if name.endswith(".csv.gz") else Path(name).suffix
 
 
-def open_format(path: Path, suffix: str, memory: int | None = None) -> Table:
-    """Table in a file of a kind that is read.
+def open_table(path: Path, layout: Layout | None = None, memory: int | None = None) -> Table:
+    """Table in a file, by its suffix; a CSV file by its layout if one is given, whatever its suffix.
 
     Parameters
     ----------
     path : Path
         The file.
-    suffix : str
-        One of `SUFFIXES`, by which its reader is found.
+    layout : Layout, optional
+        Of a CSV file, compressed or not.
     memory : int, optional
-        Memory that reading may use, bytes; free memory by default.
+        Bytes that what is read at once may take, such as a MATLAB file; those that are free by default.
 
     Raises
     ------
     LogError
-        If the file is damaged, holds no columns, or needs a library that is not installed.
+        If the file does not exist, is of another kind, empty, damaged, or needs a library that is not installed.
     """
-    return READERS[suffix](path, memory)
+    kinds = f"{', '.join(SUFFIXES[:2])} or {SUFFIXES[2]} file, or {', '.join(SUFFIXES[3:])}"
+    if path.is_dir():
+        raise LogError(f"{path}: is a directory: give a {kinds}")
+    require_regular(path, LogError)
+    suffix = suffix_of(path)
+    if suffix in (".txt", ".tsv") and layout is None and writer_of(path) is not None:
+        suffix = ".csv"
+    if suffix == ".zip":
+        raise LogError(f"{path}: is an archive: unpack it, and give the files in it")
+    if suffix not in SUFFIXES and layout is None:
+        raise LogError(f"{path}: suffix {path.suffix!r} is not known: give a {kinds}")
+    try:
+        if path.stat().st_size == 0:
+            raise LogError(f"{path}: is empty: give a file with a header and samples")
+        if layout is not None and suffix == ".csv.gz":
+            return open_gzipped(path, memory, layout)
+        if layout is not None and (suffix == ".csv" or suffix not in SUFFIXES):
+            return open_laid_out(path, layout)
+        with said_of(path):
+            return READERS[suffix](path, memory)
+    except OSError as error:
+        raise LogError(f"{path}: cannot be read ({first_line(error)}): check the file") from error

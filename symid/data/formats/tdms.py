@@ -14,8 +14,7 @@ from symid.arrays import FloatArray
 from symid.data.formats.channels import Channel, short_names, table_of_channels
 from symid.data.formats.extra import required
 from symid.data.memory import require_room
-from symid.data.table import Table, damaged
-from symid.errors import LogError
+from symid.data.table import Table, parsing
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
@@ -26,20 +25,20 @@ def open_tdms(path: Path, memory: int | None = None) -> Table:
     LogError if it is damaged, or npTDMS is not installed.
     """
     nptdms = required("nptdms", path)
-    try:
-        with _silent(), path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
-            channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
-            require_room(sum(len(channel) for channel in channels), memory)
-            names = short_names([(channel.group_name, channel.name) for channel in channels])
-            read = [
-                Channel(name, _unit(one), _times(one), np.asarray(one[:]))
-                for name, one in zip(names, channels, strict=True)
-                if one.dtype.kind in "biufM"
-            ]
-    except LogError:
-        raise
-    except Exception as error:  # a damaged file raises various exceptions
-        raise damaged(path, "TDMS", error) from error
+    with (
+        parsing(path, "TDMS"),
+        _silent(),
+        path.open("rb") as stream,
+        nptdms.TdmsFile.open(stream) as file,
+    ):
+        channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
+        require_room(sum(len(channel) for channel in channels), memory)
+        names = short_names([(channel.group_name, channel.name) for channel in channels])
+        read = [
+            Channel(name, _unit(one), _times(one), np.asarray(one[:]))
+            for name, one in zip(names, channels, strict=True)
+            if one.dtype.kind in "biufM"
+        ]
     return table_of_channels(read)
 
 

@@ -1,0 +1,56 @@
+"""Parquet and Feather files: only the columns and rows asked for are read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+import polars as pl
+
+from symid.arrays import FloatArray
+from symid.data.table import POLARS_FAILURES, Slices, Table, parsing, source_of, values_of
+
+_SMALL = 2**21
+"""Bytes of a file up to which it is read at once: to look for the number of rows first takes half as long again."""
+
+
+def open_parquet(path: Path, memory: int | None = None) -> Table:
+    """Table in a Parquet file; LogError if it is damaged."""
+    return _opened(path, "Parquet", partial(pl.scan_parquet, glob=False))
+
+
+def open_feather(path: Path, memory: int | None = None) -> Table:
+    """Table in a Feather file (Arrow IPC), always read as a whole; LogError if it is damaged."""
+    table = _opened(path, "Feather", pl.scan_ipc)
+    return Table(table.headers, table.read, n_rows=table.n_rows)
+
+
+def _opened(path: Path, kind: str, scan: Callable[..., pl.LazyFrame]) -> Table:
+    with parsing(path, kind, *POLARS_FAILURES):
+        scanned = scan(source_of(path))
+        whole = scanned.collect() if path.stat().st_size <= _SMALL else None
+        headers = tuple(scanned.collect_schema().names() if whole is None else whole.columns)
+        n_rows = int(scanned.select(pl.len()).collect().item()) if whole is None else whole.height
+
+    def read(positions: Sequence[int], first: int = 0, stop: int | None = None) -> list[FloatArray | str]:
+        names = [headers[position] for position in positions]
+        wanted = (scan(source_of(path)) if whole is None else whole.lazy()).select(sorted(set(names)))
+        with parsing(path, kind, *POLARS_FAILURES):
+            frame = wanted.slice(first, None if stop is None else stop - first).collect()
+        return [numbers_of(frame[name], first) for name in names]
+
+    return Table(headers, read, lambda positions: Slices(n_rows, partial(read, positions)), n_rows)
+
+
+def numbers_of(column: pl.Series, first: int = 0) -> FloatArray | str:
+    """Numbers of a column, or a sentence on what it holds; moments and durations are seconds.
+
+    Moments count from the first: only of a column that is read from its first row on.
+    """
+    if column.dtype.is_numeric():
+        return values_of(column.cast(pl.Float64))
+    if not first and isinstance(column.dtype, (pl.Datetime, pl.Duration)) and len(column):
+        spans = column - column[0] if isinstance(column.dtype, pl.Datetime) else column
+        return values_of(spans.dt.total_nanoseconds().cast(pl.Float64) * 1e-9)
+    return f"holds {column.dtype} where numbers are required: convert the column"
