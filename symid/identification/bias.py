@@ -6,7 +6,8 @@ J. Vandewalle, The Total Least Squares Problem, SIAM 1991, chapter 8). The estim
 
     (W'S^2 W - C)^-1 (c - C X^)
 
-which `identify` takes off; its deviations grow by (W'S^2 W - C)^-1 W'S^2 W.
+which `identify` takes off; its deviations grow by (W'S^2 W - C)^-1 W'S^2 W. No signal counts as noisier than
+the residual shows: near Nyquist, where noise is read, jumps of friction in a force look like it.
 
 Rows made with sharper differences, laws of motion that is filtered less, and a force filtered as the motion is, have a
 residual r at the estimate. Where they are right, the estimate is off by -(W'S^2 W)^-1 W'S^2 r.
@@ -24,7 +25,7 @@ from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.excerpts import Excerpt, share_of_rows
-from symid.identification.noise import noise_levels, quiet_widening
+from symid.identification.noise import noise_levels, noise_of_rows, quiet_widening
 from symid.identification.observation import Observation, observe
 from symid.identification.scheme import sharper
 
@@ -108,7 +109,8 @@ class NoiseBias:
         p, root = fit.solution.size, fit.rank.inverse_root
         noise = np.zeros((p, p + 1))
         for part, weights in _weighted(model, parts, fit):
-            noise += np.einsum("j,jab->ab", weights * part.observation.valid.sum(axis=1), part.noise)[:p]
+            rows = part.observation.valid.sum(axis=1)
+            noise += np.einsum("j,jab->ab", weights * rows, _noise_shown(model, part, fit.solution))[:p]
         # W T has orthonormal columns: there, the share of noise in the power of each direction is an eigenvalue
         shares, directions = np.linalg.eigh(root.T @ noise[:, :p] @ root)
         growth = 1.0 / (1.0 - np.clip(shares, 0.0, _MOST_NOISE))
@@ -116,6 +118,20 @@ class NoiseBias:
         moves = growth * (steps.T @ (noise[:, p] - noise[:, :p] @ fit.solution))
         grown = steps @ np.diag(np.where(taken, growth, 1.0)) @ np.linalg.pinv(steps)
         return cls(steps @ moves, steps @ np.where(taken, moves, 0.0), grown)
+
+
+def _noise_shown(model: GeneratedModel, part: Excerpt, X: FloatArray) -> FloatArray:
+    """Covariance of the noise of a row, that of each signal no larger than the residual of the rows shows it."""
+    seen, error, found = part.observation, np.append(X, -1.0), []
+    rows = np.maximum(seen.valid.sum(axis=1), 1)
+    shown = np.sum(np.where(seen.valid, seen.y - seen.W @ X, 0.0) ** 2, axis=1) / rows
+    for name, level in part.levels.items():
+        own = noise_of_rows(model, part.log, seen.preparation, {name: level})
+        expected = np.einsum("a,jab,b->j", error, own, error)
+        found.append(
+            own * np.min(np.divide(shown, expected, out=np.ones_like(shown), where=expected > shown))
+        )
+    return np.asarray(np.sum(found, axis=0))
 
 
 def _weighted(
