@@ -5,7 +5,7 @@ parameter is off by more than 5 % and by more than three of its own printed devi
 with status "ok", how many of these are wrong and by how many deviations at most; by axis, sensors and fault.
 
 Usage: python -m benchmarks.ok_promise [--logs 1000] [--first 0] [--seed 1] [--method wls]
-                                       [--kind undamaged|damaged|both] [--show]
+                                       [--kind undamaged|damaged|both] [--fault NAME] [--show]
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks.promise.faults import damaged
+from benchmarks.promise.faults import BY_NAME, damaged
 from benchmarks.promise.machines import Case, draw_case
 from symid import Log, load_axis, load_generated
 from symid.errors import SymidError
@@ -86,22 +86,22 @@ def deviations_of(found: Identification | OutputErrorIdentification) -> dict[str
     return dict(zip(found.physical_parameters, map(float, found.physical_deviations), strict=True))
 
 
-def outcomes_of(n: int, first: int, seed: int, kind: str, method: str) -> list[Outcome]:
+def outcomes_of(n: int, first: int, seed: int, kind: str, method: str, fault: str = "") -> list[Outcome]:
     """Outcomes of random cases, each with its processor time."""
     found = []
-    for i, case in cases(n, first, seed, kind):
+    for i, case in cases(n, first, seed, kind, fault):
         begin = time.process_time()
         outcome = outcome_of(case, i, method)
         found.append(replace(outcome, seconds=time.process_time() - begin))
     return found
 
 
-def cases(n: int, first: int, seed: int, kind: str):
-    """Random cases; each has a generator of its own, so that any can be repeated."""
+def cases(n: int, first: int, seed: int, kind: str, fault: str = ""):
+    """Random cases, damaged with a fault or with any; each has its own generator, so that any can be repeated."""
     for i in range(first, first + n):
         rng = np.random.default_rng([seed, i, kind == "damaged"])
         case = draw_case(rng)
-        yield i, damaged(case, rng) if kind == "damaged" else case
+        yield i, damaged(case, rng, fault) if kind == "damaged" else case
 
 
 def table(outcomes: list[Outcome], title: str, key) -> list[str]:
@@ -146,13 +146,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--method", default="wls", choices=["wls", "oe"])
     parser.add_argument("--kind", default="both", choices=["undamaged", "damaged", "both"])
+    parser.add_argument("--fault", default="", choices=sorted(BY_NAME), help="of all damaged logs")
     parser.add_argument(
         "--show", action="store_true", help="name every wrong result and every one that is not ok"
     )
     chosen = parser.parse_args()
     with threadpool_limits(1):
-        for kind in ("undamaged", "damaged") if chosen.kind == "both" else (chosen.kind,):
-            outcomes = outcomes_of(chosen.logs, chosen.first, chosen.seed, kind, chosen.method)
+        kinds = ("undamaged", "damaged") if chosen.kind == "both" else (chosen.kind,)
+        for kind in ("damaged",) if chosen.fault else kinds:
+            outcomes = outcomes_of(chosen.logs, chosen.first, chosen.seed, kind, chosen.method, chosen.fault)
             print(f"\n{kind}, method {chosen.method}, seed {chosen.seed}: {summary(outcomes)}")
             print(
                 "\n".join(table(outcomes, "axis and sensors", lambda c: f"{c.axis} {','.join(c.measured)}"))
@@ -160,7 +162,7 @@ def main() -> None:
             if kind == "damaged":
                 print("\n".join(table(outcomes, "fault", lambda c: c.fault)))
             else:
-                print("\n".join(table(outcomes, "rate", lambda c: f"{c.rate:6d} Hz")))
+                print("\n".join(table(outcomes, "rate", lambda c: f"{c.rate:6.0f} Hz")))
             if chosen.show:
                 show(outcomes)
 
@@ -173,7 +175,7 @@ def show(outcomes: list[Outcome]) -> None:
             mark = "WRONG" if o.is_wrong else "right" if relative == 0 else "     "
             off = f"{name} {100 * relative:.0f} % at {times:.1f}" if name else ""
             print(
-                f"{o.number:4d} {mark} {o.status:12} {c.axis[:6]} {','.join(c.measured):14} {c.rate:5d} {c.motion:9} "
+                f"{o.number:4d} {mark} {o.status:12} {c.axis[:6]} {','.join(c.measured):14} {c.rate:5.0f} {c.motion:9} "
                 f"{c.mode_hz:4.0f} Hz {c.fault:22} {off:22} {o.message[:110]}"
             )
 

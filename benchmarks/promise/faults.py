@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from benchmarks.promise.machines import Case
-
-Fault = Callable[[Case, str, np.random.Generator], tuple[str, np.ndarray]]
 
 
 def _spans(n: int, count: int, length: int, rng: np.random.Generator) -> np.ndarray:
@@ -94,7 +92,7 @@ def truncated(x, rng):
 
 
 def updated_rarely(x, rng):
-    every = int(rng.choice([2, 4, 8]))
+    every = int(rng.choice([2, 4, 8, 16]))
     return f"{every}", np.repeat(x[::every], every)[: x.size]
 
 
@@ -170,44 +168,79 @@ OF_POSITION = (
 )  # fmt: skip
 
 
-def damaged(case: Case, rng: np.random.Generator) -> Case:
-    """The log with one fault."""
-    kind = rng.choice(
-        ["force", "sensor", "late", "machines", "both", "g"], p=[0.5, 0.15, 0.2, 0.05, 0.07, 0.03]
-    )
+def late(case: Case, rng: np.random.Generator) -> Case:
+    """A signal is late or early by 1 ms to 1 s."""
+    name = str(rng.choice(list(case.signals)))
+    seconds = rng.choice([-1, 1]) * np.exp(rng.uniform(np.log(1e-3), 0))
+    samples = int(np.sign(seconds) * max(1, round(abs(seconds) * case.rate)))
+    return case.changed(f"late {name}", **{name: moved(case.signals[name], samples)})
+
+
+def in_g(case: Case, rng: np.random.Generator) -> Case:
+    """An accelerometer reads in g; without one, the force has a fault."""
     accelerometers = [name for name in case.measured if name.startswith("dd")]
-    if kind == "late":
-        name = str(rng.choice(list(case.signals)))
-        seconds = rng.choice([-1, 1]) * np.exp(rng.uniform(np.log(1e-3), 0))
-        samples = int(np.sign(seconds) * max(1, round(abs(seconds) * case.rate)))
-        return case.changed(f"late {name}", **{name: moved(case.signals[name], samples)})
-    if kind == "g" and accelerometers:
-        name = str(rng.choice(accelerometers))
-        return case.changed(f"in g {name}", **{name: case.signals[name] / 9.80665})
-    if (
-        kind == "machines"
-    ):  # the second half as if another machine had been recorded: all forces times a factor
-        factor = rng.choice([0.4, 0.6, 1.5, 2.0])
-        half = np.where(
-            np.arange(case.signals[case.force].size) < rng.uniform(0.3, 0.7) * case.signals[case.force].size,
-            1,
-            factor,
-        )
-        return case.changed("two machines", **{case.force: case.signals[case.force] * half})
-    if kind == "both":
-        every = int(rng.choice([2, 4]))
-        k = np.arange(case.signals[case.force].size)
-        changed = {}
-        for name, x in case.signals.items():
-            rough = x[::every]
-            if not name.startswith("dd") and name != case.force:
-                rough = rough + np.exp(rng.uniform(np.log(1e-8), np.log(5e-5))) * rng.standard_normal(
-                    rough.size
-                )
-            changed[name] = np.interp(k, k[::every], rough)
-        return case.changed("both interpolated", **changed)
-    of_force = kind in ("force", "g")
-    name = case.force if of_force else str(rng.choice(case.measured))
-    fault = rng.choice(OF_FORCE if of_force else OF_POSITION)
+    if not accelerometers:
+        return of_force(case, rng)
+    name = str(rng.choice(accelerometers))
+    return case.changed(f"in g {name}", **{name: case.signals[name] / 9.80665})
+
+
+def two_machines(case: Case, rng: np.random.Generator) -> Case:
+    """A part of the log is as if another machine had been recorded: all forces times a factor."""
+    factor, n = rng.choice([0.4, 0.6, 1.5, 2.0]), case.signals[case.force].size
+    gain = np.where(np.arange(n) < rng.uniform(0.3, 0.7) * n, 1, factor)
+    return case.changed("two machines", **{case.force: case.signals[case.force] * gain})
+
+
+def all_interpolated(case: Case, rng: np.random.Generator) -> Case:
+    """All signals are interpolated from every second or fourth sample."""
+    every = int(rng.choice([2, 4]))
+    k = np.arange(case.signals[case.force].size)
+    changed = {}
+    for name, x in case.signals.items():
+        rough = x[::every]
+        if not name.startswith("dd") and name != case.force:
+            noise = np.exp(rng.uniform(np.log(1e-8), np.log(5e-5)))
+            rough = rough + noise * rng.standard_normal(rough.size)
+        changed[name] = np.interp(k, k[::every], rough)
+    return case.changed("both interpolated", **changed)
+
+
+def folded(case: Case, rng: np.random.Generator) -> Case:
+    """Samples are left out until half the rate is 0.3 to 1.5 times the fastest motion, which is not filtered before."""
+    fastest = 2 * case.mode_hz or 20.0
+    every = max(2, round(case.rate / (2 * fastest * rng.uniform(0.3, 1.5))))
+    signals = {name: x[::every] for name, x in case.signals.items()}
+    return replace(case, signals=signals, rate=case.rate / every, fault="folded")
+
+
+def of_force(case: Case, rng: np.random.Generator) -> Case:
+    """A fault of the force."""
+    return _of_channel(case, case.force, rng.choice(OF_FORCE), rng)
+
+
+def of_sensor(case: Case, rng: np.random.Generator) -> Case:
+    """A fault of a sensor."""
+    name = str(rng.choice(case.measured))
+    return _of_channel(case, name, rng.choice(OF_POSITION), rng)
+
+
+def _of_channel(case: Case, name: str, fault, rng: np.random.Generator) -> Case:
     _, x = fault(case.signals[name], rng)
-    return case.changed(f"{fault.__name__} {'F' if of_force else 'sensor'}", **{name: x})
+    return case.changed(f"{fault.__name__} {'F' if name == case.force else 'sensor'}", **{name: x})
+
+
+OF_CASE = (of_force, of_sensor, late, two_machines, all_interpolated, in_g)
+_OFTEN = (0.5, 0.15, 0.2, 0.05, 0.07, 0.03)
+BY_NAME = {f.__name__: f for f in (*OF_FORCE, *OF_POSITION, *OF_CASE, folded)}
+
+
+def damaged(case: Case, rng: np.random.Generator, name: str = "") -> Case:
+    """The log with one fault, of `BY_NAME` or any; one of a channel is mostly of the force, if forces have it."""
+    if not name:
+        return OF_CASE[rng.choice(len(OF_CASE), p=_OFTEN)](case, rng)
+    fault = BY_NAME[name]
+    if fault not in (*OF_FORCE, *OF_POSITION):
+        return fault(case, rng)
+    is_of_force = fault in OF_FORCE and (fault not in OF_POSITION or rng.random() < 0.7)
+    return _of_channel(case, case.force if is_of_force else str(rng.choice(case.measured)), fault, rng)

@@ -32,7 +32,7 @@ class Case:
     axis: str
     truth: dict[str, float]
     signals: dict[str, np.ndarray]
-    rate: int
+    rate: float
     motion: str
     mode_hz: float = 0.0
     fault: str = ""
