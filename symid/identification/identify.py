@@ -39,7 +39,7 @@ from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.result import Identification, trusted_covariance
 from symid.identification.settings import Preparation, said_delays
-from symid.identification.smoothing import smoothing_of
+from symid.identification.smoothing import slow_update, smoothing_of
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import drift_of, timing_of
 from symid.identification.trust import Faults, distrust
@@ -251,4 +251,5 @@ def _faults(
         or more.force_limit()
         or ("" if model.known else noiseless_misfit(model, parts, fit)),  # known parts are off the output
         drift=drift,
+        hint=next(filter(None, (slow_update(part.log[f], f) for part in parts for f in model.forces)), ""),
     )

@@ -18,6 +18,7 @@ from symid.data.lost_samples import FEWEST, dropped, repeated, step_of
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
+from symid.identification.smoothing import slow_update
 
 _SPAN = 8
 """Samples from which on a value that is kept is a held span."""
@@ -49,8 +50,9 @@ def fault_of(
             x, is_force = part.log[name], name in model.forces
             if is_force and is_switched(x):
                 continue
-            if said := channel_fault(x, name, criteria, is_force=is_force):
-                return said
+            slow = slow_update(x, name)
+            if (said := channel_fault(x, name, criteria, is_force=is_force)) or (slow and not is_force):
+                return slow or said
             if held := _held(x, mover if is_force else None):
                 return (
                     f"{name} keeps exactly one value over {held} spans of {_SPAN} samples and more while the axis "

@@ -18,6 +18,12 @@ from symid.identification.excerpts import Excerpt
 
 SPACINGS = range(2, 17)
 """Samples of a log between two of a slower channel that are looked for."""
+_REPEATED = 0.4
+"""Share of samples that repeat the last value: of every second one updated, half do, less where the machine rests."""
+_IN_STEP = 0.98
+"""Share of the changes of a channel that must lie at one of n places: an encoder changes where its motion says."""
+_FEWEST_CHANGES = 100
+"""Changes of a channel that say how often it is updated."""
 _STRAIGHT = 0.01
 """Of the median second difference at the samples between which a signal is interpolated, that others may have."""
 _LEAST_STRAIGHT = 0.4
@@ -43,7 +49,7 @@ def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Crit
         for name in model.highest_derivatives:
             x = part.log[name]
             if spacing := interpolated_from(x):
-                return (
+                return slow_update(x, name) or (
                     f"{name} runs along straight lines of {spacing} samples each: it was interpolated, so its "
                     f"noise cannot be estimated; record it at the rate of the log, or thin the log by {spacing}"
                 )
@@ -58,6 +64,37 @@ def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Crit
                 "and not of all signals: record it raw, or average all alike"
             )
     return ""
+
+
+def updated_every(x: FloatArray) -> tuple[int, int]:
+    """Samples from one update of a channel to the next, and the place of the first; 1 and 0 if all are its own.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).standard_normal(500)
+    >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
+    ((4, 3), (1, 0))
+    """
+    changes = np.flatnonzero(np.diff(x)) + 1
+    if changes.size < _FEWEST_CHANGES or changes.size > (1.0 - _REPEATED) * x.size:
+        return 1, 0
+    for n in reversed(SPACINGS):
+        places = np.bincount(changes % n, minlength=n)
+        first = int(np.argmax(places))
+        if places[first] >= _IN_STEP * changes.size:
+            return n, first
+    return 1, 0
+
+
+def slow_update(x: FloatArray, name: str) -> str:
+    """Whether a channel is updated more rarely than it is recorded, in words; a force may be held so in truth."""
+    every, _ = updated_every(x)
+    cure = f"record it at the rate of the log, or thin the log by {every}"
+    return (
+        f"{name} changes every {every} samples only: it is updated more rarely than it is recorded; {cure}"
+        if every > 1
+        else ""
+    )
 
 
 def interpolated_from(x: FloatArray) -> int:

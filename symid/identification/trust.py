@@ -26,11 +26,15 @@ _FAITHFUL = 0.997
 
 @dataclass(frozen=True)
 class Faults:
-    """Contradictions to an estimate, in words, empty without them: of a channel's samples, the residual, the clock."""
+    """Contradictions to an estimate, in words, empty without them: of a channel's samples, the residual, the clock.
+
+    `hint` is what may be a cause of another status and is none by itself.
+    """
 
     recording: str = ""
     misfit: str = ""
     drift: str = ""
+    hint: str = ""
 
 
 def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERIA) -> Identification:
@@ -62,6 +66,8 @@ def distrust(found: Identification, faults: Faults, criteria: Criteria = CRITERI
     elif status != "ok":
         hints = [faults.recording, faults.drift, timing.statement if timing is not None else ""]
         message = "; ".join([message, *[hint for hint in hints if hint][:1]])
+    if status != "ok" and faults.hint not in message:
+        message = f"{message}; {faults.hint}"
     if timing is not None and timing.statement not in message:
         notes.append(timing.statement)
     return replace(found, status=status, message=message, notes=tuple(notes))

@@ -16,7 +16,8 @@ from symid import Log, load_axis
 from symid.arrays import FloatArray
 from symid.data.lost_samples import restored
 from symid.diagnosis import diagnose
-from symid.diagnosis.prediction.recorder import recovered, updated_every
+from symid.diagnosis.prediction.recorder import recovered
+from symid.identification.smoothing import updated_every
 
 
 def with_drag() -> Log:

@@ -66,7 +66,7 @@ FAULTS = {
         "recording",
         "repeats the last value",
     ),
-    "rarely": (lambda F, r: np.repeat(F[::4], 4), "recording", "repeats the last value"),
+    "rarely": (lambda F, r: np.repeat(F[::4], 4), "recording", "F changes every 4 samples only"),
     "slew": (lambda F, r: slew_limited(F, 0.6), None, "slope is limited"),
     "coarse": (lambda F, r: np.trunc(F / 8) * 8, "recording", "in steps of"),
     "late 0.5 s": (lambda F, r: shifted(F, 250), None, "before it was recorded"),
@@ -114,6 +114,23 @@ def test_a_fault_of_the_force_is_named(fault: str) -> None:
     assert found.status != "ok"
     assert status in (None, found.status), found.message
     assert words in found.message
+
+
+def test_jumps_of_friction_are_no_noise_of_the_force() -> None:
+    case = draw_case(np.random.default_rng([90421, 72, 0]))
+    log = Log.from_arrays(case.signals, sampling_period=1 / case.rate)
+    found = identify(load_generated(case.axis, case.measured), log, preparation=Preparation(cutoff_hz=30.0))
+    assert found.physical_parameters["Ms"] == pytest.approx(case.truth["Ms"], rel=0.02)
+
+
+def test_a_force_that_is_updated_rarely_is_a_cause_of_what_it_spoils() -> None:
+    case = draw_case(np.random.default_rng([31007, 18, 1]))
+    Fm = case.signals["Fm"]
+    signals = {**case.signals, "Fm": np.repeat(Fm[::16], 16)[: Fm.size]}
+    log = Log.from_arrays(signals, sampling_period=1 / case.rate)
+    found = identify(load_generated("direct_2m1s", ("q2",)), log)
+    assert found.status == "poor_fit"
+    assert "Fm changes every 16 samples only" in found.message
 
 
 def test_a_lag_that_imitates_a_damped_mode_is_named() -> None:

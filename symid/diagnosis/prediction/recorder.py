@@ -16,14 +16,8 @@ from symid.arrays import FloatArray
 from symid.axis import Axis
 from symid.data import Log
 from symid.data.lost_samples import restored, without_repeated_rows
-from symid.identification.smoothing import SPACINGS, interpolated_from
+from symid.identification.smoothing import interpolated_from, updated_every
 
-_REPEATED = 0.4
-"""Share of samples that repeat the last value: of every second one updated, half do, less where the machine rests."""
-_IN_STEP = 0.98
-"""Share of the changes of a channel that must lie at one of n places: an encoder changes where its motion says."""
-_FEWEST = 100
-"""Changes of a channel that say how often it is updated."""
 _SHORTEST = 200
 """Samples that a thinned log must have."""
 
@@ -97,26 +91,6 @@ def _slowest(logs: Sequence[Log], name: str) -> tuple[int, str]:
     for x in (log[name] for log in logs if name in log.signals):
         found += [(updated_every(x)[0], "updated"), (interpolated_from(x), "measured, and interpolated,")]
     return max(found)
-
-
-def updated_every(x: FloatArray) -> tuple[int, int]:
-    """Samples from one update of a channel to the next, and the place of the first; 1 and 0 if all are its own.
-
-    Examples
-    --------
-    >>> x = np.random.default_rng(0).standard_normal(500)
-    >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
-    ((4, 3), (1, 0))
-    """
-    changes = np.flatnonzero(np.diff(x)) + 1
-    if changes.size < _FEWEST or changes.size > (1.0 - _REPEATED) * x.size:
-        return 1, 0
-    for n in reversed(SPACINGS):
-        places = np.bincount(changes % n, minlength=n)
-        first = int(np.argmax(places))
-        if places[first] >= _IN_STEP * changes.size:
-            return n, first
-    return 1, 0
 
 
 def _thinned(log: Log, n: int, forces: Collection[str]) -> Log:
