@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 from typing import ClassVar
@@ -40,7 +39,7 @@ _TURN = repr(math.tau)
 
 
 @dataclass(frozen=True)
-class Imperfection(ABC):
+class Imperfection:
     """Base class of effects with given numbers that no regressor contains.
 
     Simulation and exports read what it does from `law` and `rate`, in the names of the fields, q and v (displacement
@@ -51,6 +50,8 @@ class Imperfection(ABC):
     """Force against the motion of its joint; or the force that acts, or the reading, in place of F or y."""
     rate: ClassVar[str] = ""
     """z(1), linear in z, of what remembers; z is 0 in the beginning."""
+    shown: ClassVar[str]
+    """Formula for readers: a format of the fields."""
 
     def in_numbers(self, text: str) -> str:
         """`law` or `rate` with the numbers of the declaration in place of the fields.
@@ -68,9 +69,9 @@ class Imperfection(ABC):
         return re.sub(r"[a-z_]+", lambda found: numbers.get(found[0], found[0]), text)
 
     @property
-    @abstractmethod
     def formula(self) -> str:
         """Formula of the element with its numbers."""
+        return self.shown.format_map(vars(self))
 
     def faults(self) -> Iterator[str]:
         """Faults of its numbers; `Axis` reports them with all others."""
@@ -119,11 +120,7 @@ class ActuatorDelay(DriveImperfection):
     """
 
     seconds: float
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"f(t) = F(t - {self.seconds:.4g} s)"
+    shown: ClassVar = "f(t) = F(t - {seconds:.4g} s)"
 
 
 @dataclass(frozen=True)
@@ -139,11 +136,7 @@ class ActuatorLag(DriveImperfection):
     seconds: float
     law: ClassVar = "z"
     rate: ClassVar = "(F - z)/seconds"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"{self.seconds:.4g} s f(1) + f = F"
+    shown: ClassVar = "{seconds:.4g} s f(1) + f = F"
 
 
 @dataclass(frozen=True)
@@ -158,11 +151,7 @@ class ForceLimit(DriveImperfection):
 
     force: float
     law: ClassVar = "min(max(F, -force), force)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"f = clip(F, {-self.force:.4g}, {self.force:.4g})"
+    shown: ClassVar = "f = clip(F, -{force:.4g}, {force:.4g})"
 
 
 @dataclass(frozen=True)
@@ -199,11 +188,7 @@ class GainAsymmetry(DriveImperfection):
 
     difference: float
     law: ClassVar = "F - difference*abs(F)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"f = F - {self.difference:.4g} abs(F)"
+    shown: ClassVar = "f = F - {difference:.4g} abs(F)"
 
 
 def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
@@ -238,12 +223,10 @@ class EncoderRipple(Imperfection):
     cosine: float
     pitch: float
     law: ClassVar = f"y + sine*sin({_TURN}*y/pitch) + cosine*cos({_TURN}*y/pitch)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        y, phase = self.signal, f"2 pi {self.signal}/{self.pitch:.4g}"
-        return f"{y} reads {y} + {self.sine:.4g} sin({phase}) + {self.cosine:.4g} cos({phase})"
+    shown: ClassVar = (
+        "{signal} reads {signal} + {sine:.4g} sin(2 pi {signal}/{pitch:.4g})"
+        " + {cosine:.4g} cos(2 pi {signal}/{pitch:.4g})"
+    )
 
 
 @dataclass(frozen=True)
@@ -263,11 +246,7 @@ class PayloadChange(Imperfection):
     body: Body
     change: float
     time: float
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"{self.body.inertial} + {self.change:.4g} from {self.time:.4g} s on"
+    shown: ClassVar = "{body.inertial} + {change:.4g} from {time:.4g} s on"
 
 
 @dataclass(frozen=True)
@@ -276,8 +255,6 @@ class PeriodicForce(JointImperfection):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     sine, cosine : float
         As and Ac, N or N m.
     frequency : float
@@ -288,12 +265,7 @@ class PeriodicForce(JointImperfection):
     cosine: float
     frequency: float
     law: ClassVar = f"sine*sin({_TURN}*frequency*t) + cosine*cos({_TURN}*frequency*t)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        phase = f"2 pi {self.frequency:.4g} t"
-        return f"{self.sine:.4g} sin({phase}) + {self.cosine:.4g} cos({phase})"
+    shown: ClassVar = "{sine:.4g} sin(2 pi {frequency:.4g} t) + {cosine:.4g} cos(2 pi {frequency:.4g} t)"
 
 
 @dataclass(frozen=True)
@@ -302,8 +274,6 @@ class FrictionDrift(JointImperfection):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     coulomb, viscous : float
         Excess of the cold axis over the warm one: N or N m, N s/m or N m s/rad.
     time_constant : float
@@ -314,11 +284,7 @@ class FrictionDrift(JointImperfection):
     viscous: float
     time_constant: float
     law: ClassVar = "exp(-t/time_constant)*(coulomb*sign(v) + viscous*v)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"exp(-t/{self.time_constant:.4g} s) ({self.coulomb:.4g} sign(v) + {self.viscous:.4g} v)"
+    shown: ClassVar = "exp(-t/{time_constant:.4g} s) ({coulomb:.4g} sign(v) + {viscous:.4g} v)"
 
 
 @dataclass(frozen=True)
@@ -327,8 +293,6 @@ class FrictionTrend(JointImperfection):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     coulomb, viscous : float
         Change in a second.
     """
@@ -336,11 +300,7 @@ class FrictionTrend(JointImperfection):
     coulomb: float
     viscous: float
     law: ClassVar = "t*(coulomb*sign(v) + viscous*v)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"t ({self.coulomb:.4g} sign(v) + {self.viscous:.4g} v)"
+    shown: ClassVar = "t ({coulomb:.4g} sign(v) + {viscous:.4g} v)"
 
 
 @dataclass(frozen=True)
@@ -363,11 +323,7 @@ class PreslidingFriction(JointImperfection):
     reach: float
     law: ClassVar = "level*(z - sign(v))"
     rate: ClassVar = "(v - abs(v)*z)/reach"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"{self.level:.4g} (z - sign(v)), z(1) = (v - abs(v) z)/{self.reach:.4g}"
+    shown: ClassVar = "{level:.4g} (z - sign(v)), z(1) = (v - abs(v) z)/{reach:.4g}"
 
 
 @dataclass(frozen=True)
@@ -376,16 +332,10 @@ class LoadDependentFriction(JointImperfection):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     coefficient : float
         mu.
     """
 
     coefficient: float
     law: ClassVar = "coefficient*abs(F)*sign(v)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"{self.coefficient:.4g} abs(F) sign(v)"
+    shown: ClassVar = "{coefficient:.4g} abs(F) sign(v)"

@@ -6,7 +6,7 @@ import json
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, dataclass, fields, replace
+from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from pathlib import Path
 
 from symid.axis.axis import Axis
@@ -74,7 +74,7 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
                 f"{type(element).__name__} of axis {axis.name!r} is not one of symid's, and an axis file that is "
                 f"written knows no others: copy the file that declares it and add to that"
             )
-    calls = {name for value in _parts(axis) if (name := _class_name(value))}
+    calls = set(_classes(axis))
     variables = _variables(axis, {*calls, "axis"})
 
     def assignment(name: str, value: object) -> str:
@@ -203,23 +203,16 @@ def _is_default(field: Field[object], content: object) -> bool:
     return type(content) is type(field.default) and content == field.default
 
 
-def _parts(value: object) -> Iterator[object]:
-    """All records in an axis, and what they are made of."""
-    yield value
+def _classes(value: object) -> Iterator[str]:
+    """Names of the classes of all records in a value."""
     if isinstance(value, tuple):
         for item in value:
-            yield from _parts(item)
-    elif hasattr(value, "__dataclass_fields__"):
-        for field in fields(value):  # type: ignore[arg-type]  # a dataclass by its attribute
-            content = getattr(value, field.name)
-            if not _is_default(field, content):
-                yield from _parts(content)
-
-
-def _class_name(value: object) -> str | None:
-    if isinstance(value, Ground):
-        return "GROUND"
-    return type(value).__name__ if hasattr(value, "__dataclass_fields__") else None
+            yield from _classes(item)
+    elif is_dataclass(value):
+        yield "GROUND" if isinstance(value, Ground) else type(value).__name__
+        for field in fields(value):
+            if not _is_default(field, content := getattr(value, field.name)):
+                yield from _classes(content)
 
 
 def _variables(axis: Axis, taken: set[str]) -> dict[object, str]:

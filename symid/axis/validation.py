@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import keyword
-import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -229,7 +228,7 @@ def _number_faults(
     for holder in (*drives, *sensors):
         for field in ("noise", "resolution", "delay"):
             value = getattr(holder, field, 0.0)
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
+            if not is_finite(value) or value < 0:
                 yield f"{_label(holder)}: {field} is {value!r}: it must be a finite number of at least 0"
     for sensor in sensors:
         of, to = getattr(sensor, "body", None), getattr(sensor, "relative_to", None)
@@ -241,12 +240,7 @@ def _number_faults(
             )
     numbers += [(f"{_label(d)}: gain", d.gain) for d in drives if d.gain is not None and d.constant is None]
     for what, value in numbers:
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, (int, float))
-            or not math.isfinite(value)
-            or value == 0
-        ):
+        if not is_finite(value) or value == 0:
             yield f"{what} is {value!r}: it must be a finite number other than 0"
 
 
@@ -254,7 +248,13 @@ def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
     for drive in drives:
         label = _label(drive)
         if drive.constant is not None:
-            yield from _constant_faults(drive)
+            gain = f"{label}: gain {drive.constant!r}"
+            if not str(drive.constant).isidentifier():
+                yield f"{gain} is not a parameter name: use letters, digits and _"
+            if drive.command is not None:
+                yield f"{gain} is unknown, so that the command is the signal: leave command= out"
+            if drive.unit is None:
+                yield f"{gain} is a force per unit of the signal: give that, such as unit='A'"
         elif (drive.command is None) != (drive.gain is None):
             yield f"{label}: command and gain belong together: give both or neither"
         if drive.unit is not None and not Unit.is_named(drive.unit):
@@ -262,16 +262,6 @@ def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
     if len({bool(drive.held) for drive in drives}) > 1:
         signals = ", ".join(repr(drive.signal) for drive in drives)
         yield f"drives {signals} are not all held: one controller sends all of them, give each the same held="
-
-
-def _constant_faults(drive: Drive) -> Iterator[str]:
-    label = f"{_label(drive)}: gain {drive.constant!r}"
-    if not str(drive.constant).isidentifier():
-        yield f"{label} is not a parameter name: use letters, digits and _"
-    if drive.command is not None:
-        yield f"{label} is unknown, so that the command is the signal: leave command= out"
-    if drive.unit is None:
-        yield f"{label} is a force per unit of the signal: give that, such as unit='A'"
 
 
 def _joint_faults(holders: Sequence[object]) -> Iterator[str]:

@@ -3,8 +3,7 @@
 Importing this package needs no sympy; `symid.codegen.generate` does.
 """
 
-from symid.codegen.derived import as_generated, model_of
 from symid.codegen.model import GeneratedModel
-from symid.codegen.store import delays_of, load_generated
+from symid.codegen.store import as_generated, delays_of, load_generated, model_of
 
 __all__ = ["GeneratedModel", "as_generated", "delays_of", "load_generated", "model_of"]

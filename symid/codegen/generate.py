@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from symid.axis import Axis, axis_file, axis_names, load_axis
+from symid.axis import axis_file, axis_names, load_axis
 from symid.codegen.model import GeneratedModel
 from symid.codegen.module import module_text
 from symid.codegen.store import (
@@ -93,17 +93,6 @@ def _plan_axis(
         except EliminationError as error:
             leave_out(path, error)
     return files
-
-
-def derived_text(axis: Axis, measured: Sequence[str]) -> str:
-    """Text of the module of an axis and its sensors, derived now.
-
-    Examples
-    --------
-    >>> "def regressor(F, q_d1, q_d2):" in derived_text(load_axis("rigid_1m"), ("q",))
-    True
-    """
-    return module_text(derive(axis, tuple(measured)))
 
 
 def compiled(model: DerivedModel) -> GeneratedModel:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -96,37 +96,24 @@ class GeneratedModel:
 
     @classmethod
     def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:
-        """Record of a module's namespace."""
-        coulomb = namespace.get("COULOMB_AT_DRIVE", ())
-        names = (split_derivative(name)[0] for name in namespace["SIGNALS"])
-        force = next((name for name in names if name not in namespace["MEASURED"]), "")
-        return cls(
-            axis=namespace["AXIS"],
-            measured=namespace["MEASURED"],
-            signature=namespace["SIGNATURE"],
-            signals=namespace["SIGNALS"],
-            output_names=namespace["OUTPUT"],
-            output_units=namespace["OUTPUT_UNITS"],
-            minimal_units=MappingProxyType(namespace["MINIMAL_UNITS"]),
-            physical_units=MappingProxyType(namespace["PHYSICAL_UNITS"]),
-            signed=namespace["SIGNED"],
-            per_log=namespace["PER_LOG"],
-            known=MappingProxyType(namespace.get("KNOWN", {})),
-            held=namespace["HELD"],
-            assumptions=namespace["ASSUMPTIONS"],
-            sliding=namespace["SLIDING"],
-            law_columns=namespace["LAW_COLUMNS"],
-            coulomb_at_drive=coulomb,
-            coulomb_drives=namespace.get("COULOMB_DRIVES", (force,) * len(coulomb)),
-            redundant=namespace.get("REDUNDANT", ()),
-            known_laws=namespace.get("KNOWN_LAWS", ()),
-            branches=namespace["BRANCHES"],
-            regressor=namespace["regressor"],
-            output=namespace["output"],
-            sliding_velocities=namespace["sliding_velocities"],
-            minimal_parameters=namespace["minimal_parameters"],
-            physical_parameters=namespace.get("physical_parameters"),
-        )
+        """Record of a module's namespace: functions have the names of their fields, all else these in capitals."""
+        drives = (split_derivative(name)[0] for name in namespace["SIGNALS"])
+        force = next((name for name in drives if name not in namespace["MEASURED"]), "")
+        found = {
+            "COULOMB_AT_DRIVE": (),
+            "COULOMB_DRIVES": (force,) * len(namespace.get("COULOMB_AT_DRIVE", ())),
+            "KNOWN": {},
+            "KNOWN_LAWS": (),
+            "REDUNDANT": (),
+            "physical_parameters": None,
+            **namespace,
+            "OUTPUT_NAMES": namespace["OUTPUT"],
+        }
+        names = (item.name for item in fields(cls) if item.name != "delays")
+        values: dict[str, Any] = {name: found[name if name in found else name.upper()] for name in names}
+        for name, value in values.items():
+            values[name] = MappingProxyType(value) if isinstance(value, dict) else value
+        return cls(**values)
 
     @cached_property
     def highest_derivatives(self) -> Mapping[str, int]:

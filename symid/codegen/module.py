@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import product
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -14,6 +16,7 @@ from symid.codegen.vetting import signed
 from symid.signals import split_derivative
 from symid.symbolic.expressions import is_smooth
 from symid.symbolic.measurement import measurement
+from symid.symbolic.minimal import MinimalModel
 from symid.symbolic.parameter_map import inverse_map
 from symid.symbolic.pipeline import DerivedModel
 from symid.symbolic.triangular_systems import TriangularSolution
@@ -98,10 +101,13 @@ def module_text(model: DerivedModel) -> str:
     """
     minimal = model.minimal
     signals = model_signals(model)
-    sliding, velocities = _sliding(model)
+    numbers = {sp.Symbol(name) for name in minimal.source.source.numbers}
+    sliding, velocities = _sliding(minimal, numbers)
+    rows = [(i, j, e) for i, row in enumerate(minimal.regressor) for j, e in enumerate(row)]
+    law_columns = tuple((i, j) for i, j, e in rows if not _is_linear(e, numbers))
+    coulomb = _coulomb_at_drive(model, velocities)
     solution = inverse_map(minimal)
     physical = {name: str(unit) for name, unit in model.axis.physical_parameters.items()}
-    entries = [entry for row in minimal.regressor for entry in row]
     W, y, v = (_unused(name, signals) for name in "Wyv")
     text = _TEMPLATE.format(
         W=W,
@@ -117,9 +123,9 @@ def module_text(model: DerivedModel) -> str:
         output_names=_tuple(list(minimal.output_names)),
         output_units=_tuple([_output_unit(model, name) for name in minimal.output_names]),
         minimal=_tuple([p.name for p in minimal.parameters]),
-        minimal_units=_dictionary({p.name: str(p.unit) for p in minimal.parameters}),
+        minimal_units=json.dumps({p.name: str(p.unit) for p in minimal.parameters}, ensure_ascii=False),
         physical=_tuple(list(physical)),
-        physical_units=_dictionary(physical),
+        physical_units=json.dumps(physical, ensure_ascii=False),
         signed=_tuple(model.axis.signed_parameters),
         per_log=_tuple(
             [p.name for p in minimal.parameters if p.function.names & {*model.axis.log_parameters}]
@@ -127,24 +133,16 @@ def module_text(model: DerivedModel) -> str:
         held=model.axis.drives[0].held,
         assumptions=_tuple(model.assumptions),
         sliding=repr(sliding),
-        law_columns=repr(_law_columns(model)),
-        coulomb=repr(tuple(place for place, _ in _coulomb_at_drive(model, velocities))),
+        law_columns=repr(law_columns),
+        coulomb=repr(tuple((one.row, one.parameter) for one in coulomb)),
         redundant=repr(_redundant(model)),
         branches=solution.branches if solution else 0,
-        constants=_constants(model, velocities),
+        constants=_constants(model, [one.drive for one in coulomb], numbers),
         arguments=", ".join(signals),
-        allocate="zeros" if any(entry == 0 for entry in entries) else "empty",
+        allocate="zeros" if any(e == 0 for _, _, e in rows) else "empty",
         n_equations=len(minimal.output),
         n_parameters=len(minimal.parameters),
-        regressor=_fill(
-            W,
-            [
-                (f"{i}, {j}", e)
-                for i, row in enumerate(minimal.regressor)
-                for j, e in enumerate(row)
-                if e != 0
-            ],
-        ),
+        regressor=_fill(W, [(f"{i}, {j}", e) for i, j, e in rows if e != 0]),
         output=_fill(y, [(str(i), e) for i, e in enumerate(minimal.output) if e != 0]),
         n_sliding=len(velocities),
         velocities=_fill(v, [(str(i), e) for i, e in enumerate(velocities)]),
@@ -179,15 +177,15 @@ def _output_unit(model: DerivedModel, name: str) -> str:
     return str(units[signal] / Unit.of("s") ** order)
 
 
-def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
+def _sliding(
+    minimal: MinimalModel, constants: Collection[sp.Symbol]
+) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
     """For each equation the indices of the velocities in its laws with jumps, and these velocities.
 
     An equation that lacks the derivative of a jump does not hold at it either, though no column shows it.
     """
     velocities: dict[sp.Expr, int] = {}
     by_equation = []
-    constants = {sp.Symbol(name) for name in model.minimal.source.source.numbers}
-    minimal = model.minimal
     for row, y, equation in zip(minimal.regressor, minimal.output, minimal.source.equations, strict=True):
         shown = {f for entry in (*row, y) for f in entry.atoms(sp.Function) if not is_smooth(f)}
         jumps = sorted(
@@ -195,7 +193,9 @@ def _sliding(model: DerivedModel) -> tuple[tuple[tuple[int, ...], ...], tuple[sp
         )
         arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
         # Jumps elsewhere, such as a stiffness at the edge of a gap, do not depend on standstill.
-        arguments = [a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols - constants, 0))]
+        arguments = [
+            a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols.difference(constants), 0))
+        ]
         by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
     return tuple(by_equation), tuple(velocities)
 
@@ -220,67 +220,54 @@ def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, fl
     return tuple(found)
 
 
-def _coulomb_at_drive(
-    model: DerivedModel, velocities: tuple[sp.Expr, ...]
-) -> list[tuple[tuple[int, int], str]]:
+class _CoulombAtDrive(NamedTuple):
+    """Friction that acts as a drive does: row of its velocity, index of its minimal parameter, signal of the drive."""
+
+    row: int
+    parameter: int
+    drive: str
+
+
+def _coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> list[_CoulombAtDrive]:
     """Coulomb friction that acts on the bodies as a drive does, where an equation lacks its derivatives.
 
-    The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated. Each is
-    given by the row of its velocity and the index of its minimal parameter, and by the signal of the drive.
+    The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated.
     """
     if not any(equation.dropped for equation in model.minimal.source.equations):
         return []
     operators = model.minimal.source.operators
-    found: list[tuple[tuple[int, int], str]] = []
+    zero = operators.ring.zero
+    # Taken off a force that is a column too, it would change that column, which no law gives it back to.
+    columns = {symbol for row in model.minimal.regressor for e in row for symbol in e.free_symbols}
+    outputs = [drive.signal for drive in model.axis.drives if sp.Symbol(drive.signal) not in columns]
+    found: list[_CoulombAtDrive] = []
     for entry in operators.source.inputs:
         if entry.expression != sp.sign(sp.Symbol("v")):
             continue
-        # Taken off a force that is a column too, it would change that column, which no law gives it back to.
-        columns = {symbol for row in model.minimal.regressor for e in row for symbol in e.free_symbols}
-        outputs = [drive for drive in model.axis.drives if sp.Symbol(drive.signal) not in columns]
-        for generator, drive in product(operators.ring.gens[1:], outputs):
-            zero, signal = operators.ring.zero, drive.signal
-            beside = [
+        for generator, signal in product(operators.ring.gens[1:], outputs):
+            if not any(
                 row.get(str(entry.symbol), zero) + generator * operators.force[body].get(signal, zero)
                 for body, row in operators.inputs.items()
-            ]
-            if not any(beside):
-                found += [(place, signal) for place in _place_of_coulomb(model, velocities, str(generator))][
-                    :1
-                ]
+            ):
+                places = _places_of_coulomb(model.minimal, velocities, str(generator))
+                found += [_CoulombAtDrive(*place, signal) for place in places[:1]]
                 break
     return found
 
 
-def _place_of_coulomb(
-    model: DerivedModel, velocities: tuple[sp.Expr, ...], parameter: str
+def _places_of_coulomb(
+    model: MinimalModel, velocities: tuple[sp.Expr, ...], parameter: str
 ) -> list[tuple[int, int]]:
     """Velocity and index of a minimal parameter that is this physical one, from its column sign(velocity)."""
-    for j, minimal in enumerate(model.minimal.parameters):
+    for j, minimal in enumerate(model.parameters):
         if minimal.function.names == {parameter} and str(minimal.function) == parameter:
-            columns = {row[j] for row in model.minimal.regressor} - {0}
+            columns = {row[j] for row in model.regressor} - {0}
             return [(i, j) for i, velocity in enumerate(velocities) if columns == {sp.sign(velocity)}]
     return []
 
 
-def _law_columns(model: DerivedModel) -> tuple[tuple[int, int], ...]:
-    """Columns that are not linear in the signals: filtering the signals does not filter them."""
-    rows, constants = enumerate(model.minimal.regressor), _constant_symbols(model)
-    return tuple((i, j) for i, row in rows for j, entry in enumerate(row) if not _is_linear(entry, constants))
-
-
-def _known_laws(model: DerivedModel) -> tuple[int, ...]:
-    """Equations whose output holds values of laws with known parameters."""
-    constants = _constant_symbols(model)
-    return tuple(i for i, y in enumerate(model.minimal.output) if not _is_linear(y, constants))
-
-
-def _constant_symbols(model: DerivedModel) -> list[sp.Symbol]:
-    return [sp.Symbol(name) for name in model.minimal.source.source.numbers]
-
-
-def _is_linear(entry: sp.Expr, constants: Sequence[sp.Symbol]) -> bool:
-    """Whether an entry is linear in the signals, or constant.
+def _is_linear(entry: sp.Expr, constants: Collection[sp.Symbol]) -> bool:
+    """Whether an entry is linear in the signals, or constant: filtering the signals then filters it.
 
     Examples
     --------
@@ -288,7 +275,7 @@ def _is_linear(entry: sp.Expr, constants: Sequence[sp.Symbol]) -> bool:
     >>> [_is_linear(entry, [r]) for entry in (r * q + 1, q**3, q * r * sp.Symbol("v"), sp.sign(q))]
     [True, False, False, False]
     """
-    signals = sorted(entry.free_symbols - set(constants), key=str)
+    signals = sorted(entry.free_symbols.difference(constants), key=str)
     if not signals:
         return True
     return bool(entry.is_polynomial(*signals)) and sp.Poly(entry, *signals).total_degree() <= 1
@@ -312,19 +299,17 @@ def _fill(array: str, entries: Sequence[tuple[str, sp.Expr]]) -> str:
     return textwrap.indent("\n".join(lines), "    ") if lines else "    # nothing to fill"
 
 
-def _constants(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> str:
-    source = model.minimal.source.source
-    lines = [f"{name} = {value!r}\n" for name, value in source.numbers.items()]
-    known = model.axis.known_parameters
-    if known:
+def _constants(model: DerivedModel, drives: Sequence[str], numbers: Collection[sp.Symbol]) -> str:
+    """Numbers of the functions, and what few modules hold: known parameters, drives of friction, known laws."""
+    lines = [f"{name} = {value!r}\n" for name, value in model.minimal.source.source.numbers.items()]
+    if known := model.axis.known_parameters:
         units = {name: (value, str(model.axis.parameter_units[name])) for name, value in known.items()}
         lines.append(f"KNOWN = {units!r}  # physical parameters that are known, and their units\n")
     if len(model.axis.drives) > 1:
-        drives = tuple(signal for _, signal in _coulomb_at_drive(model, velocities))
         lines.append(
-            f"COULOMB_DRIVES = {drives!r}  # signal of the drive that each of COULOMB_AT_DRIVE acts as\n"
+            f"COULOMB_DRIVES = {tuple(drives)!r}  # signal of the drive that each of COULOMB_AT_DRIVE acts as\n"
         )
-    if laws := _known_laws(model):
+    if laws := tuple(i for i, y in enumerate(model.minimal.output) if not _is_linear(y, numbers)):
         lines.append(
             f"KNOWN_LAWS = {laws!r}  # equations whose output holds values of laws with known parameters\n"
         )
@@ -367,7 +352,3 @@ def _inverse(model: DerivedModel, solution: TriangularSolution) -> str:
 def _tuple(items: Sequence[str]) -> str:
     quoted = ", ".join(f'"{item}"' for item in items)
     return f"({quoted},)" if len(items) == 1 else f"({quoted})"
-
-
-def _dictionary(items: dict[str, str]) -> str:
-    return "{" + ", ".join(f'"{key}": "{value}"' for key, value in items.items()) + "}"

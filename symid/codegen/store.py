@@ -1,4 +1,4 @@
-"""The folder `generated/`: writing it from `models/`, checking that it is up to date, loading from it."""
+"""Generated models of any axis: those in the folder `generated/`, and those that are derived when they are needed."""
 
 from __future__ import annotations
 
@@ -7,13 +7,17 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from symid.axis import Axis, Sensor, axis_file, load_axis
 from symid.axis.loading import PACKAGE
 from symid.codegen.model import GeneratedModel
 from symid.codegen.vetting import require_vetted
-from symid.errors import GeneratedModuleError
+from symid.errors import GeneratedModuleError, SymidError
 from symid.files import free_name, write_whole
+
+if TYPE_CHECKING:
+    from symid.symbolic.pipeline import DerivedModel
 
 _FORMAT = re.compile(r"^FORMAT = (\d{1,9})$", re.MULTILINE)
 _MEASURED = re.compile(r"^MEASURED = \((.*)\)$", re.MULTILINE)
@@ -138,6 +142,54 @@ def load_generated(
     ('Fm', 'Fm_d1', 'Fm_d2', 'q2_d1', 'q2_d2', 'q2_d3', 'q2_d4')
     """
     return stored_module(axis, measured, folder).compiled()
+
+
+def model_of(axis: str | Axis, measured: Sequence[str] | None = None) -> GeneratedModel:
+    """The generated model of an axis; without a current module it is derived and kept in memory.
+
+    Parameters
+    ----------
+    axis : str or Axis
+        Name or path of an axis file, or a declaration, which need not be in any file.
+    measured : sequence of str, optional
+        Signals of the sensors; the first sensor by default.
+
+    Raises
+    ------
+    SymidError
+        If the axis does not exist or cannot be derived.
+
+    Examples
+    --------
+    >>> from symid.axis import Axis, Body, Drive, Position
+    >>> body = Body("body", mass="M")
+    >>> model_of(Axis("free", (body,), Drive("F", body), (Position("q", body),))).signals
+    ('F', 'q_d2')
+    """
+    declared = axis if isinstance(axis, Axis) else load_axis(axis)
+    signals = tuple(
+        sensor.signal for sensor in declared.measured(None if measured is None else tuple(measured))
+    )
+    try:
+        return load_generated(axis, signals)
+    except SymidError:
+        # sympy is needed only without a module.
+        from symid.codegen.module import module_text
+        from symid.symbolic.pipeline import derive
+
+        text = module_text(derive(declared, signals))
+        DERIVED[declared.signature, declared.name, signals] = text
+        return load_generated(declared, signals)
+
+
+def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
+    """Generated model of a derived one; a generated model is returned as it is."""
+    if isinstance(model, GeneratedModel):
+        return model
+    # A derived model exists only where sympy is loaded already.
+    from symid.codegen.generate import compiled
+
+    return compiled(model)
 
 
 @dataclass(frozen=True)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import sympy as sp
 
 from symid.axis import Axis
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics
-from symid.export.imperfect_terms import ACTING, NOW, added, sent
-from symid.symbolic.expressions import READING
+from symid.export.imperfect_terms import ACTING, NOW, Memory, added, sent
+from symid.symbolic.expressions import READING, misread
 
 
 def derivative(dynamics: SymbolicDynamics) -> str:
@@ -19,11 +19,11 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     n, axis = len(dynamics.bodies), dynamics.axis
     x = [sp.Symbol(f"x[{i}]") for i in range(n)]
     v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
-    statements = [*clock(dynamics, "0.0"), *_drive(dynamics)]
+    statements = [*clock(dynamics, "0.0"), *acting_force(dynamics, _lagging)]
     force = smooth_force(dynamics, x, v)
     taken = {*axis.physical_parameters, *dynamics.constants, *(drive.signal for drive in axis.drives)}
     rates = []
-    for joint in dynamics.joints:
+    for joint in dynamics.laws:
         symbol, written, effect, remembered = _joint(joint, dynamics, x, v)
         statements += written
         rates += remembered
@@ -42,7 +42,7 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     if dynamics.imperfect.is_timed:
         statements.append(f"d{dynamics.imperfect.clock} = 1.0;")
     matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drives, dynamics.constant)
-    laws = [sp.Matrix([joint.force]) for joint in dynamics.joints]
+    laws = [sp.Matrix([joint.force]) for joint in dynamics.laws]
     return lines([*members(used_parameters(dynamics, *matrices, *laws)), *statements])
 
 
@@ -84,31 +84,38 @@ def clock(dynamics: SymbolicDynamics, ahead: str) -> list[str]:
     return [now, f"(void){NOW};", *(f"const double {name} = {' + '.join(t)};" for name, t in grown.items())]
 
 
-def _drive(dynamics: SymbolicDynamics) -> list[str]:
-    """The force that acts, and how it lags."""
+def acting_force(
+    dynamics: SymbolicDynamics, lag: Callable[[int, Memory], tuple[list[str], str]]
+) -> list[str]:
+    """Statements for the force that acts; `lag` gives those of a force that lags, by its place, and its value."""
     if not acts_otherwise(dynamics):
         return []
     found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
-    for element, memory in dynamics.imperfect.of_drive:
-        if memory is None:
-            found.append(f"{ACTING} = {c_code(sent(element))};  /* {type(element).__name__} */")
-        else:
-            found.append(f"d{memory.symbol} = {c_code(memory.rate)};  /* {type(element).__name__} */")
-            found.append(f"{ACTING} = {memory.symbol};")
+    for i, (element, memory) in enumerate(dynamics.imperfect.of_drive):
+        before, value = ([], c_code(sent(element))) if memory is None else lag(i, memory)
+        first, *others = [*before, f"{ACTING} = {value};"]
+        found += [f"{first}  /* {type(element).__name__} */", *others]
     return found
+
+
+def _lagging(_: int, memory: Memory) -> tuple[list[str], str]:
+    return [f"d{memory.symbol} = {c_code(memory.rate)};"], str(memory.symbol)
 
 
 def _joint(
     joint: LawJoint, dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
 ) -> tuple[sp.Symbol, list[str], sp.Matrix, list[str]]:
     """Symbol of a joint's force, what computes it, its effect on each body, and the rates of its memories."""
-    row = [joint.displacement.get(body, sp.Integer(0)) for body in dynamics.bodies]
     symbol = sp.Symbol(f"f_{joint.name}_")
     q, velocity = (sp.Symbol(f"{letter}_{joint.name}_") for letter in "qv")
     names = {DISPLACEMENT: q, VELOCITY: velocity}
     law = joint.force.xreplace(names)
     rates = {memory.symbol: memory.rate.xreplace(names) for memory in joint.memories}
-    statements = {q: sp.Add(*map(sp.Mul, row, x)), velocity: sp.Add(*map(sp.Mul, row, v)), symbol: law}
+    statements = {
+        q: sp.Add(*map(sp.Mul, joint.direction, x)),
+        velocity: sp.Add(*map(sp.Mul, joint.direction, v)),
+        symbol: law,
+    }
     needed = {symbol}.union(law.free_symbols, *(rate.free_symbols for rate in rates.values()))
     written = [
         f"const double {name} = {c_code(renamed(value))};"
@@ -116,7 +123,7 @@ def _joint(
         if name in needed
     ]
     remembered = [f"d{place} = {c_code(rate)};" for place, rate in rates.items()]
-    return symbol, written, sp.Matrix(row), remembered
+    return symbol, written, joint.direction.T, remembered
 
 
 def readings(dynamics: SymbolicDynamics) -> str:
@@ -126,13 +133,11 @@ def readings(dynamics: SymbolicDynamics) -> str:
     parameters = dynamics.axis.physical_parameters
     for i, (signal, (row, order)) in enumerate(dynamics.sensors.items()):
         array, first = ("x", "x", "dx")[order], (0, n, n)[order]
-        places = {body: sp.Symbol(f"{array}[{first + k}]") for k, body in enumerate(dynamics.bodies)}
         given = {sp.Symbol(n): sp.Symbol(f"{dynamics.axis.name}_values.{c_name(n)}") for n in parameters}
-        reading = sp.Add(*(factor.xreplace(given) * places[body] for body, factor in row.items()))
+        reading = sp.Add(*(f.xreplace(given) * sp.Symbol(f"{array}[{first + k}]") for k, f in enumerate(row)))
         found.append(f"y[{i}] = {c_code(reading)};  /* {signal} */")
-        misread = dynamics.imperfect.read(signal)
-        if misread != READING:
-            found.append(f"y[{i}] = {c_code(misread.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")
+        if (law := misread(dynamics.axis, signal)) is not None:
+            found.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")
         if steps[signal]:
             found.append(in_steps(f"y[{i}]", steps[signal]))
     orders = {order for _, order in dynamics.sensors.values()}

@@ -186,13 +186,13 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
     dynamics = symbolic_dynamics(axis)
     parameters = set(map(sp.Symbol, axis.physical_parameters))
     losses = (
-        *((_REST,) if any(joint.jumps for joint in dynamics.joints) else ()),
+        *((_REST,) if any(joint.jumps for joint in dynamics.laws) else ()),
         *losses_of_signals(axis),
         *(f"{s.signal}: the noise of the reading is left out." for s in axis.sensors if s.noise),
         *(
             f"{signal}: it reads a body without mass, by the stiffnesses in {axis.name}_values."
             for signal, (row, _) in dynamics.sensors.items()
-            if any(share.free_symbols & parameters for share in row.values())
+            if row.free_symbols & parameters
         ),
     )
     written = () if isinstance(model, Axis) else model.minimal.written

@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from symid.export.c_code import c_code, c_name
+from symid.export.c_code import c_code
 from symid.export.c_motion import (
-    acts_otherwise,
+    acting_force,
     clock,
     force_parameters,
     lines,
@@ -23,7 +23,7 @@ from symid.export.c_motion import (
     used_parameters,
 )
 from symid.export.dynamics import VELOCITY, SymbolicDynamics
-from symid.export.imperfect_terms import ACTING, NOW, Memory, sent
+from symid.export.imperfect_terms import ACTING, NOW, Memory
 
 _LAW = """\
 /* Force of the laws in a joint against its motion. */
@@ -122,44 +122,33 @@ def step_function(dynamics: SymbolicDynamics) -> str:
     remembers = bool(dynamics.imperfect.remembering)
     return _STEP.format(
         followed=_FOLLOWED if remembers else "",
-        law=_law(dynamics) if dynamics.joints else "",
+        law=_law(dynamics) if dynamics.laws else "",
         name=name,
         forces=force_parameters(dynamics.axis),
         n=n,
         n_state=dynamics.n_states,
-        members=lines([*members(used), *clock(dynamics, "h/2.0"), *_drive(dynamics)]),
+        members=lines([*members(used), *clock(dynamics, "h/2.0"), *acting_force(dynamics, _lagging)]),
         inverse=_rows([[c_code(renamed(entry)) for entry in inverse.row(i)] for i in range(n)]),
         smooth="\n".join(f"        {c_code(renamed(entry))}," for entry in smooth),
-        joints=_joints(dynamics) if dynamics.joints else "",
+        joints=_joints(dynamics) if dynamics.laws else "",
         after=_after(dynamics),
     )
 
 
-def _drive(dynamics: SymbolicDynamics) -> list[str]:
-    """The force that acts; of one that lags, the mean over the step."""
-    if not acts_otherwise(dynamics):
-        return []
-    found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
-    for i, (element, memory) in enumerate(dynamics.imperfect.of_drive):
-        if memory is None:
-            found.append(f"{ACTING} = {c_code(sent(element))};  /* {type(element).__name__} */")
-        else:
-            found.append(f"const double before{i}_ = {memory.symbol};  /* {type(element).__name__} */")
-            found.append(_follows(memory))
-            found.append(f"{ACTING} = (before{i}_ + {memory.symbol})/2.0;")
-    return found
+def _lagging(place: int, memory: Memory) -> tuple[list[str], str]:
+    """The mean of a lagging force over the step."""
+    before = f"before{place}_"
+    return [
+        f"const double {before} = {memory.symbol};",
+        _follows(memory),
+    ], f"({before} + {memory.symbol})/2.0"
 
 
 def _after(dynamics: SymbolicDynamics) -> str:
     """Statements for the states of friction and the time after the step."""
     n, found = len(dynamics.bodies), []
-    for joint in dynamics.joints:
-        speed = sp.Add(
-            *(
-                joint.displacement.get(b, sp.S.Zero) * sp.Symbol(f"x[{n + i}]")
-                for i, b in enumerate(dynamics.bodies)
-            )
-        )
+    for joint in dynamics.laws:
+        speed = sp.Add(*(share * sp.Symbol(f"x[{n + i}]") for i, share in enumerate(joint.direction)))
         for memory in joint.memories:
             now = {VELOCITY: speed}
             found.append(
@@ -175,7 +164,7 @@ def _follows(memory: Memory) -> str:
 
 
 def _law(dynamics: SymbolicDynamics) -> str:
-    forces = [joint.force for joint in dynamics.joints]
+    forces = [joint.force for joint in dynamics.laws]
     cases = [f"    case {j}: return {c_code(renamed(force))};" for j, force in enumerate(forces)]
     used = used_parameters(dynamics, sp.Matrix(forces))
     arguments = "".join(f", {kind}" for kind, _ in _beyond(dynamics))
@@ -191,18 +180,16 @@ def _law(dynamics: SymbolicDynamics) -> str:
 
 def _beyond(dynamics: SymbolicDynamics) -> list[tuple[str, str]]:
     """Inputs of laws besides the motion, as parameters of a C function and as arguments."""
-    symbols = set().union(*(joint.force.free_symbols for joint in dynamics.joints))
+    symbols = set().union(*(joint.force.free_symbols for joint in dynamics.laws))
     found = []
-    if any(memory.symbol in symbols for joint in dynamics.joints for memory in joint.memories):
+    if any(memory.symbol in symbols for joint in dynamics.laws for memory in joint.memories):
         found.append(("const double x[]", "x"))
     return [*found, *((f"double {s}", str(s)) for s in (ACTING, NOW) if s in symbols)]
 
 
 def _joints(dynamics: SymbolicDynamics) -> str:
-    rows = [
-        [c_code(joint.displacement.get(b, sp.S.Zero)) for b in dynamics.bodies] for joint in dynamics.joints
-    ]
-    jumps = ", ".join(str(int(joint.jumps)) for joint in dynamics.joints)
+    rows = [[c_code(share) for share in joint.direction] for joint in dynamics.laws]
+    jumps = ", ".join(str(int(joint.jumps)) for joint in dynamics.laws)
     flags = f"    static const int has_jump[] = {{{jumps}}};\n"
     text = _JOINTS.format(
         name=dynamics.axis.name,
@@ -210,7 +197,7 @@ def _joints(dynamics: SymbolicDynamics) -> str:
         directions=_rows(rows),
         beyond="".join(f", {name}" for _, name in _beyond(dynamics)),
     )
-    if any(joint.free_symbols for j in dynamics.joints for joint in j.displacement.values()):
+    if any(joint.direction.free_symbols for joint in dynamics.laws):
         text = text.replace("static const double d", "const double d")
     return flags + text
 

@@ -1,39 +1,36 @@
-"""Forward dynamics of an axis as expressions: what `symid.simulation.forward_dynamics` holds as numbers.
+"""Forward dynamics of an axis as expressions, imperfections included: what a plant holds as numbers.
 
-M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), x being the absolute displacements of the free
-bodies. Balances and laws are those from which the regressors come.
+M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.symbolic.forward_dynamics`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
 
 import sympy as sp
 
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, of_force
-from symid.symbolic.equations import by_power
-from symid.symbolic.lagrange import Kinematics, inverse_dynamics
-from symid.symbolic.operators import OperatorModel, operator_model
+from symid.simulation.plant import condensed
+from symid.symbolic.forward_dynamics import Functional, Matrix, forward_terms
+from symid.symbolic.lagrange import Kinematics
 
 DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
 """Of a joint, in the force of its laws; no parameter's name ends with an underscore."""
 _OF_JOINT = {sp.Symbol("q"): DISPLACEMENT, sp.Symbol("v"): VELOCITY}
-_Row: TypeAlias = tuple[tuple[str, sp.Expr], ...]
 
 
 @dataclass(frozen=True, eq=False)
 class LawJoint:
-    """All nonlinear laws that act along one direction, given by the coefficients of the bodies' absolute displacements.
+    """All nonlinear laws that act along one direction, a row on the bodies' absolute displacements.
 
     `force` opposes the motion, in parameters, `DISPLACEMENT` and `VELOCITY`; of imperfections also in what they need.
     """
 
     name: str
-    displacement: Mapping[str, sp.Expr]
+    direction: sp.ImmutableMatrix
     force: sp.Expr
     memories: tuple[Memory, ...] = ()
 
@@ -60,10 +57,10 @@ class SymbolicDynamics:
         B.
     constant : sympy.Matrix of shape (n, 1)
         c.
-    joints : tuple of LawJoint
+    laws : tuple of LawJoint
         Nonlinear laws by joint.
-    sensors : mapping of str to (mapping, int)
-        For each signal the coefficients of the bodies' displacements and the order of derivative.
+    sensors : mapping of str to (sympy.Matrix of shape (1, n), int)
+        For each signal a row on the bodies' displacements and the order of derivative.
     constants : mapping of str to float
         Known numbers that stand in the terms as symbols: ratios and gravity.
     imperfect : Imperfect
@@ -77,8 +74,8 @@ class SymbolicDynamics:
     stiffness: sp.Matrix
     drives: sp.Matrix
     constant: sp.Matrix
-    joints: tuple[LawJoint, ...]
-    sensors: Mapping[str, tuple[Mapping[str, sp.Expr], int]]
+    laws: tuple[LawJoint, ...]
+    sensors: Mapping[str, tuple[sp.Matrix, int]]
     constants: Mapping[str, float]
     imperfect: Imperfect
 
@@ -95,7 +92,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     --------
     >>> from symid.axis import load_axis
     >>> dynamics = symbolic_dynamics(load_axis("rigid_1m"))
-    >>> dynamics.mass, dynamics.joints[0].force
+    >>> dynamics.mass, dynamics.laws[0].force
     (Matrix([[M]]), Fs*sign(joint_v_))
     """
     if len(axis.drives) > 1 and (disturbing := [e for e in axis.imperfections if of_force(e)]):
@@ -103,137 +100,81 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
             f"axis {axis.name!r} has several drives and {type(disturbing[0]).__name__}, which cannot be exported "
             "together: leave it out"
         )
-    operators = operator_model(inverse_dynamics(axis))
-    bodies = tuple(operators.motion)
-    powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
-    stiffness, damping, mass = (
-        sp.Matrix([[_expression(entry.get(order)) for entry in row] for row in powers]) for order in range(3)
-    )
-    ones = [str(w.symbol) for w in operators.source.inputs if not w.expression.free_symbols]
-    kinematics, imperfect = Kinematics(axis), Imperfect(axis, 2 * sum(map(any, mass.tolist())))
+    terms = forward_terms(axis)
+    operators, bodies, field = terms.operators, terms.bodies, terms.operators.ring.domain
+    is_node = [not any(row) for row in terms.mass]
+
+    def matrix(entries: Matrix) -> sp.Matrix:
+        return sp.Matrix([[entry.as_expr() for entry in row] for row in entries])
+
+    def row(functional: Functional) -> sp.ImmutableMatrix:
+        shares = (field.to_sympy(field.convert(functional.get(body, 0))) for body in bodies)
+        return sp.ImmutableMatrix([list(shares)])
+
+    imperfect, kinematics = Imperfect(axis, 2 * is_node.count(False)), Kinematics(axis)
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}
+    forces: dict[sp.ImmutableMatrix, list[sp.Expr]] = {}
+    memories: dict[sp.ImmutableMatrix, list[Memory]] = {}
+    for law in terms.laws:
+        force = sp.cancel(law.parameter.as_expr()) * law.expression.xreplace(_OF_JOINT)
+        forces.setdefault(row(law.displacement), []).append(force)
+    remembered = imperfect.memories[len(imperfect.drive) :]
+    for element, force, memory in zip(imperfect.in_joints, imperfect.laws, remembered, strict=True):
+        direction = row(operators.functional(kinematics.displacement(element.at)))
+        forces.setdefault(direction, []).append(force.xreplace(_OF_JOINT))
+        if memory is not None:
+            gain, decay = (rate.xreplace(_OF_JOINT) for rate in (memory.gain, memory.decay))
+            memories.setdefault(direction, []).append(replace(memory, gain=gain, decay=decay))
+    names: list[str] = []
+    for direction in forces:
+        name = "_".join(sorted(body for body, share in zip(bodies, direction, strict=True) if share))
+        names.append(f"{name}_{len(names)}" if name in names else name)
     dynamics = SymbolicDynamics(
         axis=axis,
         bodies=bodies,
-        mass=mass.xreplace(grown),
-        damping=damping,
-        stiffness=stiffness,
-        drives=sp.Matrix(
-            [[-_expression(operators.force[b].get(d.signal)) for d in axis.drives] for b in bodies]
+        mass=matrix(terms.mass).xreplace(grown),
+        damping=matrix(terms.damping),
+        stiffness=matrix(terms.stiffness),
+        drives=matrix(terms.drives),
+        constant=matrix(terms.constant).xreplace(grown),
+        laws=tuple(
+            LawJoint(name, direction, sp.Add(*of_joint), tuple(memories.get(direction, ())))
+            for name, (direction, of_joint) in zip(names, forces.items(), strict=True)
         ),
-        constant=sp.Matrix(
-            [-sp.Add(*(_expression(operators.inputs[b].get(one)) for one in ones)) for b in bodies]
-        ).xreplace(grown),
-        joints=_joints(operators, kinematics, imperfect),
-        sensors={
-            sensor.signal: (_row(operators, kinematics.reading(sensor)), sensor.derivative)
-            for sensor in axis.sensors
-        },
-        constants={**operators.source.numbers, **kinematics.constants},
+        sensors={s.signal: (row(terms.readings[s.signal]), s.derivative) for s in axis.sensors},
+        constants={**terms.constants, **kinematics.constants},
         imperfect=imperfect,
     )
-    return _without_nodes(dynamics) if any(not any(row) for row in mass.tolist()) else dynamics
+    return _without_nodes(dynamics, is_node) if any(is_node) else dynamics
 
 
-def _without_nodes(dynamics: SymbolicDynamics) -> SymbolicDynamics:
+def _without_nodes(dynamics: SymbolicDynamics, is_node: list[bool]) -> SymbolicDynamics:
     """The dynamics without massless bodies, which are where the springs beside them balance: x = T x_heavy."""
-    n = len(dynamics.bodies)
-    nodes = [i for i in range(n) if not any(dynamics.mass.row(i))]
-    heavy = [i for i in range(n) if i not in nodes]
-    names = [dynamics.bodies[i] for i in nodes]
-    others = (dynamics.damping, dynamics.drives, dynamics.constant)
+    nodes = [i for i, massless in enumerate(is_node) if massless]
+    heavy = [i for i, massless in enumerate(is_node) if not massless]
+    others = (
+        dynamics.damping,
+        dynamics.drives,
+        dynamics.constant,
+        *(law.direction.T for law in dynamics.laws),
+    )
     springs = dynamics.stiffness.extract(nodes, nodes)
-    if (
-        any(any(matrix.row(i)) for matrix in others for i in nodes)
-        or any(joint.displacement.keys() & set(names) for joint in dynamics.joints)
-        or sp.cancel(springs.det()) == 0
-    ):
+    if any(any(matrix.row(i)) for matrix in others for i in nodes) or sp.cancel(springs.det()) == 0:
+        names = ", ".join(dynamics.bodies[i] for i in nodes)
         raise SettingError(
-            f"axis {dynamics.axis.name!r} has bodies without mass ({', '.join(names)}) that carry more than springs, "
+            f"axis {dynamics.axis.name!r} has bodies without mass ({names}) that carry more than springs, "
             "or none, which cannot be exported: give each a mass"
         )
     balanced = (-springs.LUsolve(dynamics.stiffness.extract(nodes, heavy))).applyfunc(sp.cancel)
-    T = sp.Matrix(
-        [
-            balanced.row(nodes.index(i)) if i in nodes else sp.eye(len(heavy)).row(heavy.index(i))
-            for i in range(n)
-        ]
-    )
-    bodies = tuple(dynamics.bodies[i] for i in heavy)
-
-    def read(row: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
-        whole = sp.Matrix([[row.get(body, 0) for body in dynamics.bodies]]) * T
-        return {body: sp.cancel(share) for body, share in zip(bodies, whole, strict=True) if share != 0}
-
+    T = sp.zeros(len(is_node), len(heavy))
+    for k, i in enumerate(heavy):
+        T[i, k] = 1
+    for k, i in enumerate(nodes):
+        T[i, :] = balanced.row(k)
+    found: SymbolicDynamics = condensed(dynamics, T, tuple(dynamics.bodies[i] for i in heavy))
     return replace(
-        dynamics,
-        bodies=bodies,
-        mass=dynamics.mass.extract(heavy, heavy),
-        damping=dynamics.damping.extract(heavy, heavy),
-        stiffness=(T.T * dynamics.stiffness * T).applyfunc(sp.cancel),
-        drives=dynamics.drives.extract(heavy, list(range(dynamics.drives.cols))),
-        constant=dynamics.constant.extract(heavy, [0]),
-        sensors={signal: (read(row), order) for signal, (row, order) in dynamics.sensors.items()},
+        found,
+        stiffness=found.stiffness.applyfunc(sp.cancel),
+        sensors={s: (row.applyfunc(sp.cancel), order) for s, (row, order) in found.sensors.items()},
     )
-
-
-def _expression(polynomial: Any) -> sp.Expr:
-    return polynomial.as_expr() if polynomial else sp.Integer(0)
-
-
-def _row(operators: OperatorModel, displacement: sp.Expr) -> dict[str, sp.Expr]:
-    """A displacement as coefficients of the bodies' absolute displacements."""
-    field = operators.ring.domain
-    return {
-        body: field.to_sympy(field.convert(value))
-        for body, value in operators.functional(displacement).items()
-    }
-
-
-def _joints(operators: OperatorModel, kinematics: Kinematics, imperfect: Imperfect) -> tuple[LawJoint, ...]:
-    joints = _Joints()
-    for entry in operators.source.inputs:
-        if entry.expression.free_symbols:
-            row = _row(operators, kinematics.displacement(entry.joint))
-            # In the balance of a body the law's parameter stands times the share of that body in the displacement.
-            body, share = next(iter(row.items()))
-            parameter = _expression(operators.inputs[body][str(entry.symbol)]) / share
-            joints.add(row, sp.cancel(parameter), entry.expression)
-    for element, law in zip(imperfect.in_joints, imperfect.laws, strict=True):
-        joints.add(_row(operators, kinematics.displacement(element.at)), sp.Integer(1), law)
-    memories = imperfect.memories[len(imperfect.drive) :]
-    for element, memory in zip(imperfect.in_joints, memories, strict=True):
-        if memory is not None:
-            joints.remember(_row(operators, kinematics.displacement(element.at)), memory)
-    return joints.found()
-
-
-class _Joints:
-    """Laws by the direction in which they act."""
-
-    def __init__(self) -> None:
-        self.names: dict[_Row, str] = {}
-        self.forces: dict[_Row, sp.Expr] = {}
-        self.memories: dict[_Row, list[Memory]] = {}
-
-    def add(self, row: dict[str, sp.Expr], parameter: sp.Expr, law: sp.Expr) -> None:
-        """Add a law that acts along a row."""
-        key = tuple(sorted(row.items()))
-        if key not in self.names:
-            name = "_".join(sorted(row))
-            self.names[key] = name if name not in self.names.values() else f"{name}_{len(self.names)}"
-        self.forces[key] = self.forces.get(key, sp.Integer(0)) + parameter * law.xreplace(_OF_JOINT)
-
-    def remember(self, row: dict[str, sp.Expr], memory: Memory) -> None:
-        """One more memory of a law that was added."""
-        gain, decay = (e.xreplace(_OF_JOINT) for e in (memory.gain, memory.decay))
-        known = replace(memory, gain=gain, decay=decay)
-        self.memories.setdefault(tuple(sorted(row.items())), []).append(known)
-
-    def found(self) -> tuple[LawJoint, ...]:
-        """Joints with their laws and memories."""
-        return tuple(
-            LawJoint(name, dict(key), self.forces[key], tuple(self.memories.get(key, ())))
-            for key, name in self.names.items()
-        )

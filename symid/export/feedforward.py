@@ -57,11 +57,8 @@ def feedforward(axis: Axis) -> Feedforward:
 
     friction = along(damping) * SPEED
     other = along(mass) * ACCELERATION + along(stiffness) * POSITION - sp.cancel((rigid.T * constant)[0])
-    for joint in dynamics.joints:
-        share = sum(
-            value.xreplace(known) * rigid[dynamics.bodies.index(body)]
-            for body, value in joint.displacement.items()
-        )
+    for joint in dynamics.laws:
+        share = (joint.direction.xreplace(known) @ rigid)[0]
         law = joint.force.xreplace(known)
         force = sp.expand(share * law.subs({DISPLACEMENT: share * POSITION, VELOCITY: share * SPEED}))
         for term in sp.Add.make_args(force.replace(_is_step, _step)):

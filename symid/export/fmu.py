@@ -25,12 +25,9 @@ from symid.units.unit import BASE_UNITS
 
 _DESCRIPTION = """\
 <?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{guid}" generationTool="symid"
-    variableNamingConvention="flat" numberOfEventIndicators="0">
-  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true"
-      canNotUseMemoryManagementFunctions="true">
-    <SourceFiles><File name="{name}_fmu.c"/></SourceFiles>
-  </CoSimulation>
+<fmiModelDescription fmiVersion="{fmi}.0" modelName="{name}" {token}="{guid}" generationTool="symid"
+    variableNamingConvention="flat"{events}>
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true"{sources}
   <UnitDefinitions>
 {units}
   </UnitDefinitions>
@@ -39,33 +36,15 @@ _DESCRIPTION = """\
 {variables}
   </ModelVariables>
   <ModelStructure>
-    <Outputs>
 {outputs}
-    </Outputs>
-    <InitialUnknowns>
-{outputs}
-    </InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>
 """
 
-_DESCRIPTION_3 = """\
-<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="{name}" instantiationToken="{guid}" generationTool="symid"
-    variableNamingConvention="flat">
-  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true"/>
-  <UnitDefinitions>
-{units}
-  </UnitDefinitions>
-  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.001"/>
-  <ModelVariables>
-{variables}
-  </ModelVariables>
-  <ModelStructure>
-{outputs}
-  </ModelStructure>
-</fmiModelDescription>
-"""
+_SOURCES_2 = """
+      canNotUseMemoryManagementFunctions="true">
+    <SourceFiles><File name="{name}_fmu.c"/></SourceFiles>
+  </CoSimulation>"""
 
 _BUILD_3 = """\
 <?xml version="1.0" encoding="UTF-8"?>
@@ -189,8 +168,12 @@ def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> st
     ]
     step = internal_step(axis, values)
     rows.append(_Variable("internal_step", fixed, Unit.of("s"), "step of the integration inside", step))
-    outputs = "\n".join(f'      <Unknown index="{k}"/>' for k in range(first, last + 1))
-    if fmi == 3:
+    if fmi == 2:
+        unknowns = "".join(f'      <Unknown index="{k}"/>\n' for k in range(first, last + 1))
+        outputs = "\n".join(
+            f"    <{what}>\n{unknowns}    </{what}>" for what in ("Outputs", "InitialUnknowns")
+        )
+    else:
         of_time = 'causality="independent" variability="continuous"'
         rows.append(_Variable("time", of_time, Unit.of("s"), "simulated time"))
         outputs = "\n".join(
@@ -199,9 +182,13 @@ def _description(axis: Axis, values: Mapping[str, float], fmi: FmiVersion) -> st
             for k in range(first - 1, last)
         )
     defined = dict.fromkeys(row.unit for row in rows if row.unit is not None and str(row.unit))
-    return {2: _DESCRIPTION, 3: _DESCRIPTION_3}[fmi].format(
+    return _DESCRIPTION.format(
+        fmi=fmi,
         name=axis.name,
+        token="guid" if fmi == 2 else "instantiationToken",
         guid=axis.signature,
+        events=' numberOfEventIndicators="0"' if fmi == 2 else "",
+        sources=_SOURCES_2.format(name=axis.name) if fmi == 2 else "/>",
         units="\n".join(_defined(unit) for unit in defined),
         variables="\n".join(row.element(k, fmi) for k, row in enumerate(rows)),
         outputs=outputs,

@@ -12,7 +12,6 @@ from symid.axis import (
     Axis,
     CoulombFriction,
     DriveImperfection,
-    EncoderRipple,
     Imperfection,
     JointImperfection,
     PayloadChange,
@@ -23,7 +22,6 @@ from symid.axis.imperfections import in_order
 from symid.symbolic.expressions import (
     FORCE,
     MEMORY,
-    READING,
     TIME,
     imperfection_law,
     imperfection_rate,
@@ -128,11 +126,6 @@ class Imperfect:
             law = law / element.level * sp.Min(element.level, declared)
         known = {FORCE: ACTING, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
         return law.xreplace(known)
-
-    def read(self, signal: str) -> sp.Expr:
-        """Reading of a sensor for an exact reading, `READING`."""
-        ripples = [e for e in self.axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
-        return sp.Add(READING, *(imperfection_law(ripple) - READING for ripple in ripples))
 
 
 def of_force(element: Imperfection) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
@@ -57,10 +57,6 @@ class Properties:
     frictionloss: float = 0.0
     constant: float = 0.0
     armature: float = 0.0
-
-    def plus(self, name: str, value: float) -> Properties:
-        """The properties with a value added to one of them."""
-        return replace(self, **{name: getattr(self, name) + value})
 
 
 @dataclass(frozen=True)
@@ -154,16 +150,23 @@ def mechanism(axis: Axis, values: Mapping[str, float]) -> Mechanism:
     return _Collector(axis, values).mechanism()
 
 
-def _parent(body: Body) -> Body | None:
-    """The free body of the same kind that carries a body."""
-    on = body.on
-    return on if isinstance(on, Body) and on.geared is None and on.turns == body.turns else None
+def is_joint(path: Path) -> bool:
+    """Whether a path is the joint of one body and nothing else."""
+    return len(path) == 1 and path[0][1] == 1.0
 
 
 def _parent_in_tree(body: Body) -> Body | None:
     """The free body under which a body is nested: what carries it, or what turns the geared body that carries it."""
     gears = body.on.gears if isinstance(body.on, Body) else ()
-    return gears[0].to if gears else _parent(body)
+    return gears[0].to if gears else body.carrier
+
+
+def _upwards(body: Body, parent: Callable[[Body], Body | None]) -> list[Body]:
+    """A body, its parent, and so on."""
+    line = [body]
+    while (above := parent(line[-1])) is not None:
+        line.append(above)
+    return line
 
 
 class _Collector:
@@ -217,17 +220,13 @@ class _Collector:
             power = {"stiffness": 2, "damping": 2, "armature": 2, "cubic": 4, "drag": 3}.get(name, 1)
             path = ((body, 1.0),)
             value *= ratio if name == "constant" else abs(ratio) ** power
-        self.paths[path] = self.paths.get(path, Properties()).plus(name, value)
+        found = self.paths.get(path, Properties())
+        self.paths[path] = replace(found, **{name: getattr(found, name) + value})
 
     def _check_coupling(self, body: Body, path: Path) -> None:
         """MuJoCo couples the inertia of joints only where one is nested under the other."""
-        lines = []
-        for moved in (b for b in self.axis.free_bodies if b.name in dict(path)):
-            line, above = [moved.name], _parent_in_tree(moved)
-            while above is not None:
-                line.append(above.name)
-                above = _parent_in_tree(above)
-            lines.append(line)
+        moved = [b for b in self.axis.free_bodies if b.name in dict(path)]
+        lines = [_upwards(one, _parent_in_tree) for one in moved]
         longest = max(lines, key=len)
         if not all(line[0] in longest for line in lines):
             raise SettingError(
@@ -237,12 +236,8 @@ class _Collector:
 
     def _is_in_tree(self, body: Body) -> bool:
         """Whether its displacement is the sum of the joints down to the ground."""
-        chain: Body | None = body
-        joints = []
-        while chain is not None:
-            joints.append((chain.name, 1.0))
-            chain = _parent(chain)
-        return body.geared is None and dict(self.path(self.kinematics.absolute(body))) == dict(joints)
+        joints = {above.name: 1.0 for above in _upwards(body, lambda one: one.carrier)}
+        return body.geared is None and dict(self.path(self.kinematics.absolute(body))) == joints
 
     def _element(self, element: object) -> None:
         value, displacement = self.values, self.kinematics.displacement

@@ -22,7 +22,7 @@ from symid.axis import (
 )
 from symid.errors import SettingError
 from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
-from symid.export.mechanism import Mechanism, Path, mechanism
+from symid.export.mechanism import Mechanism, Path, is_joint, mechanism
 from symid.simulation import plant_of
 
 _TEMPLATE = """\
@@ -172,7 +172,7 @@ class _Writer:
 
     def _tendons(self) -> str:
         for path in self.machine.paths:
-            if not _is_joint(path):
+            if not is_joint(path):
                 self._tendon(path)
         lines = []
         for path, name in self.tendons.items():
@@ -232,7 +232,7 @@ class _Writer:
         path = self.machine.readings[sensor.signal]
         quantity = ("pos", "vel")[sensor.derivative]
         name = f"name={quoteattr(sensor.signal)}"
-        if _is_joint(path):
+        if is_joint(path):
             return [f"<joint{quantity} {name} joint={quoteattr(path[0][0])}{settings}/>"]
         return [f"<tendon{quantity} {name} tendon={quoteattr(self._tendon(path))}{settings}/>"]
 
@@ -268,11 +268,6 @@ def _written(number: float) -> str:
     ('200', '0.1')
     """
     return repr(float(number)).removesuffix(".0")
-
-
-def _is_joint(path: Path) -> bool:
-    """Whether a path is the joint of one body and nothing else."""
-    return len(path) == 1 and path[0][1] == 1.0
 
 
 def _fixed(name: str, path: Path, properties: str) -> list[str]:

@@ -10,7 +10,7 @@ from xml.sax.saxutils import quoteattr
 
 from symid.axis import Axis, Body
 from symid.export.exported import Exported, losses_of_imperfections, losses_of_signals
-from symid.export.mechanism import Mechanism, mechanism
+from symid.export.mechanism import Mechanism, is_joint, mechanism
 
 _WIDE = "1e9"
 """Limits that URDF demands of a prismatic joint and the axis does not have."""
@@ -75,11 +75,11 @@ def _losses(axis: Axis, machine: Mechanism) -> Iterator[str]:
     yield f"{', '.join(d.signal for d in axis.drives)}: URDF has no drives; force acts on the joints."
     yield f"{', '.join(s.signal for s in axis.sensors)}: URDF has no sensors."
     for path, found in machine.paths.items():
-        is_joint = len(path) == 1 and path[0][1] == 1.0
+        held, among = (_LOST, "") if is_joint(path) else ((*_LOST, *_HELD), " between joints")
         where = " and ".join(body for body, _ in path)
-        for name in _LOST if is_joint else (*_LOST, *_HELD):
+        for name in held:
             if value := getattr(found, name):
-                yield f"{name} {value:.6g} of {where}, SI: URDF has none{'' if is_joint else ' between joints'}."
+                yield f"{name} {value:.6g} of {where}, SI: URDF has none{among}."
     for play in machine.plays:
         yield f"play of {play.gap:.6g} m or rad: URDF has none."
     yield from losses_of_imperfections(axis, "URDF")

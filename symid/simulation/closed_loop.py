@@ -14,12 +14,13 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
-from symid.simulation.imperfect_plant import Moment, misread_law, stages, steps_for
+from symid.simulation.imperfect_plant import Moment, stages, steps_for
 from symid.simulation.loop import Loop
 from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
 from symid.simulation.stepping import SimulationRun
 from symid.simulation.trajectory import Trajectory
+from symid.symbolic.expressions import misread
 
 _PART = 8192
 """Samples between two reports of progress."""
@@ -114,38 +115,28 @@ def simulate(
     every = _ratio(paths[0].sampling_period, frequency_hz)
     moment, random = Moment() if axis.imperfections else None, np.random.default_rng(seed)
     plants = stages(axis, parameters, moment or Moment())
-    loop = _loop(axis, parameters, paths, controllers, plants[0][1], moment, random, steps)
-    record = MotionRecord.empty(paths[0].n_samples, len(loop.plant.bodies), loop.n_drives, len(loop.between))
+    plant, n_samples, period = plants[0][1], paths[0].n_samples, paths[0].sampling_period
+    readers = [
+        SensorChannel(sensor, plant, n_samples, period, random, misread(axis, sensor.signal))
+        for sensor in axis.sensors
+    ]
+    if chain := [element for element in axis.elements if isinstance(element, DriveImperfection)]:
+        controllers = tuple(ThroughDrive(one, chain, np.zeros(n_samples), period) for one in controllers)
+    steps = max(steps, steps_for(axis, plant, parameters, period))
+    loop = Loop(plant, paths, controllers, readers, steps, moment)
+    record = MotionRecord.empty(n_samples, len(loop.plant.bodies), loop.n_drives, len(loop.between))
     if start is not None:
-        record.states[0] = _checked_state(start, len(loop.plant.bodies))
+        state, n = np.asarray(start, dtype=np.float64), len(loop.plant.bodies)
+        if state.shape != (2 * n,) or not np.isfinite(state).all():
+            raise SettingError(
+                f"the simulation starts at {state.tolist()}: give {n} displacements, then {n} velocities"
+            )
+        record.states[0] = state
     _run(loop, record, plants[1:], progress)
     signals = {name: values[::every] for name, values in _recorded(axis, loop, record, random).items()}
     log = Log.from_arrays(signals, sampling_period=every * loop.period, source=f"simulated {axis.name}")
     forces = record.forces[:, 0] if loop.n_drives == 1 else record.forces
     return Simulation(log, paths[0].time, record.states[:-1], record.accelerations[:-1], forces)
-
-
-def _loop(
-    axis: Axis,
-    parameters: Mapping[str, float],
-    paths: tuple[Trajectory, ...],
-    controllers: tuple[Controller, ...],
-    plant: Plant,
-    moment: Moment | None,
-    random: np.random.Generator,
-    steps: int,
-) -> Loop:
-    """The controllers behind the imperfections of the drive, and sensors with their noise."""
-    n_samples, period = paths[0].n_samples, paths[0].sampling_period
-    readers = [
-        SensorChannel(sensor, plant, n_samples, period, random, misread_law(axis, sensor.signal))
-        for sensor in axis.sensors
-    ]
-    if chain := [element for element in axis.elements if isinstance(element, DriveImperfection)]:
-        controllers = tuple(ThroughDrive(one, chain, np.zeros(n_samples), period) for one in controllers)
-    return Loop(
-        plant, paths, controllers, readers, max(steps, steps_for(axis, plant, parameters, period)), moment
-    )
 
 
 def _run(
@@ -200,15 +191,6 @@ def _require_one_for_each_drive(
             )
     if len({(path.n_samples, path.sampling_period) for path in paths}) > 1:
         raise SettingError("the trajectories differ in length or sampling period: give all drives the same")
-
-
-def _checked_state(start: FloatArray, n_bodies: int) -> FloatArray:
-    state = np.asarray(start, dtype=np.float64)
-    if state.shape != (2 * n_bodies,) or not np.isfinite(state).all():
-        raise SettingError(
-            f"the simulation starts at {state.tolist()}: give {n_bodies} displacements, then {n_bodies} velocities"
-        )
-    return state
 
 
 def _ratio(period: float, frequency_hz: float | None) -> int:

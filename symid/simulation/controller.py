@@ -64,6 +64,12 @@ class LinearLaw:
     limit: float = math.inf
     given: FloatArray = field(default_factory=lambda: np.zeros(0))
 
+    def given_at(self, n_samples: int) -> FloatArray:
+        """Given force at a number of samples, 0 if there is none."""
+        if not self.given.size:
+            return np.zeros(n_samples)
+        return self.given[np.minimum(np.arange(n_samples), self.given.size - 1)]
+
 
 class Controller(ABC):
     """Law of a sampled controller; its memory is a state that it receives and returns."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -49,28 +51,37 @@ class ThroughDrive(Controller):
     drive: Sequence[DriveImperfection]
     sent: FloatArray
     period: float
-    lags: tuple[float, ...] = field(init=False)
-    delay: float = field(init=False)
-    _bends: tuple[Callable[..., float], ...] = field(init=False, repr=False)
-    _given: FloatArray = field(init=False, repr=False)
-    _given_late: FloatArray = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def _lags(self) -> tuple[float, ...]:
+        return tuple(item.seconds for item in self.drive if isinstance(item, ActuatorLag))
+
+    @cached_property
+    def _delay(self) -> float:
+        return sum(item.seconds for item in self.drive if isinstance(item, ActuatorDelay))
+
+    @cached_property
+    def _bends(self) -> tuple[Callable[..., float], ...]:
+        """Laws of gains and limits, in the order in which a force passes them."""
         bends = in_order(item for item in self.drive if not isinstance(item, (ActuatorLag, ActuatorDelay)))
-        object.__setattr__(self, "_bends", tuple(map(scalar_law, bends)))
-        object.__setattr__(
-            self, "lags", tuple(item.seconds for item in self.drive if isinstance(item, ActuatorLag))
-        )
-        object.__setattr__(
-            self, "delay", sum(item.seconds for item in self.drive if isinstance(item, ActuatorDelay))
-        )
-        # A force that is given whole passes through lags and delay before the run, so that the rest is linear.
-        object.__setattr__(self, "_given", np.zeros(0))
+        return tuple(map(scalar_law, bends))
+
+    @cached_property
+    def _n_past(self) -> int:
+        """Number of past forces that a delay takes."""
+        return math.floor(self._delay / self.period + 1e-9) + 2 if self._delay else 0
+
+    @cached_property
+    def _given(self) -> tuple[FloatArray, FloatArray] | None:
+        """A force that is given whole, as sent and behind lags and delay, so that the rest is linear."""
         law = linear_law(self.inner, self.period)
-        if law is not None and law.given.size and self._is_late and not self._bends:
-            given = law.given[np.minimum(np.arange(self.sent.size), law.given.size - 1)]
-            object.__setattr__(self, "_given_late", self._late(given))
-            object.__setattr__(self, "_given", given)
+        if law is None or not law.given.size or not (self._lags or self._n_past) or self._bends:
+            return None
+        given = law.given_at(self.sent.size)
+        late, state = np.zeros(given.size), [given[0]] * (len(self._lags) + self._n_past)
+        for k, force in enumerate(given.tolist()):
+            late[k], state = self._behind(force, state)
+        return given, late
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -78,18 +89,9 @@ class ThroughDrive(Controller):
         return self.inner.signals
 
     @property
-    def past_samples(self) -> int:
-        """Number of past forces that a delay takes."""
-        return math.floor(self.delay / self.period + 1e-9) + 2 if self.delay else 0
-
-    @property
-    def _is_late(self) -> bool:
-        return bool(self.lags or self.past_samples)
-
-    @property
     def start(self) -> FloatArray:
         """State of the controller; that of the drive is not known before the first force."""
-        return np.concatenate([self.inner.start, np.full(len(self.lags) + self.past_samples, math.nan)])
+        return np.concatenate([self.inner.start, np.full(len(self._lags) + self._n_past, math.nan)])
 
     def force(
         self, command: Command, measured: Mapping[str, float], state: FloatArray, period: float
@@ -99,32 +101,33 @@ class ThroughDrive(Controller):
         force, inner = self.inner.force(command, measured, state[:n], period)
         self.sent[command.index] = force
         acting, apart = float(force), 0.0
-        if self._given.size:
-            index = min(command.index, self._given.size - 1)
-            acting, apart = acting - float(self._given[index]), float(self._given_late[index])
+        if self._given is not None:
+            given, late = self._given
+            index = min(command.index, given.size - 1)
+            acting, apart = acting - float(given[index]), float(late[index])
         for law in self._bends:
             acting = law(0.0, 0.0, acting, 0.0, 0.0)
-        acting, own = self._behind(acting, state[n:], period)
-        return acting + apart, np.concatenate([inner, own])
-
-    def _behind(self, acting: float, state: FloatArray, period: float) -> tuple[float, FloatArray]:
-        """Force behind lags and delay, and their state."""
-        own = state.tolist()
+        own = state[n:].tolist()
         if own and math.isnan(own[0]):  # the steady state of a constant force
             own = [acting] * len(own)
-        lagging, past = own[: len(self.lags)], own[len(self.lags) :]
+        acting, own = self._behind(acting, own)
+        return acting + apart, np.concatenate([inner, own])
+
+    def _behind(self, acting: Any, state: list[Any]) -> tuple[Any, list[Any]]:
+        """Force behind lags and delay, and their state: numbers, or rows on the state and the inputs of a law."""
+        lagging, past = state[: len(self._lags)], state[len(self._lags) :]
         # Each lag follows the force exponentially; the mean over the sample acts. A delay of no whole number of samples
         # is the mean of two past forces, weighted by the time for which each acts.
-        for i, time in enumerate(self.lags):
-            decay = math.exp(-period / time)
+        for i, time in enumerate(self._lags):
+            decay = math.exp(-self.period / time)
             left = lagging[i] - acting
             lagging[i] = acting + left * decay
-            acting += left * (time / period) * (1.0 - decay)
+            acting = acting + left * (time / self.period) * (1.0 - decay)
         if past:
             past = [acting, *past[:-1]]
-            share = self.delay / period - (len(past) - 2)
+            share = self._delay / self.period - (len(past) - 2)
             acting = (1.0 - share) * past[-2] + share * past[-1]
-        return acting, np.array([*lagging, *past])
+        return acting, [*lagging, *past]
 
     def linear(self, period: float) -> LinearLaw | None:
         """The law of a linear controller behind lags and delay, or behind a limit, below which it holds."""
@@ -132,39 +135,23 @@ class ThroughDrive(Controller):
         limits = [item.force for item in self.drive if isinstance(item, ForceLimit)]
         if law is None or math.isfinite(law.limit):
             return None
-        if len(limits) < len(self._bends) or (limits and self._is_late):
+        if len(limits) < len(self._bends) or (limits and (self._lags or self._n_past)):
             return None
         n, n_state = len(law.A), self.start.size
         rows = np.eye(
             n_state, n_state + law.D.size
         )  # state after the sample, on that before it and the inputs
         rows[:n] = np.hstack([law.A, np.zeros((n, n_state - n)), law.B])
-        acting = np.concatenate([law.C, np.zeros(n_state - n), law.D])
-        for i, time in enumerate(self.lags, start=n):
-            decay, left = math.exp(-period / time), np.eye(n_state + law.D.size)[i] - acting
-            rows[i] = acting + left * decay
-            acting = acting + left * (time / period) * (1.0 - decay)
-        if past := self.past_samples:
-            first = n + len(self.lags)
-            rows[first + 1 :] = np.roll(rows[first:], 1, axis=0)[1:]
-            rows[first] = acting
-            share = self.delay / period - (past - 2)
-            acting = (1.0 - share) * rows[-2] + share * rows[-1]
+        acting, own = self._behind(np.concatenate([law.C, np.zeros(n_state - n), law.D]), list(rows[n:]))
+        rows = np.vstack([rows[:n], *own])
         return LinearLaw(
             A=rows[:, :n_state],
             B=rows[:, n_state:],
             C=acting[:n_state],
             D=acting[n_state:],
             limit=min(limits, default=math.inf),
-            given=self._given_late if self._given.size else law.given,
+            given=law.given if self._given is None else self._given[1],
         )
-
-    def _late(self, forces: FloatArray) -> FloatArray:
-        """Given forces behind lags and delay."""
-        state, found = np.full(len(self.lags) + self.past_samples, math.nan), np.zeros(forces.size)
-        for k, force in enumerate(forces.tolist()):
-            found[k], state = self._behind(force, state, self.period)
-        return found
 
     def sent_along(self, inputs: FloatArray) -> FloatArray:
         """Commanded force of a linear controller along references and readings, of shape (n_samples, 3 + n_signals)."""
@@ -178,6 +165,5 @@ class ThroughDrive(Controller):
         first, state = self.inner.force(command, measured, self.inner.start, self.period)
         states = recursion(np.array(law.A, order="C"), state, inputs[1:] @ law.B.T)[:-1]
         sent = np.concatenate([[first], states @ law.C + inputs[1:] @ law.D])
-        if law.given.size:
-            sent[1:] += law.given[np.minimum(np.arange(1, sent.size), law.given.size - 1)]
+        sent[1:] += law.given_at(sent.size)[1:]
         return sent

@@ -1,29 +1,24 @@
-"""The forward dynamics of an axis: from its declaration to the matrices and laws of a `Plant`.
-
-It uses the same balances and expressions as the regressors.
-"""
+"""The forward dynamics of an axis as functions of parameter values: from its declaration to a `Plant`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import compress
 from math import prod
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import sympy as sp
-from sympy.polys.rings import PolyElement
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
-from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow
-from symid.symbolic.equations import by_power
-from symid.symbolic.lagrange import Kinematics, inverse_dynamics
-from symid.symbolic.operators import OperatorModel, operator_model
+from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
+from symid.symbolic.forward_dynamics import Functional, Matrix, forward_terms
 
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32
@@ -104,11 +99,6 @@ class ForwardDynamics:
     laws: tuple[JointTerms, ...]
     sensors: Mapping[str, SensorRow]
 
-    @property
-    def drive(self) -> tuple[Polynomial, ...]:
-        """Effect on each body of the drive's force, of an axis with one drive."""
-        return tuple(effect for (effect,) in self.drives)
-
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
         """Physical parameters in a matrix, but for those that may be negative: masses, springs, dampers."""
         entries = (entry for row in self.motion[_MATRICES.index(matrix)] for entry in row)
@@ -174,32 +164,16 @@ def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
     nodes = ~heavy
     springs = plant.stiffness[np.ix_(nodes, nodes)]
     other = [plant.damping[nodes], plant.drives[nodes], plant.constant[nodes]]
+    named = f"bodies {', '.join(compress(plant.bodies, nodes))} without mass"
     if any(forces.any() for forces in other) or any(law.direction[nodes].any() for law in plant.laws):
-        raise SettingError(
-            f"{_named(plant, nodes)} without mass carry more than springs: give each a mass to simulate"
-        )
+        raise SettingError(f"{named} carry more than springs: give each a mass to simulate")
     if np.linalg.matrix_rank(springs) < len(springs):
-        raise SettingError(
-            f"{_named(plant, nodes)} without mass are held by no spring: give each a mass, or a spring"
-        )
+        raise SettingError(f"{named} are held by no spring: give each a mass, or a spring")
     T = np.zeros((heavy.size, int(heavy.sum())))
     T[heavy] = np.eye(T.shape[1])
     T[nodes] = -np.linalg.solve(springs, plant.stiffness[np.ix_(nodes, heavy)])
-    return replace(
-        plant,
-        bodies=tuple(name for name, has_mass in zip(plant.bodies, heavy, strict=True) if has_mass),
-        mass=T.T @ plant.mass @ T,
-        damping=T.T @ plant.damping @ T,
-        stiffness=T.T @ plant.stiffness @ T,
-        drives=T.T @ plant.drives,
-        constant=T.T @ plant.constant,
-        laws=tuple(replace(law, direction=law.direction @ T) for law in plant.laws),
-        sensors={name: SensorRow(row @ T, order) for name, (row, order) in plant.sensors.items()},
-    )
-
-
-def _named(plant: Plant, chosen: BoolArray) -> str:
-    return f"bodies {', '.join(n for n, one in zip(plant.bodies, chosen, strict=True) if one)}"
+    reduced: Plant = condensed(plant, T, tuple(compress(plant.bodies, heavy)))
+    return reduced
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,81 +216,38 @@ class _Declaration:
 
 @lru_cache(maxsize=_DERIVED)
 def _derived(declaration: _Declaration) -> ForwardDynamics:
-    axis = declaration.axis
-    model = inverse_dynamics(axis)
-    operators = operator_model(model)
-    numbers = _Numbers(operators)
-    bodies = tuple(operators.motion)
-    powers = [[by_power(operators.motion[b].get(x)) for x in bodies] for b in bodies]
-    ones = [str(w.symbol) for w in model.inputs if not w.expression.free_symbols]
+    axis, terms = declaration.axis, forward_terms(declaration.axis)
+    ring, bodies = terms.operators.ring, terms.bodies
+    constants = {sp.Symbol(name): value for name, value in terms.constants.items()}
+
+    def number(element: Any) -> float:
+        return float(ring.domain.to_sympy(ring.domain.convert(element)).xreplace(constants))
+
+    def numbers(matrix: Matrix) -> tuple[tuple[Polynomial, ...], ...]:
+        return tuple(
+            tuple(Polynomial(tuple((number(c), tuple(map(int, m[1:]))) for m, c in p.terms())) for p in row)
+            for row in matrix
+        )
+
+    def row(functional: Functional) -> FloatArray:
+        return read_only(np.array([number(functional[b]) if b in functional else 0.0 for b in bodies]))
+
+    joints: dict[tuple[float, ...], list[LawTerm]] = {}
+    for law in terms.laws:
+        ((parameter,),) = numbers(((law.parameter,),))
+        functions = law_function(law.expression), array_function(law.expression)
+        direction = tuple(row(law.displacement).tolist())
+        joints.setdefault(direction, []).append(LawTerm(parameter, *functions, law.expression))
     return ForwardDynamics(
         axis=axis,
         parameters=tuple(axis.physical_parameters),
-        generators=tuple(map(str, operators.ring.symbols[1:])),
-        bodies=tuple(b for b, row in zip(bodies, powers, strict=True) if any(entry.get(2) for entry in row)),
-        motion=tuple(
-            tuple(tuple(numbers.polynomial(p.get(order)) for p in row) for row in powers)
-            for order in range(3)
+        generators=tuple(map(str, ring.symbols[1:])),
+        bodies=tuple(body for body, entries in zip(bodies, terms.mass, strict=True) if any(entries)),
+        motion=tuple(numbers(matrix) for matrix in (terms.stiffness, terms.damping, terms.mass)),
+        drives=numbers(terms.drives),
+        constant=tuple(entry for (entry,) in numbers(terms.constant)),
+        laws=tuple(JointTerms(read_only(np.array(d)), tuple(found)) for d, found in joints.items()),
+        sensors=MappingProxyType(
+            {s.signal: SensorRow(row(terms.readings[s.signal]), s.derivative) for s in axis.sensors}
         ),
-        drives=tuple(
-            tuple(numbers.polynomial(operators.force[b].get(d.signal), -1.0) for d in axis.drives)
-            for b in bodies
-        ),
-        constant=tuple(
-            Polynomial(
-                tuple(t for one in ones for t in numbers.polynomial(operators.inputs[b].get(one), -1.0).terms)
-            )
-            for b in bodies
-        ),
-        laws=_laws(operators, numbers, bodies),
-        sensors=_sensors(operators, numbers, bodies),
     )
-
-
-class _Numbers:
-    """Numbers for the field elements and polynomials of an operator model."""
-
-    def __init__(self, operators: OperatorModel) -> None:
-        self.field = operators.ring.domain
-        self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
-
-    def number(self, element: Any) -> float:
-        """Number of an element of the coefficient field."""
-        return float(self.field.to_sympy(self.field.convert(element)).xreplace(self.constants))
-
-    def polynomial(self, polynomial: PolyElement | None, factor: float = 1.0) -> Polynomial:
-        """A polynomial without s, times a factor."""
-        terms = polynomial.terms() if polynomial else ()
-        return Polynomial(tuple((factor * self.number(c), tuple(map(int, m[1:]))) for m, c in terms))
-
-    def row(self, functional: Mapping[str, Any], bodies: tuple[str, ...]) -> FloatArray:
-        """A function of displacements as a row."""
-        return read_only(np.array([self.number(functional[b]) if b in functional else 0.0 for b in bodies]))
-
-
-def _laws(operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]) -> tuple[JointTerms, ...]:
-    kinematics = Kinematics(operators.source.axis)
-    joints: dict[tuple[float, ...], list[LawTerm]] = {}
-    for entry in operators.source.inputs:
-        if not entry.expression.free_symbols:
-            continue
-        functional = operators.functional(kinematics.displacement(entry.joint))
-        body = next(iter(functional))
-        # In the balance of a body the law's parameter stands times the share of that body in the joint's displacement.
-        share = numbers.number(functional[body])
-        parameter = numbers.polynomial(operators.inputs[body][str(entry.symbol)], 1 / share)
-        direction = tuple(float(x) for x in numbers.row(functional, bodies))
-        formula = entry.expression
-        term = LawTerm(parameter, law_function(formula), array_function(formula), formula)
-        joints.setdefault(direction, []).append(term)
-    return tuple(
-        JointTerms(read_only(np.array(direction)), tuple(terms)) for direction, terms in joints.items()
-    )
-
-
-def _sensors(operators: OperatorModel, numbers: _Numbers, bodies: tuple[str, ...]) -> Mapping[str, SensorRow]:
-    kinematics, found = Kinematics(operators.source.axis), {}
-    for sensor in operators.source.axis.sensors:
-        row = numbers.row(operators.functional(kinematics.reading(sensor)), bodies)
-        found[sensor.signal] = SensorRow(row, sensor.derivative)
-    return MappingProxyType(found)

@@ -13,11 +13,7 @@ import sympy as sp
 from symid.arrays import FloatArray
 from symid.axis import (
     Axis,
-    Between,
-    Body,
     CoulombFriction,
-    EncoderRipple,
-    Ground,
     Imperfection,
     Joint,
     JointImperfection,
@@ -27,7 +23,9 @@ from symid.axis import (
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw
-from symid.symbolic.expressions import READING, imperfection_law
+from symid.symbolic.expressions import imperfection_law, misread
+from symid.symbolic.lagrange import Kinematics
+from symid.symbolic.operators import carriers, relative_to_absolute
 
 _FINE, _MOST_STEPS = 0.5, 50
 """Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
@@ -105,15 +103,9 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     return found
 
 
-def misread_law(axis: Axis, signal: str) -> sp.Expr | None:
-    """Reading of a sensor with ripple in terms of the exact value y; None without ripple."""
-    ripples = [e for e in axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
-    return READING + sum(imperfection_law(ripple) - READING for ripple in ripples) if ripples else None
-
-
 def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | None:
     """Function that adds a sensor's ripple to exact readings; None without ripple."""
-    law = misread_law(axis, signal)
+    law = misread(axis, signal)
     if law is None:
         return None
     function = array_function(law, ("y",))
@@ -190,23 +182,11 @@ def direction_of(axis: Axis, joint: Joint) -> FloatArray:
     >>> direction_of(axis, axis.bodies[1]).tolist()
     [-1.0, 1.0]
     """
-    free = axis.free_bodies
-
-    def absolute(body: Body | Ground) -> FloatArray:
-        if isinstance(body, Ground):
-            return np.zeros(len(free))
-        if body.geared is None:
-            return np.asarray([float(body == other) for other in free])
-        moved = sum((gear.ratio * within(gear.to) for gear in body.gears), start=displacement_of_parent(body))
-        return np.asarray(moved)
-
-    def displacement_of_parent(body: Body) -> FloatArray:
-        carried = isinstance(body.on, Body) and body.on.turns == body.turns
-        return absolute(body.on) if carried else np.zeros(len(free))
-
-    def within(body: Body) -> FloatArray:
-        return np.asarray(absolute(body) - displacement_of_parent(body))
-
-    if isinstance(joint, Between):
-        return np.asarray(absolute(joint.second) - joint.ratio * absolute(joint.first))
-    return within(joint)
+    kinematics, free = Kinematics(axis), axis.free_bodies
+    displacement = kinematics.displacement(joint)
+    numbers = {sp.Symbol(name): value for name, value in kinematics.constants.items()}
+    shares = {body.name: displacement.coeff(kinematics.symbol(body)).xreplace(numbers) for body in free}
+    row = relative_to_absolute(
+        {name: float(share) for name, share in shares.items() if share}, carriers(axis)
+    )
+    return np.array([row.get(body.name, 0.0) for body in free])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,10 +14,50 @@ from symid.arrays import FloatArray
 from symid.errors import SettingError
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
 from symid.simulation.imperfect_plant import Moment
-from symid.simulation.loop_numbers import RUNAWAY, LoopLaw
 from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import SensorChannel
 from symid.simulation.trajectory import Trajectory
+
+RUNAWAY = 1e100
+"""Drive force beyond which the loop counts as unstable."""
+
+
+class LoopLaw(NamedTuple):
+    """The linear laws of all drives as one, in terms of w: the controllers' state, references, and readings.
+
+    The references are position, velocity and acceleration for each drive.
+
+    Parameters
+    ----------
+    after : array of shape (n_state, n_state + 3 n_drives + n_signals)
+        The state after a sample is after @ w.
+    forces : array of shape (n_drives, n_state + 3 n_drives + n_signals)
+        The forces are forces @ w and given ones.
+    limits : array of shape (n_drives,)
+        Largest force of each drive for which the matrices are valid.
+    """
+
+    after: FloatArray
+    forces: FloatArray
+    limits: FloatArray
+
+    @classmethod
+    def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]], n_signals: int) -> LoopLaw:
+        """The laws of all drives, and the places of the readings of each among all."""
+        n_state, n_drives, first = sum(len(law.A) for law in laws), len(laws), 0
+        after, forces = (np.zeros((m, n_state + 3 * n_drives + n_signals)) for m in (n_state, n_drives))
+        for i, (law, own) in enumerate(zip(laws, places, strict=True)):
+            inputs = [n_state + 3 * i + j for j in range(3)] + [n_state + 3 * n_drives + p for p in own]
+            columns, rows = [*range(first, first + len(law.A)), *inputs], slice(first, first + len(law.A))
+            after[rows, columns], forces[i, columns] = np.hstack([law.A, law.B]), np.append(law.C, law.D)
+            first += len(law.A)
+        return cls(after, forces, np.array([min(law.limit, RUNAWAY) for law in laws]))
+
+    @classmethod
+    def unknown(cls, n_drives: int, n_signals: int) -> LoopLaw:
+        """The law of controllers without matrices: it holds for no force."""
+        forces = np.zeros((n_drives, 3 * n_drives + n_signals))
+        return cls(forces[:0], forces, np.full(n_drives, -1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +128,8 @@ class Loop:
     @cached_property
     def given(self) -> FloatArray:
         """Given forces beside those of the matrices, of shape (n_samples, n_drives)."""
-        found = np.zeros((self.trajectories[0].n_samples, self.n_drives))
-        for i, law in enumerate(self._laws):
-            if law is not None and law.given.size:
-                found[:, i] = law.given[np.minimum(np.arange(len(found)), law.given.size - 1)]
-        return found
+        n = self.trajectories[0].n_samples
+        return np.column_stack([np.zeros(n) if law is None else law.given_at(n) for law in self._laws])
 
     @cached_property
     def moments(self) -> tuple[float, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -10,58 +9,13 @@ import numpy as np
 import sympy as sp
 
 from symid.arrays import FloatArray
-from symid.simulation.controller import LinearLaw
-from symid.simulation.imperfect_plant import Moment
+from symid.simulation.loop import Loop
 from symid.simulation.mode import StickSlipMode
-from symid.simulation.plant import Plant
 from symid.simulation.postfix import Program, program
-from symid.simulation.sensor_channel import SensorChannel
-from symid.simulation.trajectory import Trajectory
-
-RUNAWAY = 1e100
-"""Drive force beyond which the loop counts as unstable."""
 
 _ARGUMENTS: tuple[str, ...] = ("q", "v", "F", "t", "z")
 
 IntArray = np.ndarray[Any, np.dtype[np.int64]]
-
-
-class LoopLaw(NamedTuple):
-    """The linear laws of all drives as one, in terms of w: the controllers' state, references, and readings.
-
-    The references are position, velocity and acceleration for each drive.
-
-    Parameters
-    ----------
-    after : array of shape (n_state, n_state + 3 n_drives + n_signals)
-        The state after a sample is after @ w.
-    forces : array of shape (n_drives, n_state + 3 n_drives + n_signals)
-        The forces are forces @ w and given ones.
-    limits : array of shape (n_drives,)
-        Largest force of each drive for which the matrices are valid.
-    """
-
-    after: FloatArray
-    forces: FloatArray
-    limits: FloatArray
-
-    @classmethod
-    def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]], n_signals: int) -> LoopLaw:
-        """The laws of all drives, and the places of the readings of each among all."""
-        n_state, n_drives, first = sum(len(law.A) for law in laws), len(laws), 0
-        after, forces = (np.zeros((m, n_state + 3 * n_drives + n_signals)) for m in (n_state, n_drives))
-        for i, (law, own) in enumerate(zip(laws, places, strict=True)):
-            inputs = [n_state + 3 * i + j for j in range(3)] + [n_state + 3 * n_drives + p for p in own]
-            columns, rows = [*range(first, first + len(law.A)), *inputs], slice(first, first + len(law.A))
-            after[rows, columns], forces[i, columns] = np.hstack([law.A, law.B]), np.append(law.C, law.D)
-            first += len(law.A)
-        return cls(after, forces, np.array([min(law.limit, RUNAWAY) for law in laws]))
-
-    @classmethod
-    def unknown(cls, n_drives: int, n_signals: int) -> LoopLaw:
-        """The law of controllers without matrices: it holds for no force."""
-        forces = np.zeros((n_drives, 3 * n_drives + n_signals))
-        return cls(forces[:0], forces, np.full(n_drives, -1.0))
 
 
 class LawNumbers(NamedTuple):
@@ -108,12 +62,13 @@ class LawNumbers(NamedTuple):
     memories: FloatArray
 
     @classmethod
-    def of(cls, plant: Plant, moment: Moment | None, readers: Sequence[SensorChannel]) -> LawNumbers:
-        """The laws of a plant and the errors of controlled sensors."""
+    def of(cls, loop: Loop) -> LawNumbers:
+        """The laws of the plant of a loop and the errors of controlled sensors."""
+        plant, n = loop.plant, len(loop.plant.bodies)
         terms = [term for law in plant.laws for term in law.terms]
         programs = [_program(term.source, _ARGUMENTS) for term in terms]
-        programs += [_program(reader.misread, ("y",)) for reader in readers if reader.misread is not None]
-        memories, n = moment.memories if moment else [], len(plant.bodies)
+        programs += [_program(r.misread, ("y",)) for r in loop.controlled if r.misread is not None]
+        memories = loop.moment.memories if loop.moment else []
         return cls(
             directions=np.array([law.direction for law in plant.laws]).reshape(-1, n),
             timed=np.array([law.timed for law in plant.laws], dtype=bool),
@@ -179,26 +134,19 @@ class ChannelNumbers(NamedTuple):
     pieces: IntArray
 
     @classmethod
-    def of(
-        cls,
-        trajectories: Sequence[Trajectory],
-        controlled: Sequence[SensorChannel],
-        between: Sequence[SensorChannel],
-        moments: Sequence[float],
-        n_bodies: int,
-        first_program: int,
-    ) -> ChannelNumbers:
-        """Sensors of a loop whose samples are cut at `moments`; the programs of those misread begin at a number."""
-        first, width = trajectories[0], 3 * n_bodies
+    def of(cls, loop: Loop, first_program: int) -> ChannelNumbers:
+        """Sensors of a loop; the programs of those misread begin at a number."""
+        paths, controlled, between = loop.trajectories, loop.controlled, loop.between
+        width, moments = 3 * len(loop.plant.bodies), loop.moments
         is_misread = [reader.misread is not None for reader in controlled]
         programs = first_program - 1 + np.cumsum(is_misread, dtype=np.int64)
         return cls(
-            period=first.sampling_period,
+            period=loop.period,
             references=np.column_stack(
-                [x for path in trajectories for x in (path.position, path.velocity, path.acceleration)]
+                [x for path in paths for x in (path.position, path.velocity, path.acceleration)]
             ),
             readings=np.zeros(len(controlled)),
-            noise=np.array([reader.noise for reader in controlled]).reshape(-1, first.n_samples).T.copy(),
+            noise=np.array([reader.noise for reader in controlled]).reshape(-1, paths[0].n_samples).T.copy(),
             rows=np.array([reader.motion_row for reader in controlled]).reshape(-1, width),
             ages=np.array([reader.age for reader in controlled], dtype=np.int64),
             places=np.array(
@@ -243,8 +191,8 @@ class ModeNumbers(NamedTuple):
     is_accelerated: bool
 
     @classmethod
-    def of(cls, mode: StickSlipMode, durations: Sequence[float], is_accelerated: bool) -> ModeNumbers:
-        """A mode over pieces of given durations, s."""
+    def of(cls, mode: StickSlipMode, loop: Loop) -> ModeNumbers:
+        """A mode over the pieces of a loop's sample."""
         flow, laws, n = mode.flow, list(mode.plant.laws), len(mode.plant.bodies)
         # state and generalised forces as rows on z
         against = np.array([law.direction for law, _ in mode.varying]).reshape(-1, n).T
@@ -255,8 +203,8 @@ class ModeNumbers(NamedTuple):
         def after(duration: float) -> FloatArray:
             return np.asarray(np.hstack(flow.transition(duration)) @ motion)
 
-        begins = [np.vstack([after(duration / 2), flow.holding_rows @ motion]) for duration in durations]
-        ends = [np.vstack([after(duration), motion[2 * n :]]) for duration in durations]
+        begins = [np.vstack([after(duration / 2), flow.holding_rows @ motion]) for duration in loop.durations]
+        ends = [np.vstack([after(duration), motion[2 * n :]]) for duration in loop.durations]
         checks = np.vstack([flow.holding_rows, np.pad(mode.speeds, ((0, 0), (0, n)))])
         return cls(
             begins=np.array(begins),
@@ -266,5 +214,5 @@ class ModeNumbers(NamedTuple):
             varying=np.array([laws.index(law) for law, _ in mode.varying], dtype=np.int64),
             signs=np.array([sign for _, sign in mode.varying], dtype=float),
             limits=np.zeros((len(flow.stuck), 2)),
-            is_accelerated=is_accelerated,
+            is_accelerated=loop.is_accelerated,
         )

@@ -7,8 +7,8 @@ bodies, F the drive forces, d_j the direction of a joint and f_j the nonlinear l
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -161,3 +161,21 @@ class Plant:
         wanted = np.zeros((n + m, 2))
         wanted[:n, 0], wanted[n:] = self.constant / scale, list(readings.values())
         return np.asarray(np.linalg.lstsq(matrix, wanted, rcond=1e-12)[0][:n].T.ravel())
+
+
+def condensed(dynamics: Any, T: Any, bodies: tuple[str, ...]) -> Any:
+    """A plant in the displacements of some bodies, on which those of all depend: x = T x_bodies.
+
+    A plant of symbols has SymPy's matrices in place of arrays.
+    """
+    return replace(
+        dynamics,
+        bodies=bodies,
+        mass=T.T @ dynamics.mass @ T,
+        damping=T.T @ dynamics.damping @ T,
+        stiffness=T.T @ dynamics.stiffness @ T,
+        drives=T.T @ dynamics.drives,
+        constant=T.T @ dynamics.constant,
+        laws=tuple(replace(law, direction=law.direction @ T) for law in dynamics.laws),
+        sensors={name: SensorRow(row @ T, order) for name, (row, order) in dynamics.sensors.items()},
+    )

@@ -1,6 +1,6 @@
 """Samples of a loop within one mode, compiled. Numba takes 0.3 s to import: a simulation imports this as it runs.
 
-The arguments `law`, `channels`, `laws`, `mode` and `record` are the records of `loop_numbers` and `sensor_channel`.
+The arguments `law`, `channels`, `laws`, `mode` and `record` are records of `loop`, `loop_numbers` and `sensor_channel`.
 """
 
 import numpy as np

@@ -14,8 +14,8 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.simulation.engine import Engine
-from symid.simulation.loop import Loop, runaway
-from symid.simulation.loop_numbers import ChannelNumbers, LawNumbers, LoopLaw, ModeNumbers
+from symid.simulation.loop import Loop, LoopLaw, runaway
+from symid.simulation.loop_numbers import ChannelNumbers, LawNumbers, ModeNumbers
 from symid.simulation.sensor_channel import MotionRecord
 
 
@@ -34,18 +34,9 @@ class SimulationRun:
         self._asked = -1
         self._error: Exception | None = None
         self._ask = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)(self._answer)
-        self._laws = LawNumbers.of(loop.plant, loop.moment, loop.controlled)
-        self._channels = ChannelNumbers.of(
-            loop.trajectories,
-            loop.controlled,
-            loop.between,
-            loop.moments,
-            len(loop.plant.bodies),
-            self._laws.parameters.size,
-        )
-        self._numbers = lru_cache(maxsize=64)(
-            lambda mode: ModeNumbers.of(mode, loop.durations, loop.is_accelerated)
-        )
+        self._laws = LawNumbers.of(loop)
+        self._channels = ChannelNumbers.of(loop, first_program=self._laws.parameters.size)
+        self._numbers = lru_cache(maxsize=64)(lambda mode: ModeNumbers.of(mode, loop))
         if loop.is_accelerated and not after:
             record.accelerations[0] = self._engine.acceleration(np.zeros(loop.n_drives))
 
@@ -105,13 +96,7 @@ class SimulationRun:
 
     def _event(self) -> None:
         """One sample by the engine, which locates events, under the forces that the record has."""
-        loop, record, k, engine, n = (
-            self.loop,
-            self.record,
-            self._made,
-            self._engine,
-            len(self.loop.plant.bodies),
-        )
+        loop, record, k, engine = self.loop, self.record, self._made, self._engine
         engine.state, forces = record.states[k].copy(), record.forces[k].copy()
         if loop.moment is not None:
             loop.moment.time, loop.moment.load = (k + 0.5) * loop.period, float(np.abs(forces).sum())
@@ -122,7 +107,7 @@ class SimulationRun:
                 record.between[i, k] = self._channels.between[i] @ motion
         record.states[k + 1] = engine.state
         if loop.moment is not None:
-            loop.moment.settle(engine.state[:n])
+            loop.moment.settle(engine.state[: len(loop.plant.bodies)])
             for row, (_, memory) in zip(self._laws.memories, loop.moment.memories, strict=True):
                 row[:] = memory.place, memory.state
         record.accelerations[k + 1] = self._acceleration(forces)

@@ -20,12 +20,12 @@ from sympy.polys.rings import PolyElement
 from symid.axis import Sensor
 from symid.errors import EliminationError
 from symid.symbolic.determinants import TooLargeError
-from symid.symbolic.equations import InputOutputEquation, SignalWriter, by_power, driving_terms
+from symid.symbolic.equations import InputOutputEquation, SignalWriter, driving_terms
 from symid.symbolic.expressions import positive
 from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primitive
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
-from symid.symbolic.operators import OperatorModel, Row, operator_model
+from symid.symbolic.operators import OperatorModel, Row, by_power, operator_model
 from symid.symbolic.scaling import Scaling, scaling_of
 
 _SEPARATE = (
@@ -76,16 +76,14 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     """
     # Ratios of gears make polynomial arithmetic slow. They are scaled out as units of the coordinates; a ratio in a
     # loop, where that is impossible, becomes an exact number in the coefficients.
-    operators = operator_model(model)
-    known = measurement(operators, measured)
+    operators, known = _posed(model, measured)
     rows, scaling = _rows(operators, known), None
     while operators.ring.domain != QQ and scaling is None:
         found = scaling_of(rows, operators)
         if isinstance(found, Scaling):
             scaling = found
         else:
-            operators = operator_model(model, (*map(str, operators.numbers), *found))
-            known = measurement(operators, measured)
+            operators, known = _posed(model, measured, (*map(str, operators.numbers), *found))
             rows = _rows(operators, known)
     powers = {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order}
     if scaling is None:
@@ -94,8 +92,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
         plain = {balance: scaling.scaled(row) for balance, row in rows.items()}
         found_rows, separate = _combined(plain, known, powers, scaling.operators(operators, rows))
         if sum(len(entry) for row in found_rows for entry in row.entries.values()) > _MOST_TERMS_WITH_RATIOS:
-            operators = operator_model(model, tuple(model.constants))
-            known = measurement(operators, measured)
+            operators, known = _posed(model, measured, tuple(model.constants))
         combined = [scaling.restored(row, operators.ring, model.constants) for row in found_rows]
     signals = SignalWriter(operators, known)
     equations = [signals.equation(row) for row in combined]
@@ -110,6 +107,13 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     driven = tuple(_driven(equation, equations, operators) for equation in equations)
     assumptions = (*signals.assumptions(equations), *([_SEPARATE] if separate else []))
     return InputOutputModel(model, operators, tuple(measured), driven, assumptions)
+
+
+def _posed(
+    model: InverseDynamicModel, measured: Sequence[Sensor], numbers: Sequence[str] = ()
+) -> tuple[OperatorModel, Measurement]:
+    operators = operator_model(model, numbers)
+    return operators, measurement(operators, measured)
 
 
 def _combined(
@@ -192,14 +196,14 @@ def _signals_of(row: EliminationRow, operators: OperatorModel) -> dict[tuple[str
     smooth = {
         *forces,
         *row.entries,
-        *(str(w.symbol) for w in operators.source.inputs if _has_derivatives(w.expression)),
+        *(
+            str(w.symbol)
+            for w in operators.source.inputs
+            if w.expression.free_symbols and not isinstance(w.expression, (sp.sign, positive))
+        ),
     }
     powers = ((column, order, c) for column, entry in columns.items() for order, c in by_power(entry).items())
     return {(column, order): c for column, order, c in powers if order == 0 or column in smooth}
-
-
-def _has_derivatives(expression: sp.Expr) -> bool:
-    return bool(expression.free_symbols) and not isinstance(expression, (sp.sign, positive))
 
 
 def _driven(

@@ -20,7 +20,7 @@ from symid.symbolic.expressions import positive, time_derivative
 from symid.symbolic.kernel import EliminationRow
 from symid.symbolic.lagrange import Kinematics, LawInput
 from symid.symbolic.measurement import Measurement, measurement
-from symid.symbolic.operators import OperatorModel, Row, add
+from symid.symbolic.operators import OperatorModel, Row, add, by_power
 
 
 @dataclass(frozen=True)
@@ -134,13 +134,7 @@ class SignalWriter:
                 if -expression in terms:
                     expression, factor = -expression, -factor
                 total = coefficient * factor + (terms[expression].coefficient if expression in terms else 0)
-                order = (
-                    -1
-                    if not expression.free_symbols
-                    else 1 + power
-                    if entry.expression.has(sp.Symbol("v"))
-                    else power
-                )
+                order = power + entry.expression.has(sp.Symbol("v")) if expression.free_symbols else -1
                 terms[expression] = RegressorTerm(expression, order, False, total)
         return list(terms.values())
 
@@ -148,12 +142,7 @@ class SignalWriter:
         """The power-th derivative of a law's expression in flat signal names."""
         if not entry.expression.free_symbols:
             return sp.Integer(0) if power else entry.expression
-        displacements = sp.symbols(f"u:{power + 2}", real=True)
-        expression = entry.expression.xreplace(
-            {sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]}
-        )
-        for _ in range(power):
-            expression = time_derivative(expression, displacements)
+        expression = _derivatives(entry.expression, power)[-1]
         return self._written(expression, entry) if expression != 0 else expression
 
     def _dropped(self, inputs: Row) -> tuple[sp.Expr, ...]:
@@ -161,14 +150,9 @@ class SignalWriter:
         dropped: dict[sp.Expr, None] = {}
         for entry in self.operators.source.inputs:
             power = max(by_power(inputs.get(str(entry.symbol))), default=0)
-            displacements = sp.symbols(f"u:{power + 2}", real=True)
-            law = entry.expression.xreplace(
-                {sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]}
-            )
-            for _ in range(power):
+            for law in _derivatives(entry.expression, power)[:-1]:
                 jumps = sorted(law.atoms(sp.sign, positive), key=sp.default_sort_key)
                 dropped.update(dict.fromkeys(self._written(jump, entry) for jump in jumps))
-                law = time_derivative(law, displacements)
         return tuple(sorted(dropped, key=str))
 
     def _written(self, expression: sp.Expr, entry: LawInput) -> sp.Expr:
@@ -179,28 +163,16 @@ class SignalWriter:
         if not _sees(self.known, columns, lowest):
             measured = [f.signal for f in self.known.basis] + [f.signal for f in self.known.repeated]
             sensors = [s for s in self.axis.sensors if s.signal in measured]
-            helps = (
-                other.signal
-                for other in self.axis.sensors
-                if other.signal not in measured
-                and _sees(
-                    more := measurement(self.operators, [*sensors, other]),
-                    more.substitute(functional),
-                    lowest,
-                )
-            )
+            others = (other for other in self.axis.sensors if other.signal not in measured)
+            more = ((other, measurement(self.operators, [*sensors, other])) for other in others)
+            helps = (o.signal for o, known in more if _sees(known, known.substitute(functional), lowest))
             raise EliminationError(_advice(self.axis, entry, lowest, next(helps, None)))
-        field = self.operators.ring.domain
-        values = {
-            symbol: sp.Add(
-                *(
-                    field.to_sympy(field.convert(share * weight)) * sp.Symbol(derivative_name(signal, left))
-                    for column, weight in columns.items()
-                    for signal, left, share in self.known.derivative(int(column[1:]), order)
-                )
-            )
-            for symbol, order in used.items()
-        }
+        field, values = self.operators.ring.domain, dict.fromkeys(used, sp.Integer(0))
+        for symbol, order in used.items():
+            for column, weight in columns.items():
+                for signal, left, share in self.known.derivative(int(column[1:]), order):
+                    factor = field.to_sympy(field.convert(share * weight))
+                    values[symbol] += factor * sp.Symbol(derivative_name(signal, left))
         return self._with_plain_jumps(expression.xreplace(values))
 
     def _with_plain_jumps(self, expression: sp.Expr) -> sp.Expr:
@@ -251,14 +223,13 @@ def driving_terms(row: EliminationRow, operators: OperatorModel) -> tuple[Row, R
     return force, inputs
 
 
-def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
-    """Coefficients of a polynomial by powers of s, as polynomials in the parameters."""
-    if entry is None:
-        return {}
-    powers: dict[int, dict[tuple[int, ...], Any]] = {}
-    for monomial, value in entry.terms():
-        powers.setdefault(monomial[0], {})[(0, *monomial[1:])] = value
-    return {power: entry.ring.from_dict(terms) for power, terms in powers.items()}
+def _derivatives(law: sp.Expr, highest: int) -> list[sp.Expr]:
+    """A law and its time derivatives in displacements u0, u1, ..., each the derivative of the one before."""
+    displacements = sp.symbols(f"u:{highest + 2}", real=True)
+    found = [law.xreplace({sp.Symbol("q"): displacements[0], sp.Symbol("v"): displacements[1]})]
+    for _ in range(highest):
+        found.append(time_derivative(found[-1], displacements))
+    return found
 
 
 def _sees(known: Measurement, columns: Mapping[str, Any], lowest: int) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
-from symid.axis import Imperfection
+from symid.axis import Axis, EncoderRipple, Imperfection
 from symid.axis.laws.base import FUNCTIONS
 from symid.errors import SymidError
 
@@ -86,6 +86,12 @@ def imperfection_law(element: Imperfection) -> sp.Expr:
     Min(25.0, Max(-25.0, F))
     """
     return _parsed(element.in_numbers(element.law), {**_LANGUAGE, **_OF_IMPERFECTIONS})
+
+
+def misread(axis: Axis, signal: str) -> sp.Expr | None:
+    """Reading of a sensor with ripple in terms of the exact value, `READING`; None without ripple."""
+    ripples = [e for e in axis.elements if isinstance(e, EncoderRipple) and e.signal == signal]
+    return READING + sum(imperfection_law(ripple) - READING for ripple in ripples) if ripples else None
 
 
 def imperfection_rate(element: Imperfection) -> sp.Expr:

@@ -21,7 +21,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from symid.errors import EliminationError
 from symid.symbolic.determinants import Minors, TooLargeError, connected
-from symid.symbolic.operators import Row, add
+from symid.symbolic.operators import Row, add, by_power
 from symid.symbolic.polynomials import common_divisor, from_flint, quotient, times, to_flint
 
 MOST_PRODUCTS = 200_000
@@ -42,9 +42,9 @@ class EliminationRow:
         products = self._products(factor) + other._products(other_factor)
         if products > MOST_PRODUCTS:
             raise TooLargeError(products)
+        mine, theirs = self.scaled(factor), other.scaled(other_factor)
         return EliminationRow(
-            _combine(self.multipliers, factor, other.multipliers, other_factor),
-            _combine(self.entries, factor, other.entries, other_factor),
+            add(mine.multipliers, theirs.multipliers, 1), add(mine.entries, theirs.entries, 1)
         )
 
     def _products(self, factor: PolyElement) -> int:
@@ -156,7 +156,7 @@ def _order_basis(
 
 def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> list[EliminationRow]:
     """Make the coefficient of s**exponent in a column vanish, raising one row's degree by one."""
-    found = (_coefficient(row.entries.get(column), exponent) for row in rows)
+    found = (by_power(row.entries.get(column)).get(exponent) for row in rows)
     residuals = {i: residual for i, residual in enumerate(found) if residual is not None}
     if not residuals:
         return rows
@@ -170,28 +170,11 @@ def _meet_condition(rows: list[EliminationRow], column: str, exponent: int) -> l
     met = list(rows)
     for i in residuals:
         if i != pivot:
-            mine, theirs = _without_common_factor(residuals[pivot], residuals[i])
+            common = common_divisor([residuals[pivot], residuals[i]])
+            mine, theirs = quotient(residuals[pivot], common), quotient(residuals[i], common)
             met[i] = primitive(rows[i].combine(mine, rows[pivot], -theirs), ring, keep_powers_of_s=True)
     met[pivot] = rows[pivot].scaled(ring.gens[0])
     return met
-
-
-def _coefficient(entry: PolyElement | None, exponent: int) -> PolyElement | None:
-    """Coefficient of a power of s, as a polynomial in the parameters; None if it is zero."""
-    if entry is None:
-        return None
-    terms = {(0, *monomial[1:]): value for monomial, value in entry.terms() if monomial[0] == exponent}
-    return entry.ring.from_dict(terms) if terms else None
-
-
-def _without_common_factor(first: PolyElement, second: PolyElement) -> tuple[PolyElement, PolyElement]:
-    common = common_divisor([first, second])
-    return quotient(first, common), quotient(second, common)
-
-
-def _combine(row: Row, factor: PolyElement, other: Row, other_factor: PolyElement) -> Row:
-    total = {column: times(entry, factor) for column, entry in row.items()}
-    return add(total, {column: times(entry, other_factor) for column, entry in other.items()}, 1)
 
 
 def primitive(row: EliminationRow, ring: PolyRing, *, keep_powers_of_s: bool = False) -> EliminationRow:

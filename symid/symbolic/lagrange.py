@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import sympy as sp
 
@@ -134,15 +135,8 @@ class Kinematics:
             return sp.expand(self.absolute(joint.second) - ratio * self.absolute(joint.first))
         if joint.geared is None:
             return self.symbol(joint)
-        return sp.expand(
-            sp.Add(
-                *(
-                    self.constant(f"ratio_{gear.to.name}_{joint.name}", gear.ratio)
-                    * self.displacement(gear.to)
-                    for gear in joint.gears
-                )
-            )
-        )
+        ratios = ((self.constant(f"ratio_{g.to.name}_{joint.name}", g.ratio), g.to) for g in joint.gears)
+        return sp.expand(sp.Add(*(ratio * self.displacement(body) for ratio, body in ratios)))
 
     def absolute(self, body: Body | Ground) -> sp.Expr:
         """Displacement of a body against the ground; a turning body on a sliding one turns by its own coordinate."""
@@ -189,15 +183,10 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     Eq(F, Fs*sign(q_motor_d1) + Fv*q_motor_d1 + M*q_motor_d2)
     """
     kinematics = Kinematics(axis)
-    kinetic = sp.Add(
-        *(
-            kinematics.parameter(b.inertial) * kinematics.rate(kinematics.absolute(b), 1) ** 2
-            for b in axis.bodies
-        )
-    )
-    kinetic /= 2
-    potential = _potential_energy(axis, kinematics)
-    dissipation = _dissipation(axis, kinematics)
+    speeds = ((b.inertial, kinematics.rate(kinematics.absolute(b), 1)) for b in axis.bodies)
+    kinetic = sp.Add(*(kinematics.parameter(name) * speed**2 for name, speed in speeds)) / 2
+    potential = _quadratic(axis, kinematics, "q") + _weights(axis, kinematics)
+    dissipation = _quadratic(axis, kinematics, "v")
     inputs, work = _virtual_power(axis, kinematics)
     balances = []
     for body in axis.free_bodies:
@@ -222,45 +211,32 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     )
 
 
-def _potential_energy(axis: Axis, kinematics: Kinematics) -> sp.Expr:
-    """Springs, laws linear in q, and weights of constant force. Pendulum weights are inputs: sin q is not linear."""
+def _quadratic(axis: Axis, kinematics: Kinematics, quantity: Literal["q", "v"]) -> sp.Expr:
+    """Energy of the forces linear in displacement, or Rayleigh's function of those linear in velocity."""
+    forces: list[tuple[str, Joint]] = []
+    for element in axis.elements:
+        if isinstance(element, Law):
+            forces += [
+                (term.parameter, element.at) for term in element.terms() if term.expression == quantity
+            ]
+        elif quantity == "q" and isinstance(element, Spring):
+            forces.append((element.named("stiffness"), element.at))
+        elif quantity == "v" and isinstance(element, (Spring, Damper)) and element.damping is not None:
+            forces.append((element.named("damping"), element.at))
+    order = "qv".index(quantity)
+    motions = ((name, kinematics.rate(kinematics.displacement(at), order)) for name, at in forces)
+    return sp.Add(*(kinematics.parameter(name) * motion**2 for name, motion in motions)) / 2
+
+
+def _weights(axis: Axis, kinematics: Kinematics) -> sp.Expr:
+    """Energy of weights of constant force. Pendulum weights are inputs: sin q is not linear."""
     energy = sp.Integer(0)
     for element in axis.elements:
-        if isinstance(element, Spring):
-            energy += (
-                kinematics.parameter(element.named("stiffness"))
-                * kinematics.displacement(element.at) ** 2
-                / 2
-            )
-        elif isinstance(element, Weight):
+        if isinstance(element, Weight):
             gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
-            energy += (
-                kinematics.parameter(element.body.inertial)
-                * gravity
-                * kinematics.absolute(element.body)
-                * ONE_INPUT
-            )
-        elif isinstance(element, Law):
-            for term in element.terms():
-                if term.expression == "q":
-                    energy += (
-                        kinematics.parameter(term.parameter) * kinematics.displacement(element.at) ** 2 / 2
-                    )
+            height = kinematics.absolute(element.body)
+            energy += kinematics.parameter(element.body.inertial) * gravity * height * ONE_INPUT
     return energy
-
-
-def _dissipation(axis: Axis, kinematics: Kinematics) -> sp.Expr:
-    """Rayleigh's function of the dampers and of friction linear in velocity."""
-    dampers: list[tuple[str, Joint]] = []
-    for element in axis.elements:
-        if isinstance(element, (Spring, Damper)) and element.damping is not None:
-            dampers.append((element.named("damping"), element.at))
-        elif isinstance(element, Law):
-            dampers += [(term.parameter, element.at) for term in element.terms() if term.expression == "v"]
-    rates = (
-        (kinematics.parameter(name), kinematics.rate(kinematics.displacement(at), 1)) for name, at in dampers
-    )
-    return sp.Add(*(coefficient * rate**2 for coefficient, rate in rates)) / 2
 
 
 def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, ...], sp.Expr]:
@@ -271,11 +247,9 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
         gain = ONE if drive.constant is None else kinematics.parameter(drive.constant)
         power += gain * sp.Symbol(drive.signal) * kinematics.rate(kinematics.displacement(drive.at), 1)
 
-    def resist(
-        parameter: sp.Expr, expression: sp.Expr, joint: Joint, displacement: sp.Expr, element: str
-    ) -> None:
+    def resist(parameter: sp.Expr, expression: sp.Expr, joint: Joint, element: str) -> None:
         nonlocal power
-        constant = not expression.free_symbols
+        constant, displacement = not expression.free_symbols, kinematics.displacement(joint)
         key = (ONE, ONE) if constant else (expression, displacement)
         if key not in inputs:
             symbol = ONE_INPUT if constant else sp.Symbol(f"input_{len(inputs)}")
@@ -285,37 +259,18 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
 
     for element in axis.elements:
         if isinstance(element, Law):
-            label = f"{type(element).__name__} at {_joint_name(element.at)}"
+            at = element.at
+            ends = (at.first.name, at.second.name) if isinstance(at, Between) else (at.name,)
+            label = f"{type(element).__name__} at {' and '.join(map(repr, ends))}"
             for term in element.terms():
                 if not term.is_linear:
-                    displacement = kinematics.displacement(element.at)
-                    resist(
-                        kinematics.parameter(term.parameter),
-                        law_expression(term.expression),
-                        element.at,
-                        displacement,
-                        label,
-                    )
+                    resist(kinematics.parameter(term.parameter), law_expression(term.expression), at, label)
         elif isinstance(element, PendulumWeight):
             gravity = kinematics.constant(f"gravity_{element.body.name}", element.acceleration)
-            at = Between(first=GROUND, second=element.body)
-            label = f"PendulumWeight of {element.body.name!r}"
-            angle = kinematics.absolute(element.body)
-            resist(
-                kinematics.parameter(element.named("moment")) * gravity,
-                sp.sin(sp.Symbol("q")),
-                at,
-                angle,
-                label,
-            )
+            moment = kinematics.parameter(element.named("moment")) * gravity
+            at, label = Between(first=GROUND, second=element.body), f"PendulumWeight of {element.body.name!r}"
+            resist(moment, sp.sin(sp.Symbol("q")), at, label)
         elif isinstance(element, Weight):
-            inputs.setdefault(
-                (ONE, ONE), LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}")
-            )
+            weight = LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}")
+            inputs.setdefault((ONE, ONE), weight)
     return tuple(inputs.values()), power
-
-
-def _joint_name(joint: Joint) -> str:
-    return (
-        f"{joint.first.name!r} and {joint.second.name!r}" if isinstance(joint, Between) else repr(joint.name)
-    )

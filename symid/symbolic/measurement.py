@@ -14,6 +14,7 @@ from typing import Any
 from symid.axis import Sensor
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import OperatorModel, add
+from symid.symbolic.span import Span
 
 Functional = dict[str, Any]
 """Coefficients of absolute displacements, by body name."""
@@ -89,59 +90,19 @@ class Measurement:
 
 def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
     """Basis of the measured functions, and every displacement in terms of it."""
-    kinematics = Kinematics(model.source.axis)
-    ranked = sorted(sensors, key=lambda sensor: sensor.derivative)
+    kinematics, span = Kinematics(model.source.axis), Span()
     basis: list[MeasuredFunction] = []
     repeated: list[RepeatedFunction] = []
-    reduced: list[
-        tuple[str, Functional, dict[int, Any]]
-    ] = []  # pivot body, function with pivot 1, in basis functions
-    for sensor in ranked:
+    for sensor in sorted(sensors, key=lambda sensor: sensor.derivative):
         functional = model.functional(kinematics.reading(sensor))
-        remainder, combination = _reduce(functional, reduced)
-        if remainder:
-            pivot = sensor.body.name if sensor.body.name in remainder else next(iter(remainder))
-            scale = 1 / remainder[pivot]
-            index = len(basis)
+        if span.add(functional, pivot=sensor.body.name):
             basis.append(MeasuredFunction(sensor.signal, sensor.derivative, functional))
-            own = {index: scale, **{i: -c * scale for i, c in combination.items()}}
-            row = {body: c * scale for body, c in remainder.items()}
-            reduced = [_clear(entry, pivot, row, own) for entry in reduced]
-            reduced.append((pivot, row, own))
         else:
+            combination = span.coordinates(functional) or {}
             repeated.append(RepeatedFunction(sensor.signal, sensor.derivative, combination))
     one = model.ring.domain.one
     displacements: dict[str, Functional] = {body: {body: one} for body in model.motion}
-    for pivot, row, own in reduced:
-        unknown = {body: -c for body, c in row.items() if body != pivot}
-        displacements[pivot] = {**{f"y{i}": c for i, c in own.items() if c}, **unknown}
+    for pivot, row, coordinates in span.reduced():
+        measured = {f"y{i}": share for i, share in sorted(coordinates.items())}
+        displacements[str(pivot)] = measured | {body: -c for body, c in row.items() if body != pivot}
     return Measurement(tuple(basis), tuple(repeated), displacements)
-
-
-def _reduce(
-    functional: Functional, reduced: list[tuple[str, Functional, dict[int, Any]]]
-) -> tuple[Functional, dict[int, Any]]:
-    """Remainder of a function outside the span of the basis, and its part within."""
-    remainder, combination = dict(functional), dict[int, Any]()
-    for pivot, row, own in reduced:
-        share = remainder.get(pivot)
-        if share:
-            remainder = add(remainder, row, -share)
-            combination = {
-                i: combination.get(i, 0) + share * c
-                for i in {*combination, *own}
-                if (c := own.get(i, 0)) or i in combination
-            }
-    return remainder, {i: c for i, c in combination.items() if c}
-
-
-def _clear(
-    entry: tuple[str, Functional, dict[int, Any]], pivot: str, row: Functional, own: dict[int, Any]
-) -> tuple[str, Functional, dict[int, Any]]:
-    """Take a new pivot's body out of an earlier row."""
-    body, functional, combination = entry
-    share = functional.get(pivot)
-    if not share:
-        return entry
-    cleared = {i: combination.get(i, 0) - share * own.get(i, 0) for i in {*combination, *own}}
-    return body, add(functional, row, -share), {i: c for i, c in sorted(cleared.items()) if c}

@@ -14,7 +14,7 @@ order, as [15].
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
 from operator import sub
@@ -182,13 +182,22 @@ class MinimalModel:
 
 @dataclass(frozen=True)
 class _Column:
-    """One signal term with the function of the parameters that multiplies it."""
+    """One signal term with the function of the parameters that multiplies it, and its shares of the basis."""
 
     expression: sp.Expr
     order: int
     smooth: bool
     of_force: bool
     function: ParameterFunction
+    shares: Mapping[int, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """An equation: its output, and the columns that sum up to it."""
+
+    output: sp.Expr
+    columns: tuple[_Column, ...]
 
 
 def minimise(model: InputOutputModel) -> MinimalModel:
@@ -210,10 +219,8 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     drives = sorted(
         (drive.signal for drive in model.source.axis.drives), key=lambda signal: signal not in differentiated
     )
-    rows = [_scaled(_with_output(equation, drives)) for equation in model.equations]
-    known = _known_generators(model)
-    basis, shares = _basis(model, [columns for _, columns in rows], known)
-    order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, shares, rows))
+    basis, rows = _basis(model, [_with_output(equation, drives) for equation in model.equations])
+    order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, rows))
     units = model.source.axis.parameter_units
     parameters = tuple(
         MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order)
@@ -222,28 +229,19 @@ def minimise(model: InputOutputModel) -> MinimalModel:
         raise EliminationError(
             f"axis {model.source.axis.name!r}: the sensors see nothing of the parameters that are not known"
         )
-    entries = [
-        [_entry(model, columns, row_shares, j) for j in range(len(basis))]
-        for (_, columns), row_shares in zip(rows, shares, strict=True)
-    ]
+    domain = model.operators.ring.domain
+
+    def entry(row: _Row, j: int) -> sp.Expr:
+        """Signal expression that basis function j multiplies in an equation."""
+        held = ((column.shares[j], column.expression) for column in row.columns if j in column.shares)
+        return sp.Add(*(domain.to_sympy(domain.convert(share)) * signal for share, signal in held))
+
     return MinimalModel(
         model,
         parameters,
-        tuple(output - row[_ONE] for (output, _), row in zip(rows, entries, strict=True)),
-        tuple(str(output) for output, _ in rows),
-        tuple(tuple(row[j] for j in order) for row in entries),
-    )
-
-
-def _entry(model: InputOutputModel, columns: list[_Column], shares: list[dict[int, Any]], j: int) -> sp.Expr:
-    """Signal expression that basis function j multiplies in an equation."""
-    field = model.operators.ring.domain
-    return sp.Add(
-        *(
-            field.to_sympy(field.convert(share[j])) * c.expression
-            for c, share in zip(columns, shares, strict=True)
-            if j in share
-        )
+        output=tuple(row.output - entry(row, _ONE) for row in rows),
+        output_names=tuple(str(row.output) for row in rows),
+        regressor=tuple(tuple(entry(row, j) for j in order) for row in rows),
     )
 
 
@@ -258,12 +256,13 @@ def _known_generators(model: InputOutputModel) -> dict[int, Any]:
     }
 
 
-def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> tuple[sp.Expr, list[_Column]]:
-    """Output of an equation and its columns, divided by the coefficient of the force of lowest derivative.
+def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> _Row:
+    """An equation divided by the coefficient of the force of lowest derivative, which becomes its output.
 
     Of several forces that enter so, one with a number for its coefficient goes first, then one that another equation
     differentiates: friction beside a drive is taken off its force where that is an output. Where this coefficient is
-    a number, the sign of the equation is free: the highest derivative gets a positive one.
+    a number, the sign of the equation is free: the highest derivative gets a positive one. An equation without force
+    fixes its parameters up to a factor only: its highest derivative becomes its output.
     """
     ring = equation.motion[0].coefficient.ring
     positive = ring.domain.is_positive
@@ -293,50 +292,39 @@ def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> tuple[
         _Column(t.expression, t.order, t.smooth, False, ParameterFunction.quotient(t.coefficient, divisor))
         for t in equation.motion
     ]
-    order, drive = lowest
-    return (sign * sp.Symbol(derivative_name(drive, order)) if equation.force else sp.Integer(0)), columns
-
-
-def _scaled(row: tuple[sp.Expr, list[_Column]]) -> tuple[sp.Expr, list[_Column]]:
-    """An equation without force fixes its parameters up to a factor only: its highest derivative becomes its output."""
-    output, columns = row
-    if output != 0:
-        return row
+    if equation.force:
+        order, drive = lowest
+        return _Row(sign * sp.Symbol(derivative_name(drive, order)), tuple(columns))
     leader = max((column for column in columns if column.smooth), key=lambda column: column.order)
     divisor = leader.function.numerator
-    rest = [
+    rest = (
         replace(c, function=ParameterFunction.quotient(-c.function.numerator, divisor))
         for c in columns
         if c is not leader
-    ]
-    return leader.expression, rest
+    )
+    return _Row(leader.expression, tuple(rest))
 
 
-def _basis(
-    model: InputOutputModel, rows: list[list[_Column]], known: Mapping[int, Any]
-) -> tuple[list[ParameterFunction], list[list[dict[int, Any]]]]:
-    """Functions that span all coefficients, the constant 1 first, and the coordinates of each coefficient in them."""
-    ring = model.operators.ring
+def _basis(model: InputOutputModel, rows: Sequence[_Row]) -> tuple[list[ParameterFunction], list[_Row]]:
+    """Functions that span all coefficients, the constant 1 first, and the rows with their shares of these."""
+    ring, known = model.operators.ring, _known_generators(model)
     one = ParameterFunction(ring.one, ring.one)
+    of_columns = [column.function for row in rows for column in row.columns]
     # The space that the coefficients span over the numbers is fixed; only its basis is a choice. Physical parameters
     # that lie in it go first, so that a model linear in them is identified in them; the coefficients fill up the rest.
-    whole = Span()
-    for function in (one, *(column.function for columns in rows for column in columns)):
+    whole, span = Span(), Span()
+    for function in (one, *of_columns):
         whole.add(function.coordinates(known))
-    span = Span()
     unknown = [generator for i, generator in enumerate(ring.gens) if i and i not in known]
-    physical = [ParameterFunction(ring(generator), ring.one) for generator in unknown]
-    candidates = [
-        function for function in physical if whole.coordinates(function.coordinates(known)) is not None
-    ]
-    of_columns = (_without_constant(column.function, known) for columns in rows for column in columns)
-    basis = [
-        function for function in (one, *candidates, *of_columns) if span.add(function.coordinates(known))
-    ]
-    shares = [
-        [span.coordinates(column.function.coordinates(known)) or {} for column in columns] for columns in rows
-    ]
-    return basis, shares
+    physical = (ParameterFunction(ring(generator), ring.one) for generator in unknown)
+    candidates = [f for f in physical if whole.coordinates(f.coordinates(known)) is not None]
+    others = (_without_constant(function, known) for function in of_columns)
+    basis = [f for f in (one, *candidates, *others) if span.add(f.coordinates(known))]
+
+    def with_shares(column: _Column) -> _Column:
+        return replace(column, shares=span.coordinates(column.function.coordinates(known)) or {})
+
+    return basis, [replace(row, columns=tuple(map(with_shares, row.columns))) for row in rows]
 
 
 def _without_constant(function: ParameterFunction, known: Mapping[int, Any]) -> ParameterFunction:
@@ -352,30 +340,16 @@ def _without_constant(function: ParameterFunction, known: Mapping[int, Any]) -> 
     return ParameterFunction(function.numerator.ring.from_dict(terms), function.denominator)
 
 
-def _place(
-    j: int,
-    basis: list[ParameterFunction],
-    shares: list[list[dict[int, Any]]],
-    rows: list[tuple[sp.Expr, list[_Column]]],
-) -> tuple[int, ...]:
+def _place(j: int, basis: Sequence[ParameterFunction], rows: Sequence[_Row]) -> tuple[int, ...]:
     """Sort key of basis function j: its first equation, and its place there."""
-    for i, ((_, columns), row_shares) in enumerate(zip(rows, shares, strict=True)):
-        holders = [column for column, share in zip(columns, row_shares, strict=True) if j in share]
-        if not holders:
-            continue
-        if all(basis[k].is_linear for share in row_shares for k in share if k != _ONE):
-            return (
-                i,
-                0,
-                min((-c.order, not c.smooth) for c in holders)[0],
-                min((-c.order, not c.smooth) for c in holders)[1],
-                j,
-            )
-        return i, *min(_rising(column) for column in holders), j
-    raise AssertionError("a basis function occurs in no equation")
-
-
-def _rising(column: _Column) -> tuple[int, int, int]:
-    if column.of_force:
-        return 0, -column.order, 0
-    return 1, column.order if column.order >= 0 else _AFTER_ALL_DERIVATIVES, int(not column.smooth)
+    i, row = next((i, row) for i, row in enumerate(rows) if any(j in c.shares for c in row.columns))
+    holders = [column for column in row.columns if j in column.shares]
+    if all(basis[k].is_linear for column in row.columns for k in column.shares if k != _ONE):
+        return i, 0, *min((-c.order, int(not c.smooth)) for c in holders), j
+    rising = (
+        (0, -c.order, 0)
+        if c.of_force
+        else (1, c.order if c.order >= 0 else _AFTER_ALL_DERIVATIVES, int(not c.smooth))
+        for c in holders
+    )
+    return i, *min(rising), j

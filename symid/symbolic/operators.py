@@ -15,7 +15,7 @@ import sympy as sp
 from sympy import QQ
 from sympy.polys.rings import PolyElement, PolyRing
 
-from symid.axis import Axis, Body
+from symid.axis import Axis
 from symid.symbolic.expressions import exact
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 
@@ -63,7 +63,7 @@ class OperatorModel:
             for body in axis.free_bodies
             if (coefficient := displacement.coeff(kinematics.symbol(body))) != 0
         }
-        return _relative_to_absolute(relative, _carriers(axis))
+        return relative_to_absolute(relative, carriers(axis))
 
 
 def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> OperatorModel:
@@ -71,7 +71,7 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
 
     Constants among `numbers` stand in the coefficients as numbers, not as symbols.
     """
-    axis, carriers = model.axis, _carriers(model.axis)
+    axis, carrier_of = model.axis, carriers(model.axis)
     values = {sp.Symbol(name): exact(model.constants[name]) for name in numbers}
     constants = [sp.Symbol(name) for name in model.constants if name not in numbers]
     names = [name for name in axis.parameter_units if axis.known_parameters.get(name) != 0]
@@ -84,11 +84,11 @@ def operator_model(model: InverseDynamicModel, numbers: Sequence[str] = ()) -> O
     motion: dict[str, Row] = {}
     inputs: dict[str, Row] = {}
     force: dict[str, Row] = {}
-    for body in carriers:
+    for body in carrier_of:
         balance = lagrange[body]
-        for carried in (child for child, carrier in carriers.items() if carrier == body):
+        for carried in (child for child, carrier in carrier_of.items() if carrier == body):
             balance = add(balance, lagrange[carried], ring(-1))
-        motion[body] = _relative_to_absolute({b: balance[b] for b in carriers if b in balance}, carriers)
+        motion[body] = relative_to_absolute({b: balance[b] for b in carrier_of if b in balance}, carrier_of)
         inputs[body] = {
             str(w.symbol): balance[str(w.symbol)] for w in model.inputs if str(w.symbol) in balance
         }
@@ -108,22 +108,27 @@ def add(row: Mapping[Any, Any], other: Mapping[Any, Any], factor: Any) -> dict[A
     return total
 
 
-def _carriers(axis: Axis) -> dict[str, str | None]:
+def by_power(entry: PolyElement | None) -> dict[int, PolyElement]:
+    """Coefficients of a polynomial by powers of s, as polynomials in the parameters."""
+    if entry is None:
+        return {}
+    powers: dict[int, dict[tuple[int, ...], Any]] = {}
+    for monomial, value in entry.terms():
+        powers.setdefault(monomial[0], {})[(0, *monomial[1:])] = value
+    return {power: entry.ring.from_dict(terms) for power, terms in powers.items()}
+
+
+def carriers(axis: Axis) -> dict[str, str | None]:
     """For each free body the free body that carries it, if its displacement adds to that body's."""
-    return {
-        body.name: body.on.name
-        if isinstance(body.on, Body) and body.on.geared is None and body.on.turns == body.turns
-        else None
-        for body in axis.free_bodies
-    }
+    return {body.name: body.carrier.name if body.carrier else None for body in axis.free_bodies}
 
 
-def _relative_to_absolute(relative: Mapping[str, Any], carriers: Mapping[str, str | None]) -> dict[str, Any]:
+def relative_to_absolute(relative: Mapping[str, Any], carrier_of: Mapping[str, str | None]) -> dict[str, Any]:
     """Coefficients of relative coordinates as those of absolute ones: q_b = x_b - x_carrier."""
     absolute: dict[str, Any] = {}
     for body, coefficient in relative.items():
         absolute = add(absolute, {body: coefficient}, 1)
-        carrier = carriers[body]
+        carrier = carrier_of[body]
         if carrier is not None:
             absolute = add(absolute, {carrier: coefficient}, -1)
     return absolute

@@ -230,9 +230,8 @@ class _Point:
             self._modular(n) - self._modular(d) * self.field(above.value) / self.field(below.value)
             for (n, d), (above, below) in zip(self.functions, self.evaluated, strict=True)
         ]
-        for i, value in held.items():
-            equations = [_fix(equation, i, value) for equation in equations]
-        return [equation for equation in equations if equation]
+        fixed = [(self.ring.gens[i], value) for i, value in held.items()]
+        return [e for equation in equations if (e := equation.subs(fixed) if fixed else equation)]
 
     def triangular(self) -> TriangularSolution:
         """Closed form at this point: the same steps exist for general minimal parameters."""
@@ -269,20 +268,12 @@ class _Point:
         return total
 
     def _number(self, value: Any) -> Any:
+        """A coefficient, which may hold known constants."""
         if isinstance(value, FracElement):
-            above, below = (self._number_of(part) for part in (value.numer, value.denom))
+            point = [(x, self.constants[str(x)]) for x in value.numer.ring.gens]
+            above, below = (self._number(part.evaluate(point)) for part in (value.numer, value.denom))
             return above / below
         return self.field(int(value.numerator)) / self.field(int(value.denominator))
-
-    def _number_of(self, polynomial: PolyElement) -> Any:
-        total = self.field(0)
-        names = [str(symbol) for symbol in polynomial.ring.symbols]
-        for monomial, c in polynomial.terms():
-            term = self._number(c)
-            for name, power in zip(names, monomial, strict=True):
-                term *= self.field(self.constants[name]) ** power
-            total += term
-        return total
 
     def _jacobian(self) -> DomainMatrix:
         rows = []
@@ -312,15 +303,6 @@ class _Evaluated(NamedTuple):
 
     value: int
     gradient: tuple[int, ...]
-
-
-def _fix(equation: PolyElement, index: int, value: Any) -> PolyElement:
-    """Equation with one generator replaced by a number."""
-    terms: dict[tuple[int, ...], Any] = {}
-    for monomial, c in equation.terms():
-        key = (*monomial[:index], 0, *monomial[index + 1 :])
-        terms[key] = terms.get(key, 0) + c * value ** monomial[index]
-    return equation.ring.from_dict({key: c for key, c in terms.items() if c})
 
 
 def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: PolyRing) -> dict[int, int]:

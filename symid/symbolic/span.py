@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
-Vector = Mapping[Hashable, Any]
+Vector = Mapping[Any, Any]
+
+
+class SpanRow(NamedTuple):
+    """A vector of a span that is 1 at its pivot, and its coordinates in the vectors added."""
+
+    pivot: Hashable
+    vector: dict[Any, Any]
+    coordinates: dict[int, Any]
 
 
 class Span:
@@ -22,22 +30,31 @@ class Span:
     """
 
     def __init__(self) -> None:
-        self._rows: list[tuple[Hashable, dict[Hashable, Any], dict[int, Any]]] = []
-        self.dimension = 0
+        self._rows: list[SpanRow] = []
 
-    def add(self, vector: Vector) -> bool:
-        """Add a vector as the next basis vector; False if it lies in the span already."""
+    def add(self, vector: Vector, pivot: Hashable = None) -> bool:
+        """Add a vector as the next basis vector, by a pivot if it can be one; False if it lies in the span already."""
         remainder, used = self._reduce(vector)
         if not remainder:
             return False
-        pivot = next(iter(remainder))
+        pivot = pivot if pivot in remainder else next(iter(remainder))
         scale = 1 / remainder[pivot]
         row = {key: value * scale for key, value in remainder.items()}
-        combination = {index: -value * scale for index, value in used.items()}
-        combination[self.dimension] = scale
-        self._rows.append((pivot, row, combination))
-        self.dimension += 1
+        coordinates = {index: -value * scale for index, value in used.items()}
+        self._rows.append(SpanRow(pivot, row, {**coordinates, len(self._rows): scale}))
         return True
+
+    def reduced(self) -> list[SpanRow]:
+        """Basis of the span in which each vector is 0 at the pivots of all others."""
+        found: list[SpanRow] = []
+        for pivot, vector, coordinates in reversed(self._rows):
+            row = SpanRow(pivot, dict(vector), dict(coordinates))
+            for other in found:
+                if share := row.vector.get(other.pivot):
+                    subtract(row.vector, other.vector, share)
+                    subtract(row.coordinates, other.coordinates, share)
+            found.insert(0, row)
+        return found
 
     def coordinates(self, vector: Vector) -> dict[int, Any] | None:
         """Coefficients of the added vectors (by index) that give a vector; None if it lies outside."""
@@ -46,11 +63,11 @@ class Span:
 
     def _reduce(self, vector: Vector) -> tuple[dict[Hashable, Any], dict[int, Any]]:
         remainder, used = dict(vector), dict[int, Any]()
-        for pivot, row, combination in self._rows:
+        for pivot, row, coordinates in self._rows:
             share = remainder.get(pivot)
             if share:
                 subtract(remainder, row, share)
-                subtract(used, combination, -share)
+                subtract(used, coordinates, -share)
         return remainder, used
 
 

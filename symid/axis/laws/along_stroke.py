@@ -32,8 +32,6 @@ class PositionStiffness(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     stiffness : str
         Parameter k in N/m or N m/rad.
 
@@ -56,8 +54,6 @@ class Cogging(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     sine, cosine : str
         Parameters As and Ac in N or N m; both may be negative.
     pitch : float
@@ -131,8 +127,6 @@ class PeriodicFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     sine, cosine : str
         Parameters dFs and dFc in N or N m; both may be negative.
     pitch : float
@@ -171,8 +165,6 @@ class PositionDependentFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     linear, quadratic : str
         Parameters dF1 in N/m or N m/rad, dF2 in N/m^2 or N m/rad^2; both may be negative.
 
@@ -204,8 +196,6 @@ class PositionDependentViscousFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     linear, quadratic : str
         Parameters dFv1 in N s/m^2 or N m s/rad^2, dFv2 in N s/m^3 or N m s/rad^3; both may be negative.
 

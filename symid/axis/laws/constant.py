@@ -17,8 +17,6 @@ class OffsetForce(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     level : str
         Parameter in N or N m; it may be negative.
     """

@@ -26,8 +26,6 @@ class ViscousFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     coefficient : str
         Parameter Fv in N s/m or N m s/rad.
     """
@@ -45,8 +43,6 @@ class CoulombFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     level : str
         Parameter Fs in N or N m.
     """
@@ -64,8 +60,6 @@ class AsymmetricFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     viscous, coulomb : tuple of str
         Parameter names for motion in positive and in negative direction.
     """
@@ -94,8 +88,6 @@ class FrictionAsymmetry(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     coulomb, viscous : str
         Parameters dFs in N or N m and dFv in N s/m or N m s/rad; both may be negative.
 
@@ -123,8 +115,6 @@ class ViscousAsymmetry(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     viscous : str
         Parameter dFv in N s/m or N m s/rad, half the difference of the coefficients, forward less backward; it may be
         negative.
@@ -147,8 +137,6 @@ class StribeckFriction(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     level : str
         Parameter dF in N or N m, by which friction at rest exceeds the Coulomb level.
     velocity : float
@@ -176,8 +164,6 @@ class QuadraticDrag(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     coefficient : str
         Parameter c in N s^2/m^2 = kg/m, or N m s^2/rad^2.
 

@@ -17,8 +17,6 @@ class StiffnessNonlinearity(Law):
 
     Parameters
     ----------
-    at : Body or Between
-        The joint.
     cubic : str
         Parameter k3 in N/m^3 or N m/rad^3; negative where the spring becomes softer.
 
