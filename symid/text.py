@@ -40,3 +40,14 @@ def one_line(text: str) -> str:
     'two lines'
     """
     return visible(" ".join(text.split()))
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """A count and its noun, in the plural where there are several.
+
+    Examples
+    --------
+    >>> counted(1, "log"), counted(2, "log"), counted(0, "axis", "axes")
+    ('1 log', '2 logs', '0 axes')
+    """
+    return f"{count} {one if count == 1 else many or one + 's'}"

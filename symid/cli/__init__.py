@@ -85,7 +85,6 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _run(arguments: list[str] | None) -> int:
-    """Exit code of a command."""
     try:
         code = group.main(arguments, prog_name="symid", standalone_mode=False)
     except click.UsageError as error:

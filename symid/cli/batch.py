@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from symid.axis import Axis, load_axis
-from symid.cli.fleet import page_of, write_page
+from symid.cli.fleet import write_page
 from symid.cli.identify import loop_options
 from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, priors_of
 from symid.cli.log_options import (
@@ -26,6 +26,7 @@ from symid.cli.options import (
     give_result,
     json_option,
     measured_option,
+    page_of,
     parameter_file,
     shared,
     signal_list,
@@ -127,8 +128,7 @@ def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: 
     if page:
         with working("reviewing"):
             write_page(review_fleet(batch.table, units=batch.units), page)
-    record = summary_of(batch)
-    give_result(record, json_file, print_batch)
+    give_result(summary_of(batch), json_file, print_batch)
 
 
 def _axes(names: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[str | Axis, ...]:

@@ -20,8 +20,10 @@ from symid.cli.options import (
     late_option,
     measured_option,
     numbers,
+    page_of,
     parameter_file,
     reference_file,
+    report_option,
     write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
@@ -82,7 +84,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
     type=Output("axis"),
     help="Write the axis with the effects found, and their values beside it in FILE.json.",
 )
-@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
+@report_option
 @overwrite_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
@@ -108,11 +110,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
     if experiment:
         declared.require_one_drive()  # before the diagnosis takes its time
-    if options["report"]:
-        from symid.report.diagnosis_page import write_html  # jinja2 is loaded only where a page is written
-        from symid.report.pages import html_path
-
-        page = html_path(options["report"])
+    page = page_of(options["report"])
     with working("diagnosing"):
         if simulated:
             found = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
@@ -121,10 +119,13 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             found = diagnose(declared, runs, validation=validation, nominal=nominal, **recorded)
     if experiment:
         found = _with_experiment(found, limits, experiment)
-    record = diagnosis_record(found)
-    if options["report"]:
+    if page:
+        from symid.report.diagnosis_page import (
+            write_html,  # bokeh and jinja2 are loaded only where a page is written
+        )
+
         write_html(found, page)
-    give_result(record, options["json_file"], print_diagnosis)
+    give_result(diagnosis_record(found), options["json_file"], print_diagnosis)
     if options["write_axis"]:
         _write_axis(found, Path(options["write_axis"]))
 

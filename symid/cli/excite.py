@@ -21,6 +21,7 @@ from symid.cli.options import (
     json_option,
     measured_option,
     parameter_file,
+    parameter_option,
     reference_file,
     shared,
     signal_list,
@@ -64,9 +65,7 @@ _run_options = shared(
     "--limits travel=0.4m,speed=1m/s,acceleration=8m/s^2,force=2kN -o reference.csv",
 )
 @click.argument("axis")
-@click.option(
-    "--parameters", "file", required=True, metavar="P.json", help="Rough values of the parameters, SI."
-)
+@parameter_option("Rough values of the parameters, SI.")
 @click.option(
     "--noise", multiple=True, required=True, metavar="SIGNAL=STD", help="White noise of a signal, SI."
 )

@@ -62,12 +62,7 @@ def command(axis: str, **options: Any) -> None:
     exported = _exported(declared, values, options)
     written = _write(exported, options["output"]) if options["output"] else []
     if options["json_file"]:
-        record = {
-            "axis": declared.name,
-            "to": options["to"],
-            "files": written,
-            "losses": list(exported.losses),
-        }
+        record = {"axis": declared.name, "to": options["to"], "files": written, "losses": exported.losses}
         write_json(record if written else {**record, "text": exported.files}, options["json_file"])
     if not written and options["json_file"] != "-":
         say(exported.whole, end="")

@@ -10,8 +10,8 @@ from typing import Any
 import click
 
 from symid.axis import load_axis
-from symid.cli.options import give_result, json_option, signal_list
-from symid.cli.outputs import Output, SafeCommand
+from symid.cli.options import give_result, json_option, page_of, report_option, signal_list
+from symid.cli.outputs import SafeCommand
 from symid.cli.progress import working
 from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
@@ -65,7 +65,7 @@ from symid.signals import is_signal_name
     metavar="AXIS",
     help="File of an axis in the results, for --joint, where its name does not find it.",
 )
-@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
+@report_option
 @json_option
 def command(results: str, **options: Any) -> None:
     """Review RESULTS of a batch: spread between runs, changes over time, outliers, effects."""
@@ -89,13 +89,6 @@ def command(results: str, **options: Any) -> None:
         write_page(found, page, joined)
     record = fleet_record(found, joined)
     give_result(record, options["json_file"], print_fleet)
-
-
-def page_of(file: str | None) -> Path | None:
-    """Path of a page, checked before any work is done."""
-    from symid.report.pages import html_path
-
-    return html_path(file) if file else None
 
 
 def write_page(

@@ -39,17 +39,19 @@ from symid.cli.options import (
     held_force,
     json_option,
     measured_option,
+    page_of,
     parameter_file,
+    plot_option,
+    report_option,
     shared,
     signal_list,
 )
-from symid.cli.outputs import Output, SafeCommand
+from symid.cli.outputs import SafeCommand
 from symid.cli.progress import tracked, working
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (
     Identification,
-    Prediction,
     Preparation,
     identify_with_known,
     measured_signals,
@@ -107,20 +109,15 @@ loop_options = shared(
     help="Memory for a log; a longer CSV or Parquet file is identified in blocks (wls and ols).",
 )
 @click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
-@click.option(
-    "--plot",
-    metavar="FILE",
-    type=Output("picture"),
-    help="Draw model and measurement, residual, frequency response and confidence ellipses (png, svg or pdf).",
-)
-@click.option("--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on.")
+@plot_option("model and measurement, residual, frequency response and confidence ellipses")
+@report_option
 @dark_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
     declared = load_axis(axis)
-    if options["report"]:
-        _require_page(options)
+    if page_of(options["report"]) and options["method"] == "oe":
+        raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")
     runs = [_opened(declared, file, options) for file in tracked(logs, "reading logs")]
     signals = measured_signals(declared, runs, signal_list(options["measured"]))
     validating = read_log_of(declared, options["validation"], options) if options["validation"] else None
@@ -131,33 +128,31 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         return
     found = _identified(axis, runs, signals, fixed, options)
     # output error may have no start to begin at
-    validation = found.predict(validating) if validating and found.fit is not None else None
+    validation: Any = found.predict(validating) if validating and found.fit is not None else None
     if options["method"] == "oe":
         from symid.report.output_error import output_error_record  # sympy takes half a second to load
 
-        record = output_error_record(cast("Any", found), cast("Any", validation))
+        record = output_error_record(cast("OutputErrorIdentification", found), validation)
     else:
-        record = identification_record(cast("Identification", found), cast("Prediction | None", validation))
+        record = identification_record(cast("Identification", found), validation)
+    # of a long log, the first block is drawn
+    drawn = [run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples)) for run in runs]
+    drawn += [validating] if validating and validation is not None else []
     if options["plot"]:
         from symid.report.plots import identification_figure, save_figure  # matplotlib takes a second to load
 
-        drawn = identification_figure(
-            found,
-            validation,
-            axis=known,
-            runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
-            palette=palette_of(options["dark"]),
-        )
-        save_figure(drawn, options["plot"])
+        palette = palette_of(options["dark"])
+        figure = identification_figure(found, validation, axis=known, runs=drawn, palette=palette)
+        save_figure(figure, options["plot"])
     if options["report"]:
         from symid.report.identification_page import write_identification_html  # as above
 
         write_identification_html(
             cast("Identification", found),
             options["report"],
-            cast("Prediction | None", validation),
+            validation,
             axis=declared,
-            runs=[*map(_drawn, runs), *([validating] if validation is not None and validating else [])],
+            runs=drawn,
             command=shlex.join(["symid", *sys.argv[1:]]),
         )
     give_result(record, options["json_file"], print_identification)
@@ -180,17 +175,7 @@ def _by_known_values(
         preparation=_preparation(declared, options),
         nominal=parameter_file(options["nominal"], declared) if options["nominal"] else None,
     )
-    record = shared_record(found)
-    give_result(record, options["json_file"], print_shared)
-
-
-def _require_page(options: dict[str, Any]) -> None:
-    """Refuse a page that cannot be written before any work is done."""
-    from symid.report.pages import html_path
-
-    html_path(options["report"])
-    if options["method"] == "oe":
-        raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")
+    give_result(shared_record(found), options["json_file"], print_shared)
 
 
 def _identified(
@@ -200,7 +185,6 @@ def _identified(
     fixed: dict[str, float],
     options: dict[str, Any],
 ) -> Identification | OutputErrorIdentification:
-    """Identify by the method that was asked for."""
     declared, method = load_axis(axis), options["method"]
     unknown = declared.with_known(fixed) if fixed else declared
     loop = None
@@ -236,8 +220,3 @@ def _opened(declared: Axis, file: str, options: dict[str, Any]) -> AnyLog:
     whole = options["method"] in ("iv", "oe")
     log = open_axis_log(declared, file, memory=memory, whole=whole, **log_settings(declared, options))
     return replace(log, notes=(*log.notes, *said_guesses(options)))
-
-
-def _drawn(run: AnyLog) -> Log:
-    """The part of a log in plots: its first block."""
-    return run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples))

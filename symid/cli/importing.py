@@ -13,7 +13,7 @@ import click
 from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
 from symid.cli.number_types import POSITIVE, Number
-from symid.cli.options import dark_option, give_result, json_option, write_json
+from symid.cli.options import dark_option, give_result, json_option, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
@@ -62,9 +62,7 @@ class ForeignFile:
     type=Output("mapping"),
     help="Write the mapping, for --mapping of other commands.",
 )
-@click.option(
-    "--plot", metavar="FILE", type=Output("picture"), help="Draw the columns over time (png, svg or pdf)."
-)
+@plot_option("the columns over time")
 @click.option(
     "--ask/--no-ask",
     default=None,
@@ -96,9 +94,14 @@ def command(log: str, **options: Any) -> None:
         plot_foreign(look.table, look.columns, look.period, options["plot"], palette)
     if mapping and options["output"]:
         write_json(mapping.as_record, options["output"])
-    give_result(
-        _record(log, look, mapping), options["json_file"], lambda _: _show_mapping(log, mapping, options)
-    )
+    record = {
+        "log": log,
+        "layout": asdict(look.layout) if look.layout else None,
+        "sampling_period": look.period,
+        "columns": [asdict(column) for column in look.columns],
+        "mapping": mapping.as_record if mapping else None,
+    }
+    give_result(record, options["json_file"], lambda _: _show_mapping(log, mapping, options))
 
 
 def _asks(options: dict[str, Any]) -> bool:
@@ -128,16 +131,6 @@ def _mapping(look: ForeignFile, axis: Axis, known: Known) -> LogMapping:
         gain=known.gain,
         rated=known.rated,
     )
-
-
-def _record(log: str, look: ForeignFile, mapping: LogMapping | None) -> dict[str, Any]:
-    return {
-        "log": log,
-        "layout": asdict(look.layout) if look.layout else None,
-        "sampling_period": look.period,
-        "columns": [asdict(column) for column in look.columns],
-        "mapping": mapping.as_record if mapping else None,
-    }
 
 
 def _show_columns(log: str, look: ForeignFile) -> None:

@@ -139,7 +139,7 @@ def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparati
         filter_force=options["filtered"] == "all",
         decimation=options["decimation"],
         trim=_trim(options["trim"]),
-        standstill=standstill_of(options),
+        standstill=None if options["standstill"] is None else number(options["standstill"], "--standstill"),
         late=late,
         difference_order=options["differences"],
     )
@@ -159,11 +159,6 @@ def late_of(options: dict[str, Any]) -> dict[str, float]:
         **mapping_of(options).late,
         **{name: seconds_of(text, f"--late {name}") for name, text in given.items()},
     }
-
-
-def standstill_of(options: dict[str, Any]) -> float | None:
-    """Speed of ``--standstill`` in SI, None if it is left to the log."""
-    return None if options["standstill"] is None else number(options["standstill"], "--standstill")
 
 
 _SAMPLES = re.compile(r"[0-9]{1,12}")

@@ -48,6 +48,9 @@ gain_option = click.option(
     help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
 )
 
+report_option = click.option(
+    "--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on."
+)
 bandwidth_option = click.option(
     "--bandwidth",
     type=POSITIVE,
@@ -66,6 +69,25 @@ _CASCADE = {
     "Kfa": "acceleration_feedforward",
     "Kfv": "velocity_feedforward",
 }
+
+
+def plot_option(what: str) -> Callable[[Any], Any]:
+    """Option ``--plot`` of a command that draws something."""
+    return click.option(
+        "--plot", metavar="FILE", type=Output("picture"), help=f"Draw {what} (png, svg or pdf)."
+    )
+
+
+def parameter_option(what: str) -> Callable[[Any], Any]:
+    """Option ``--parameters`` of a command that needs the physical parameters."""
+    return click.option("--parameters", "file", required=True, metavar="P.json", help=what)
+
+
+def page_of(file: str | None) -> Path | None:
+    """Path of a page, refused before any work is done if it cannot be written."""
+    from symid.report.pages import html_path  # jinja2 is loaded only where a page is written
+
+    return html_path(file) if file else None
 
 
 def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:

@@ -45,14 +45,13 @@ def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Itera
     ['a', 'b']
     """
     if not _is_watched():
-        return iter(items)
-    return _with_bar(items, what, total if total is not None or not isinstance(items, Sized) else len(items))
-
-
-def _with_bar(items: Iterable[Item], what: str, total: int | None) -> Iterator[Item]:
+        yield from items
+        return
     from rich.console import Console  # takes 50 ms to load
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+    if total is None and isinstance(items, Sized):
+        total = len(items)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import click
 
 from symid.axis import load_axis
-from symid.cli.options import dark_option, give_result, json_option, measured_option, signal_list
-from symid.cli.outputs import Output, SafeCommand
+from symid.cli.options import dark_option, give_result, json_option, measured_option, plot_option, signal_list
+from symid.cli.outputs import SafeCommand
 from symid.report.colours import palette_of
 from symid.report.derivation import derivation_record, print_derivation
 from symid.symbolic import derive
@@ -15,9 +15,7 @@ from symid.symbolic import derive
 @click.command("show", cls=SafeCommand, epilog="Example: symid show direct_2m1s --measured q2,ddq1")
 @click.argument("axis")
 @measured_option
-@click.option(
-    "--plot", metavar="FILE", type=Output("picture"), help="Draw the schematic of the axis (png, svg or pdf)."
-)
+@plot_option("the schematic of the axis")
 @dark_option
 @json_option
 def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_file: str | None) -> None:

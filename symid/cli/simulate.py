@@ -18,14 +18,15 @@ from symid.cli.options import (
     bandwidth_option,
     cascade_gains,
     gain_option,
+    give_result,
     json_option,
     number,
     numbers,
     parameter_file,
+    parameter_option,
     require_signals,
     seconds_of,
     shared,
-    write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import tracked
@@ -100,9 +101,7 @@ controller_options = shared(
     "simulate", cls=SafeCommand, epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv"
 )
 @click.argument("axis")
-@click.option(
-    "--parameters", "file", required=True, metavar="P.json", help="Values of the physical parameters, SI."
-)
+@parameter_option("Values of the physical parameters, SI.")
 @click.option(
     "-o",
     "--output",
@@ -150,15 +149,14 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         "largest_force": float(abs(run.forces).max()),
         "reference": {"seconds": trajectory.duration, **_reached(trajectory)},
     }
-    if json_file:
-        write_json(record, json_file)
-    if json_file != "-":
-        duration = trajectory.duration
+    duration, done = trajectory.duration, f"{run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz"
+
+    def show(_: object) -> None:
         if options["trajectory"] in ("chirp", "multisine") and not options["open_loop"]:
             say(_said_reach(declared, trajectory, options))
-        say(
-            f"wrote {output}: {run.log.n_samples} samples at {run.log.sampling_frequency:g} Hz, {duration:g} s"
-        )
+        say(f"wrote {output}: {done}, {duration:g} s")
+
+    give_result(record, json_file, show)
 
 
 def with_imperfections(axis: Axis, options: dict[str, Any]) -> Axis:
@@ -190,7 +188,7 @@ def runs_of(
         return tuple(OpenLoop(log[drive.signal]) for drive in axis.drives), (path,) * len(axis.drives)
     file = options["trajectory"]
     if not Path(file).suffix:
-        trajectories = (trajectory_of(axis, options),) * len(axis.drives)
+        trajectories = (_trajectory(options),) * len(axis.drives)
     else:
         unit = axis.signal_units[axis.controlled]
         own = {f"reference_{drive.signal}": unit for drive in axis.drives}
@@ -205,8 +203,7 @@ def cascades_of(axis: Axis, plant: Plant, options: dict[str, Any]) -> tuple[Casc
     return tuple(cascade.with_gains(**cascade_gains(options["gains"])) for cascade in tuned)
 
 
-def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:
-    """Reference of the trajectory options."""
+def _trajectory(options: dict[str, Any]) -> Trajectory:
     period, kind = 1.0 / options["rate"], options["trajectory"]
     if kind == "trapezoids":
         return trapezoids(
@@ -220,19 +217,10 @@ def trajectory_of(axis: Axis, options: dict[str, Any]) -> Trajectory:
     low, high = band_of(options["band"])
     seconds = options["seconds"]
     if kind == "chirp":
-        of_size = partial(
-            chirp,
-            *(low, high, seconds),
-            sampling_period=period,
-            quantity=options["amplitude_of"],
-            sweep="logarithmic",
-        )
-        return _within(options, of_size)
+        swept = {"quantity": options["amplitude_of"], "sweep": "logarithmic"}
+        return _within(options, partial(chirp, low, high, seconds, sampling_period=period, **swept))
     if kind == "multisine":
         return _within(options, partial(_multisine, (low, high), seconds, options["rate"]))
-    if Path(kind).suffix:
-        unit = axis.signal_units[axis.controlled]
-        return from_log(read_log(kind, expected={"reference": unit}))
     raise SettingError(
         f"trajectory {kind!r} is not known: use trapezoids, chirp, multisine or the path of a log"
     )

@@ -20,9 +20,11 @@ from symid.cli.options import (
     measured_option,
     numbers,
     parameter_file,
+    parameter_option,
+    plot_option,
     signal_list,
 )
-from symid.cli.outputs import Output, SafeCommand
+from symid.cli.outputs import SafeCommand
 from symid.cli.progress import tracked
 from symid.cli.simulate import band_of, cascades_of, controller_options, runs_of, trajectory_options
 from symid.codegen import model_of
@@ -61,9 +63,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     epilog="Example: symid tune direct_2m1s --parameters P.json --measured q2,ddq1 --plot tuning.png",
 )
 @click.argument("axis")
-@click.option(
-    "--parameters", "file", required=True, metavar="P.json", help="A priori values of the parameters, SI."
-)
+@parameter_option("A priori values of the parameters, SI.")
 @measured_option
 @click.option(
     "--max-lowpass-error",
@@ -114,9 +114,7 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
 )
 @late_option
 @log_options
-@click.option(
-    "--plot", metavar="FILE", type=Output("picture"), help="Draw the errors by frequency (png, svg or pdf)."
-)
+@plot_option("the errors by frequency")
 @dark_option
 @json_option
 def command(axis: str, file: str, json_file: str | None, **options: Any) -> None:
@@ -169,16 +167,8 @@ def _total(name: str, declared: Axis, parameters: dict[str, float], options: dic
         controller, trajectory = _run_of(declared, plant_of(declared, parameters), options)
         runs = (exact_run(declared, parameters, trajectory, controller),)
         settings = Preparation(order=options["order"])
-        return tune_total(
-            declared,
-            model,
-            parameters,
-            runs,
-            options["log_rate"],
-            given,
-            preparation=settings,
-            track=_tracked,
-        )
+        rate, track = options["log_rate"], _tracked
+        return tune_total(declared, model, parameters, runs, rate, given, preparation=settings, track=track)
     log = read_log_of(declared, options["noise_from"], options)
     model = model_of(name, measured_signals(declared, [log], signal_list(options["measured"])))
     held = held_force(options["held"], declared)

@@ -3,17 +3,14 @@
 from symid.data.checks import inspect_values
 from symid.data.clock import MINIMUM_SAMPLES, Clock, inspect_clock
 from symid.data.columns import REFERENCE, references_of
-from symid.data.filtering import (
-    LowPass,
+from symid.data.differences import (
     central_difference,
     central_difference_gain,
-    decimate,
-    decimation_filter,
     derivatives,
     difference_factors,
     differencing_bandwidth,
-    kept_indices,
 )
+from symid.data.filtering import LowPass, decimate, decimation_filter, kept_indices
 from symid.data.foreign import ForeignColumn, foreign_columns
 from symid.data.formats import open_table
 from symid.data.frames import Frame

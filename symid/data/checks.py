@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from symid.arrays import FloatArray
-from symid.data.clock import describe
+from symid.data.clock import place_of
+from symid.text import counted
 
 _LARGEST: Final = 1e15  # in SI: beyond it a number is damaged
 _SMALLEST: Final = 1e-30
@@ -63,14 +63,14 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
         bad = np.flatnonzero(~np.isfinite(x))
         if bad.size:
             faults.append(
-                f"{name!r} has {describe(bad.size, 'value')} empty or not finite, the first at "
-                f"t = {time[bad[0]]:.7g} s (row {before + bad[0] + 1}): repair or cut out those rows"
+                f"{name!r} has {counted(bad.size, 'value')} empty or not finite, the first at "
+                f"{place_of(time, bad[0], before)}: repair or cut out those rows"
             )
             continue
         largest = int(np.argmax(np.abs(x)))
         if abs(x[largest]) > _LARGEST:
             faults.append(
-                f"{name!r} has a value of {x[largest]:.3g} at t = {time[largest]:.7g} s (row {before + largest + 1}), "
+                f"{name!r} has a value of {x[largest]:.3g} at {place_of(time, largest, before)}, "
                 "which no sensor measures: repair or cut out such rows"
             )
     return tuple(faults)
@@ -85,7 +85,10 @@ def said_range(name: str, lowest: float, highest: float) -> str | None:
     True
     """
     if lowest == highest:
-        return said_constant(name, lowest)
+        return (
+            f"{name!r} is constant ({lowest:g}) over the whole log: "
+            "check its sensor or leave it out of the measured signals"
+        )
     if max(abs(lowest), abs(highest)) < _SMALLEST:
         return f"{name!r} has no value above {_SMALLEST:g}: check its unit and its sensor"
     return None
@@ -106,38 +109,28 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
     faults = []
     for name, x in signals.items():
         jumps = _jumps(x)
-        if jumps.size:
-            first = int(jumps[0])
-            more = f", and {describe(jumps.size - 1, 'time')} more" if jumps.size > 1 else ""
+        if jumps:
+            first = jumps[0]
+            more = f", and {counted(len(jumps) - 1, 'time')} more" if len(jumps) > 1 else ""
             faults.append(
-                f"{name!r} jumps by {x[first] - x[first - 1]:.3g} at t = {time[first]:.7g} s "
-                f"(row {before + first + 1}){more}: split the log there, or repair the channel"
+                f"{name!r} jumps by {x[first] - x[first - 1]:.3g} at {place_of(time, first, before)}{more}: "
+                "split the log there, or repair the channel"
             )
     return tuple(faults)
 
 
-def _jumps(x: FloatArray) -> npt.NDArray[np.intp]:
-    """Samples before which a position jumps."""
+def _jumps(x: FloatArray) -> list[int]:
+    """Samples before which a position jumps: the step is far larger than those nearby, its neighbours left out."""
     if x.size < 2 * _NEAR:
-        return np.zeros(0, dtype=np.intp)
+        return []
     bend = np.abs(np.diff(x, 2))
     odd = np.minimum(bend[:-1], bend[1:])  # of the step from sample i + 1 to i + 2
     coarse = np.abs(np.diff(x))
     finest = float(np.min(coarse, where=coarse > 0, initial=np.inf))
     least = max(_JUMP_STEPS * finest, _JUMP_RANGE * float(np.ptp(x)))
-    candidates = np.flatnonzero(odd > least)
-    return np.array([i + 2 for i in candidates if _stands_out(odd, int(i))], dtype=np.intp)
-
-
-def _stands_out(odd: FloatArray, place: int) -> bool:
-    """Whether a step is far larger than those nearby, without its direct neighbours."""
-    before, after = odd[max(place - _NEAR, 0) : max(place - 2, 0)], odd[place + 3 : place + 3 + _NEAR]
-    return bool(odd[place] > _JUMP_RATIO * max(np.max(before, initial=0.0), np.max(after, initial=0.0)))
-
-
-def said_constant(name: str, value: float) -> str:
-    """Fault of a channel that never changes."""
-    return (
-        f"{name!r} is constant ({value:g}) over the whole log: "
-        "check its sensor or leave it out of the measured signals"
-    )
+    jumps = []
+    for i in np.flatnonzero(odd > least).tolist():
+        nearby = np.concatenate([odd[max(i - _NEAR, 0) : max(i - 2, 0)], odd[i + 3 : i + 3 + _NEAR]])
+        if odd[i] > _JUMP_RATIO * np.max(nearby, initial=0.0):
+            jumps.append(i + 2)
+    return jumps

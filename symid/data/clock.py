@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
+from symid.text import counted
 
 MINIMUM_SAMPLES: Final = 25
 """Fewest samples of a log: one more than the decimation filter continues a signal at its ends."""
 
-_CLOCK_DIFFERENCE: Final = (
-    0.002  # relative; the rates of real clocks differ by 0.0001, changed settings by more
-)
+_CLOCK_DIFFERENCE: Final = 0.002  # relative; real clocks differ by 0.0001, changed settings by more
 _LARGEST_TIME: Final = 1e12  # s, 30 000 years: a larger number is damaged
 _JITTER: Final = 0.01  # of the period, rms: the largest accepted deviation of an interval from it
 _WORTH_A_NOTE: Final = 0.5  # share of the accepted jitter
@@ -84,16 +83,24 @@ def inspect_clock(
     """
     if time.size < max(minimum, 2):
         return Clock(
-            0.0, float("nan"), (f"has only {describe(time.size, 'sample')}: at least {minimum} are required",)
+            0.0, float("nan"), (f"has only {counted(time.size, 'sample')}: at least {minimum} are required",)
         )
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
     if intervals.max() - intervals.min() < _CLOCK_DIFFERENCE * intervals.min():  # uniform; nan never is
         return Clock(float(time[0]), _rounded(_slope(time)))
     forward = np.flatnonzero(intervals > 0.0)
-    faults = _not_finite(time, before)
-    step = written_step(time)
-    coarse = _too_coarse(intervals, forward.size, step)
+    step, faults = written_step(time), []
+    missing = np.flatnonzero(~np.isfinite(time))
+    if missing.size:
+        faults.append(
+            f"t has {counted(missing.size, 'value')} empty or no possible time, "
+            f"the first in row {before + missing[0] + 1}: repair or cut out those rows"
+        )
+    repeated = np.count_nonzero(intervals == 0.0)
+    coarse = bool(
+        forward.size and repeated > 0.2 * intervals.size and np.median(intervals[forward]) < 1.5 * step
+    )
     if coarse:
         faults.append("t is written too coarsely, many samples share a time: write more digits")
     else:
@@ -101,7 +108,11 @@ def inspect_clock(
     if forward.size < 2 or coarse:
         return Clock(0.0, float("nan"), tuple(faults) or ("t does not advance: give times in s",))
     rate = _rate(intervals, forward, step)
-    faults += _changed(time, rate, before)
+    if rate.change is not None:
+        faults.append(
+            f"t changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
+            f"{place_of(time, rate.change, before)}: split the log there, or give --resample own"
+        )
     late, wide = _lateness(intervals, rate, step)
     faults += _gaps(time, intervals, wide, rate, before)
     fault, note = _jitter(time, np.where(wide, 0.0, late), intervals > 0.0, rate.before)
@@ -177,40 +188,28 @@ def written_step(time: FloatArray) -> float:
     return float(np.spacing(largest))
 
 
-def describe(count: int, what: str) -> str:
-    """Count and noun, in the plural where there are several."""
-    return f"{count} {what}{'' if count == 1 else 's'}"
+def place_of(time: FloatArray, sample: int, before: int = 0) -> str:
+    """Time and row of a sample in messages; `before` counts the rows before the first of these times.
 
-
-def _not_finite(time: FloatArray, before: int) -> list[str]:
-    bad = np.flatnonzero(~np.isfinite(time))
-    if not bad.size:
-        return []
-    return [
-        f"t has {describe(bad.size, 'value')} empty or no possible time, "
-        f"the first in row {before + bad[0] + 1}: repair or cut out those rows"
-    ]
+    Examples
+    --------
+    >>> place_of(np.array([0.0, 0.5]), 1, before=10)
+    't = 0.5 s (row 12)'
+    """
+    return f"t = {time[sample]:.7g} s (row {before + sample + 1})"
 
 
 def _not_forward(time: FloatArray, intervals: FloatArray, before: int) -> list[str]:
     faults = []
-    repeated, backwards = ("repeated time", "repeated times"), ("step backwards", "steps backwards")
-    for bad, (what, several) in ((intervals == 0.0, repeated), (intervals < 0.0, backwards)):
+    repeated, backwards = ("repeated time", ""), ("step backwards", "steps backwards")
+    for bad, words in ((intervals == 0.0, repeated), (intervals < 0.0, backwards)):
         where = np.flatnonzero(bad)
         if where.size:
-            first = where[0] + 1
             faults.append(
-                f"t has {where.size} {what if where.size == 1 else several}, the first at "
-                f"t = {time[first]:.7g} s (row {before + first + 1}): remove those rows or split the log there"
+                f"t has {counted(where.size, *words)}, the first at "
+                f"{place_of(time, where[0] + 1, before)}: remove those rows or split the log there"
             )
     return faults
-
-
-def _too_coarse(intervals: FloatArray, n_forward: int, step: float) -> bool:
-    repeated = np.count_nonzero(intervals == 0.0)
-    if repeated <= 0.2 * intervals.size or not n_forward:
-        return False
-    return bool(np.median(intervals[intervals > 0.0]) < 1.5 * step)
 
 
 def _rate(intervals: FloatArray, forward: npt.NDArray[np.intp], step: float) -> _Rate:
@@ -246,15 +245,6 @@ def _best_cut(periods: FloatArray) -> int:
     return int(np.argmax(difference * np.sqrt(left * right))) + 1
 
 
-def _changed(time: FloatArray, rate: _Rate, before: int) -> list[str]:
-    if rate.change is None:
-        return []
-    return [
-        f"t changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
-        f"t = {time[rate.change]:.7g} s (row {before + rate.change + 1}): split the log there, or give --resample own"
-    ]
-
-
 def _lateness(intervals: FloatArray, rate: _Rate, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """Deviation of each interval beyond the rounding of the times, and which intervals are gaps."""
     late = np.empty_like(intervals)
@@ -280,8 +270,7 @@ def _gaps(
     first = where[0]
     period = rate.before if rate.change is None or first < rate.change else rate.after
     return [
-        f"t has {describe(where.size, 'gap')}, the first after "
-        f"t = {time[first]:.7g} s (row {before + first + 1}), "
+        f"t has {counted(where.size, 'gap')}, the first after {place_of(time, first, before)}, "
         f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there, or give --resample own"
     ]
 

@@ -56,7 +56,13 @@ class Assignment:
 
 def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
     """Column and factor of each signal that the file has; raises all faults of the assignment together."""
-    faults = list(_unknown_keys(given))
+    made = (name for name, _ in given.alternatives.values())
+    known = {TIME, *given.expected, *made, *references_of(given.expected)}
+    faults = [
+        f"signal {key!r} is not known{_similar(key, known)}: the axis has {', '.join(given.expected)}"
+        for key in dict.fromkeys([*given.columns, *given.units, *given.gains])
+        if key not in known
+    ]
     sources: list[Source] = []
     for signal in dict.fromkeys((TIME, *given.expected, *references_of(given.expected))):
         try:
@@ -85,17 +91,6 @@ def names_of(headers: Collection[str]) -> frozenset[str]:
     ['q', 'q [mm]']
     """
     return frozenset(headers) | {split_unit(header)[0] for header in headers}
-
-
-def _unknown_keys(given: Assignment) -> list[str]:
-    made = (name for name, _ in given.alternatives.values())
-    known = {TIME, *given.expected, *made, *references_of(given.expected)}
-    keys = dict.fromkeys([*given.columns, *given.units, *given.gains])
-    return [
-        f"signal {key!r} is not known{_similar(key, known)}: the axis has {', '.join(given.expected)}"
-        for key in keys
-        if key not in known
-    ]
 
 
 def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:

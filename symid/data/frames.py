@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
-from symid.data.clock import inspect_clock
+from symid.data.clock import Clock, inspect_clock
 from symid.data.columns import REFERENCE, TIME, split_unit
 from symid.data.table import Table
 from symid.errors import LogError
@@ -48,15 +49,6 @@ def table_of(frame: Frame) -> Table:
     return Table(headers, lambda positions: [_values(columns[headers[position]]) for position in positions])
 
 
-class Uniform(NamedTuple):
-    """Signals of a frame on a uniform clock, SI, and notes on irregularities."""
-
-    signals: dict[str, FloatArray]
-    start: float
-    sampling_period: float
-    notes: tuple[str, ...]
-
-
 def uniform(
     frame: Frame,
     *,
@@ -65,8 +57,8 @@ def uniform(
     gains: Mapping[str, float] | None = None,
     sampling_period: float | None = None,
     source: str,
-) -> Uniform:
-    """Signals of a frame: parameters and errors as those of `Log.from_frame`."""
+) -> tuple[dict[str, FloatArray], Clock]:
+    """Signals of a frame, SI, and their clock: parameters and errors as those of `Log.from_frame`."""
     table, given = table_of(frame), dict(columns or {})
     signals_by_column = {column: signal for signal, column in given.items()}
     values: dict[str, FloatArray] = {}
@@ -90,7 +82,10 @@ def uniform(
             f"{source}: there is no column {given[lacking[0]]!r} of numbers for {lacking[0]!r}: it has "
             f"{', '.join(table.headers)}"
         )
-    return _clocked(values, sampling_period, source, notes)
+    clock = _clock(values.pop(TIME, None), sampling_period, source)
+    missing = [n for n, x in values.items() if n.startswith(REFERENCE) and not np.isfinite(x).all()]
+    signals = {name: x for name, x in values.items() if name not in missing}
+    return signals, replace(clock, notes=(*notes, *clock.notes))
 
 
 def _columns_of(frame: Frame) -> dict[str, Any]:
@@ -145,21 +140,17 @@ def _factor(text: str, *, is_time: bool) -> float:
     return factor
 
 
-def _clocked(values: dict[str, FloatArray], period: float | None, source: str, notes: list[str]) -> Uniform:
-    """Values on the clock of their time, or with a period where there is none."""
-    time = values.pop(TIME, None)
-    signals = {
-        name: x for name, x in values.items() if not name.startswith(REFERENCE) or np.isfinite(x).all()
-    }
+def _clock(time: FloatArray | None, period: float | None, source: str) -> Clock:
+    """The clock of the times of a frame, or of a given period where it has none."""
     if time is None:
         if period is None:
             raise LogError(
                 f"{source}: there is no column 't' of the time: give columns={{'t': NAME}} or sampling_period"
             )
-        return Uniform(signals, 0.0, period, tuple(notes))
+        return Clock(0.0, period)
     if period is not None:
         raise LogError(f"{source}: there is a column 't': give no sampling period beside it")
     clock = inspect_clock(time)
     if clock.faults:
         raise LogError(f"{source}: {'; '.join(clock.faults)}")
-    return Uniform(signals, clock.start, clock.period, (*notes, *clock.notes))
+    return clock

@@ -155,11 +155,11 @@ class Log(Shown):
         >>> log.sampling_period, log["q"][:3].tolist()
         (0.001, [0.0, 0.001, 0.002])
         """
-        found = uniform(
+        found, clock = uniform(
             frame, columns=columns, units=units, gains=gains, sampling_period=sampling_period, source=source
         )
-        signals = {name: _finite_copy(source, name, values) for name, values in found.signals.items()}
-        return cls(source, found.start, found.sampling_period, signals, found.notes)
+        signals = {name: _finite_copy(source, name, values) for name, values in found.items()}
+        return cls(source, clock.start, clock.period, signals, clock.notes)
 
     def to_frame(self) -> pl.DataFrame:
         """A polars data frame with a column ``t`` of the time, s, and one for each signal, SI.

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, FloatArray
-from symid.data.clock import describe
+from symid.text import counted
 
 FEWEST = 3
 """Samples of one channel that are lost before it is said of that channel alone."""
@@ -126,7 +126,7 @@ def restored(
         if not lost.any() or np.mean(lost) > _MOST:
             continue
         values[name] = _filled(x, ~lost, smooth=name in smooth)
-        number = describe(int(np.count_nonzero(lost)), "sample")
+        number = counted(int(np.count_nonzero(lost)), "sample")
         notes.append(f"{name!r} was exactly 0 in {number} between others: they were lost, and interpolated")
     return values, notes
 
@@ -153,7 +153,7 @@ def without_repeated_rows(
     lost = _short(np.asarray(rows))
     values = {name: _filled(x, ~lost, smooth=name in smooth) for name, x in signals.items()}
     return values, [
-        f"{describe(int(np.count_nonzero(lost)), 'row')} repeated the one before: they were lost, and interpolated"
+        f"{counted(int(np.count_nonzero(lost)), 'row')} repeated the one before: they were lost, and interpolated"
     ]
 
 

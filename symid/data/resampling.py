@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -61,24 +62,25 @@ def resampled(
             "between would pass for readings without noise; give --resample own or a lower rate"
         )
     time = begin + period * np.arange(int(np.floor(count * (1 + 1e-12))) + 1)
-    gone = [note for one in written.values() for note in one.notes]
-    notes = (
-        f"resampled to {1 / period:.6g} Hz by cubic splines{_filtered(written, period)}",
-        *dict.fromkeys(gone),
-    )
-    return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, notes
+    done = f"resampled to {1 / period:.6g} Hz by cubic splines"
+    if any(one.is_slower(period) for one in written.values()):
+        done += f" after a zero-phase low-pass at {_PASSED / (2 * period):.6g} Hz"
+    notes = dict.fromkeys([done, *(note for one in written.values() for note in one.notes)])
+    return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, tuple(notes)
 
 
+@dataclass(frozen=True)
 class _Written:
-    """A signal at the times at which it was written."""
+    """A signal at the times at which it was written, its usual sampling period, and notes on its clock."""
 
-    def __init__(self, name: str, time: FloatArray, values: FloatArray, period: float) -> None:
-        self.name, self.time, self.values, self.period = name, time, values, period
-        self.notes: list[str] = []
+    time: FloatArray
+    values: FloatArray
+    period: float
+    notes: tuple[str, ...]
 
     @classmethod
     def of(cls, name: str, time: FloatArray, values: FloatArray) -> _Written:
-        """The samples that are there, checked."""
+        """The samples that are there, checked; LogError for a gap that nothing can fill."""
         size = min(time.size, values.size)
         there = np.isfinite(time[:size]) & np.isfinite(values[:size])
         t, x = time[:size][there], values[:size][there]
@@ -93,47 +95,33 @@ class _Written:
                 f"t goes back or stands at t = {t[first]:.7g} s (sample {first + 2} of {name!r}): "
                 "sort the rows, or split the log there"
             )
-        found = cls(name, t, x, float(np.median(steps)))
-        found._look(steps)
-        return found
-
-    def _look(self, steps: FloatArray) -> None:
-        """Say what the clock is like; raise for a gap that nothing can fill."""
-        lost = np.rint(steps / self.period).astype(np.int64) - 1
-        gaps = np.flatnonzero(lost > 0)
-        if gaps.size and lost.max() > _LONGEST_GAP:
+        period = float(np.median(steps))
+        lost = np.rint(steps / period).astype(np.int64) - 1
+        gaps, notes = np.flatnonzero(lost > 0), []
+        if lost.max() > _LONGEST_GAP:
             place = int(np.argmax(lost))
             raise LogError(
-                f"{self.name!r} lacks {lost[place]} samples after t = {self.time[place]:.7g} s: "
+                f"{name!r} lacks {lost[place]} samples after t = {t[place]:.7g} s: "
                 f"at most {_LONGEST_GAP} in a row are filled, split the log there"
             )
         if gaps.size:
-            listed = ", ".join(f"{self.time[place]:.6g} s" for place in gaps[:5]) + (
-                ", ..." if gaps.size > 5 else ""
-            )
-            self.notes.append(f"{int(lost[gaps].sum())} samples that lacked were filled, after t = {listed}")
-        jitter = float(np.sqrt(np.mean(np.square(np.where(lost == 0, steps / self.period - 1, 0.0)))))
+            listed = ", ".join(f"{t[place]:.6g} s" for place in gaps[:5]) + ", ..." * (gaps.size > 5)
+            notes.append(f"{int(lost[gaps].sum())} samples that lacked were filled, after t = {listed}")
+        jitter = float(np.sqrt(np.mean(np.square(np.where(lost == 0, steps / period - 1, 0.0)))))
         if jitter > 1e-3:
-            self.notes.append(
-                f"t jittered by {100 * jitter:.2g} % of the period of {self.period:.6g} s (rms)"
-            )
+            notes.append(f"t jittered by {100 * jitter:.2g} % of the period of {period:.6g} s (rms)")
+        return cls(t, x, period, tuple(notes))
+
+    def is_slower(self, period: float) -> bool:
+        """Whether a sampling period is so long that what it cannot hold must be filtered out first."""
+        return period > _SLOWER * self.period
 
     def at(self, time: FloatArray, period: float) -> FloatArray:
         """Its values at other times, without what their rate cannot hold."""
-        if not _is_slower(period, self.period):
+        if not self.is_slower(period):
             return np.asarray(scipy.interpolate.CubicSpline(self.time, self.values)(time))
         grid = np.arange(self.time[0], self.time[-1], self.period)
         even = scipy.interpolate.CubicSpline(self.time, self.values)(grid)
         low_pass = scipy.signal.butter(8, _PASSED * self.period / period, output="sos")
         smooth = scipy.signal.sosfiltfilt(low_pass, even)
         return np.asarray(scipy.interpolate.CubicSpline(grid, smooth)(time))
-
-
-def _is_slower(period: float, own: float) -> bool:
-    return period > _SLOWER * own
-
-
-def _filtered(written: Mapping[str, _Written], period: float) -> str:
-    if not any(_is_slower(period, one.period) for one in written.values()):
-        return ""
-    return f" after a zero-phase low-pass at {_PASSED / (2 * period):.6g} Hz"

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symid.arrays import FloatArray
-from symid.data.clock import describe
 from symid.data.columns import REFERENCE
+from symid.text import counted
 
 _STUCK_SAMPLES: Final = 20  # shortest run of equal values that can be called stuck
 _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be called clipped
@@ -39,11 +39,15 @@ class _Runs:
 
     def longer(self, samples: float) -> _Runs:
         """Runs of at least a number of samples."""
-        keep = self.length >= samples
-        return _Runs(self.start[keep], self.length[keep])
+        return self.only(self.length >= samples)
 
     def only(self, keep: npt.NDArray[np.bool_]) -> _Runs:
         return _Runs(self.start[keep], self.length[keep])
+
+    @property
+    def none(self) -> _Runs:
+        """No run."""
+        return _Runs(self.start[:0], self.length[:0])
 
 
 @np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
@@ -86,10 +90,15 @@ def inspect_spans(
             long = runs.longer(max(_STUCK_SAMPLES, _USUAL_RUNS * usual)) if not clipped.start.size else long
             stuck = _left_behind(x, long, [y for other, y in moving.items() if other != name])
         else:
-            clipped = _worth_telling(x, clipped)
-            stuck = _still_in_motion(long, x.size, list(moving.values()))
-        notes += _told(time, name, clipped, "is clipped at the end of its range")
-        notes += _told(time, name, stuck, "keeps exactly one value while the machine moves")
+            clipped = clipped.only(x[clipped.start] != 0.0)  # 0 is the value of a drive at rest and no limit
+            if np.sum(clipped.length) < max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size):
+                clipped = clipped.none
+            mostly = 2 * np.sum(long.length) > x.size  # then the channel repeats values by nature
+            stuck = long.none if mostly else long.only(_others_travel(long, list(moving.values())))
+        if clipped.start.size:
+            notes.append(f"{name!r} is clipped at the end of its range{_spans(time, clipped)}")
+        if stuck.start.size:
+            notes.append(f"{name!r} keeps exactly one value while the machine moves{_spans(time, stuck)}")
     return tuple(notes)
 
 
@@ -119,7 +128,7 @@ def _cut_in_motion(x: FloatArray, runs: _Runs) -> _Runs:
     span = 2 + 2 * int(np.ceil(np.median(_Runs.of(x).length)))
     moved = np.abs(x[span:] - x[:-span])
     if not moved.size:
-        return runs.only(np.zeros(runs.start.size, dtype=np.bool_))
+        return runs.none
     fast = 0.3 * float(np.quantile(moved, 0.95))
     stop = runs.start + runs.length
     entered = (runs.start > span) & (moved[np.clip(runs.start - 1 - span, 0, moved.size - 1)] > fast)
@@ -141,13 +150,6 @@ def _left_behind(x: FloatArray, runs: _Runs, others: list[FloatArray]) -> _Runs:
     return runs.only(jumps | _others_travel(runs, others))
 
 
-def _still_in_motion(runs: _Runs, n_samples: int, positions: list[FloatArray]) -> _Runs:
-    """Runs of a force or acceleration while a position travels, unless most of the channel is like that."""
-    if 2 * int(np.sum(runs.length)) > n_samples:
-        return runs.only(np.zeros(runs.start.size, dtype=np.bool_))
-    return runs.only(_others_travel(runs, positions))
-
-
 def _others_travel(runs: _Runs, others: list[FloatArray]) -> npt.NDArray[np.bool_]:
     ranges = [float(np.ptp(y)) for y in others]
     return np.array(
@@ -163,20 +165,10 @@ def _others_travel(runs: _Runs, others: list[FloatArray]) -> npt.NDArray[np.bool
     )
 
 
-def _worth_telling(x: FloatArray, runs: _Runs) -> _Runs:
-    """Clipped runs of a force or acceleration; zero is the value of a drive at rest and no limit."""
-    kept = runs.only(x[runs.start] != 0.0)
-    enough = int(np.sum(kept.length)) >= max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size)
-    return kept if enough else kept.only(np.zeros(kept.start.size, dtype=np.bool_))
-
-
-def _told(time: FloatArray, name: str, runs: _Runs, what: str) -> list[str]:
-    if not runs.start.size:
-        return []
+def _spans(time: FloatArray, runs: _Runs) -> str:
+    """When and for how many samples runs last."""
     longest = int(np.argmax(runs.length))
     first = int(runs.start[longest])
-    last = first + int(runs.length[longest]) - 1
-    span = f"from t = {time[first]:.7g} s to {time[last]:.7g} s"
+    span = f"from t = {time[first]:.7g} s to {time[first + runs.length[longest] - 1]:.7g} s"
     times = f" ({runs.start.size} times, longest {span})" if runs.start.size > 1 else f" {span}"
-    samples = int(np.sum(runs.length))
-    return [f"{name!r} {what}{times}, {describe(samples, 'sample')} in all"]
+    return f"{times}, {counted(int(np.sum(runs.length)), 'sample')} in all"

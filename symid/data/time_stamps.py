@@ -16,6 +16,7 @@ STAMP: Final = re.compile(
 )
 """ISO 8601 with a point or comma, or a time of day."""
 _FORMATS: Final = ("%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%dT%H:%M")
+_DAY: Final = 86_400.0
 _ZONE: Final = r"\s?(Z|[+-]\d\d:?\d\d)$"
 
 
@@ -58,11 +59,6 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
         moments = plain.str.to_datetime(form, time_unit="ns", strict=False)
         if not moments.has_nulls():
             seconds = values_of((moments - moments[0]).dt.total_nanoseconds().cast(pl.Float64) * 1e-9)
-            return _over_midnight(seconds) if of_day else seconds
+            nights = (pl.Series(seconds).diff().fill_null(0.0) < -_DAY / 2).cum_sum().to_numpy()
+            return seconds + _DAY * nights if of_day else seconds
     return None
-
-
-def _over_midnight(seconds: FloatArray) -> FloatArray:
-    day = 86_400.0
-    passed = (pl.Series(seconds).diff().fill_null(0.0) < -day / 2).cum_sum().to_numpy()
-    return seconds + day * passed

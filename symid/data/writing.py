@@ -42,13 +42,9 @@ def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | N
             else:
                 frame.write_csv(unfinished)
         except pl.exceptions.PolarsError as error:
-            raise OSError(_number_of(error), first_line(error), str(file)) from error
-
-
-def _number_of(error: pl.exceptions.PolarsError) -> int:
-    """Number of the system's error behind one of polars."""
-    said = str(error)
-    return next((n for n in (errno.ENOSPC, errno.EDQUOT, errno.EACCES) if os.strerror(n) in said), errno.EIO)
+            known = (errno.ENOSPC, errno.EDQUOT, errno.EACCES)
+            number = next((n for n in known if os.strerror(n) in str(error)), errno.EIO)
+            raise OSError(number, first_line(error), str(file)) from error
 
 
 def write_log(log: Log, file: str | os.PathLike[str]) -> None:

@@ -178,7 +178,12 @@ def _identified(
 ) -> Batch:
     """The batch, while nobody else writes its files."""
     journal = journal_file(files[0]) if files else None
-    earlier, former = _earlier(files, journal)
+    table, *_ = [read_rows(file) for file in files] or [[]]  # all are looked at: none must be something else
+    former = {str(row["log"]) for row in table}
+    earlier: dict[str, dict[str, Row]] = defaultdict(dict)
+    for row in (*table, *(read_journal(journal) if journal else ())):
+        if row.get("key") and row.get("status"):
+            earlier[str(row["log"])][str(row["key"])] = row
     tasks = [Task(name, os.path.abspath(name), tuple(earlier.get(visible(name), ()))) for name in names]
     rows: dict[str, Row] = {}
     made = 0
@@ -213,18 +218,6 @@ def _identified(
     if journal:
         journal.unlink(missing_ok=True)
     return batch
-
-
-def _earlier(files: Sequence[Path], journal: Path | None) -> tuple[dict[str, dict[str, Row]], set[str]]:
-    """Rows that earlier runs made, by log and key, and the logs of the table as it is."""
-    if journal is None:
-        return {}, set()
-    table, *_ = [read_rows(file) for file in files]  # all are looked at: none must be something else
-    found: dict[str, dict[str, Row]] = defaultdict(dict)
-    for row in (*table, *read_journal(journal)):
-        if row.get("key") and row.get("status"):
-            found[str(row["log"])][str(row["key"])] = row
-    return dict(found), {str(row["log"]) for row in table}
 
 
 def _kept(rows: int, journal: Path | None) -> str:

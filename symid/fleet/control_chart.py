@@ -15,9 +15,10 @@ in a row may be a step.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from datetime import datetime, timedelta
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +27,7 @@ import scipy
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
 from symid.fleet.segments import TrendChange, TrendSegment, cut, fitted_segment, places_of_step
+from symid.fleet.spread import variance_where_zero
 
 LEAST_RUNS = 8
 """Runs from which changes are looked for."""
@@ -117,71 +119,97 @@ def control_chart(
             f"values of shape {x.shape}, deviations {s.shape}, {'no' if times is None else len(times)} times: "
             "one of each for each run"
         )
-    known = [
-        int(i)
-        for i in np.flatnonzero(
-            np.isfinite(x) & np.isfinite(s) & (s > np.maximum(_TINY, _SMALLEST * np.abs(x)))
-        )
-    ]
-    chosen = known if times is None else sorted(known, key=lambda i: times[i])
-    when: list[datetime] | list[float] = (
-        [times[i] for i in chosen] if times is not None else [float(i) for i in chosen]
-    )
-    order = np.array(chosen, dtype=np.intp)
-    return _charted(_Series(when, x[order], s[order]), order)
+    measured = np.isfinite(x) & np.isfinite(s) & (s > np.maximum(_TINY, _SMALLEST * np.abs(x)))
+    chosen: list[int] = np.flatnonzero(measured).tolist()
+    when: list[datetime] | list[float] = [float(i) for i in chosen]
+    if times is not None:
+        chosen.sort(key=lambda i: times[i])
+        when = [times[i] for i in chosen]
+    return _charted(when, x[chosen], s[chosen], np.array(chosen, dtype=np.intp))
 
 
-@dataclass(frozen=True)
-class _Series:
-    """Runs in order of time."""
-
-    when: list[datetime] | list[float]
-    values: FloatArray
-    deviations: FloatArray
-
-    @property
-    def time(self) -> FloatArray:
-        """Days since the first run, or numbers of runs."""
-        if not self.when:
-            return np.zeros(0)
-        first = self.when[0]
-        return np.array(
-            [(m - first) / timedelta(days=1) if isinstance(m, datetime) else float(m) for m in self.when]  # type: ignore[operator]
-        )
-
-
-def _charted(series: _Series, order: npt.NDArray[np.intp]) -> ControlChart:
-    # with this scale, squares of small values keep their digits
-    scale = float(np.median(series.deviations)) if order.size else 1.0
-    x, variance, time = series.values / scale, (series.deviations / scale) ** 2, series.time
+def _charted(
+    when: list[datetime] | list[float],
+    values: FloatArray,
+    deviations: FloatArray,
+    order: npt.NDArray[np.intp],
+) -> ControlChart:
+    """Chart of runs in order of time; internally in a unit in which squares of small values keep their digits."""
+    unit = float(np.median(deviations)) if order.size else 1.0
+    x, variance = values / unit, (deviations / unit) ** 2
+    days = [(one - when[0]) / timedelta(days=1) if isinstance(one, datetime) else one for one in when]  # type: ignore[operator]
+    time = np.array(days, dtype=np.float64)
     outlying, segments, between = _segmented(time, x, variance)
     weights = np.where(outlying, 0.0, 1 / (variance + between))
     segments = tuple(fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments)
     centre = np.concatenate([s.level + s.slope * (time[s.first : s.end] - s.middle) for s in segments] or [x])
     limit = _LIMIT * np.sqrt(variance + between)
-    changes = _changes(series, scale, time, x, weights, segments)
+    found = list(_shifts(time, x, weights, segments))
+    freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
+    factor = float(scipy.special.stdtrit(freedom, 0.975))
     return ControlChart(
-        time=tuple(series.when),  # type: ignore[arg-type]  # all of one kind
+        time=tuple(when),  # type: ignore[arg-type]  # all of one kind
         order=read_only(order),
-        values=read_only(series.values),
-        deviations=read_only(series.deviations),
-        centre=read_only(centre * scale),
-        limit=read_only(limit * scale),
+        values=read_only(values),
+        deviations=read_only(deviations),
+        centre=read_only(centre * unit),
+        limit=read_only(limit * unit),
         outside=read_only(np.abs(x - centre) > limit),
         isolated=read_only(outlying),
-        between=math.sqrt(between) * scale,
-        segments=tuple(
-            replace(
-                s,
-                level=s.level * scale,
-                slope=s.slope * scale,
-                level_variance=s.level_variance * scale**2,
-                slope_variance=s.slope_variance * scale**2,
+        between=math.sqrt(between) * unit,
+        segments=tuple(s.scaled(unit) for s in segments),
+        changes=tuple(
+            TrendChange(
+                kind=one.kind,
+                log=one.run,
+                when=when[one.run],
+                earliest=when[one.earliest],
+                latest=when[one.latest],
+                size=unit * one.size,
+                std=unit * one.std,
+                interval=(unit * (one.size - factor * one.std), unit * (one.size + factor * one.std)),
+                before=unit * one.before,
+                after=unit * one.after,
             )
-            for s in segments
+            for one in found
         ),
-        changes=changes,
     )
+
+
+@dataclass(frozen=True)
+class _Shift:
+    """A step or a drift between runs given by their places; values in the unit of the computation."""
+
+    kind: Literal["step", "drift"]
+    run: int
+    earliest: int
+    latest: int
+    before: float
+    after: float
+    std: float
+
+    @property
+    def size(self) -> float:
+        """Change of the value."""
+        return self.after - self.before
+
+
+def _shifts(
+    time: FloatArray, x: FloatArray, weights: FloatArray, segments: Sequence[TrendSegment]
+) -> Iterator[_Shift]:
+    """Steps between the segments and drifts within them; a drift may begin or end without a step."""
+    for i, segment in enumerate(segments):
+        first, last = segment.first, segment.end - 1
+        (begin, variance), (end, _) = segment.at(float(time[first])), segment.at(float(time[last]))
+        if i:
+            old, old_variance = segments[i - 1].at(float(time[first]))
+            std = math.sqrt(old_variance + variance)
+            if abs(begin - old) >= _LEAST_STEP * std:
+                earliest, latest = places_of_step(time, x, weights, segments[i - 1], segment)
+                yield _Shift("step", first, earliest - 1, latest, old, begin, std)
+        if segment.drifts:
+            std = math.sqrt(segment.slope_variance) * float(time[last] - time[first])
+            yield _Shift("drift", first, first, last, begin, end, std)
 
 
 def _segmented(
@@ -196,7 +224,12 @@ def _segmented(
         segments = (fitted_segment(time, x, 1 / variance, 0, x.size, sloping=False),)
         return outlying, segments, _variance_within(x, variance, time, segments, ~outlying)
     # The three depend on each other: they are found in turn until the segments no longer change.
-    between = _successive_variance(x, variance)
+    # At first from the median of successive differences: their squares over what they may be.
+    squares, promised = np.diff(x) ** 2, variance[1:] + variance[:-1]
+    between = variance_where_zero(
+        lambda tau2: float(np.median(squares / (promised + 2 * tau2))) - _MEDIAN_OF_SQUARE,
+        float(squares.max()) / _MEDIAN_OF_SQUARE,
+    )
     for _ in range(_ROUNDS):
         outlying, before = _stand_off(x, variance + between), segments
         weights = np.where(outlying, 0.0, 1 / (variance + between))
@@ -216,19 +249,6 @@ def slope_penalty(runs: int) -> float:
     11.2
     """
     return float(scipy.special.chdtri(1, 1e-2)) + math.log(runs)
-
-
-def _successive_variance(x: FloatArray, variance: FloatArray) -> float:
-    """Variance between runs from the median of successive differences: squares of them over what they may be."""
-    squares, promised = np.diff(x) ** 2, variance[1:] + variance[:-1]
-
-    def excess(tau2: float) -> float:
-        return float(np.median(squares / (promised + 2 * tau2))) - _MEDIAN_OF_SQUARE
-
-    if excess(0.0) <= 0:
-        return 0.0
-    high = float(squares.max()) / _MEDIAN_OF_SQUARE
-    return float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-9 * high))
 
 
 def _stand_off(x: FloatArray, variance: FloatArray) -> BoolArray:
@@ -254,93 +274,4 @@ def _variance_within(
         )
         return float(weights @ residual**2) - freedom
 
-    at_zero = excess(0.0)
-    if at_zero <= 0:
-        return 0.0
-    high = (at_zero + freedom) / freedom * float(variance.max())
-    return float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-9 * high))
-
-
-def _changes(
-    series: _Series,
-    scale: float,
-    time: FloatArray,
-    x: FloatArray,
-    weights: FloatArray,
-    segments: Sequence[TrendSegment],
-) -> tuple[TrendChange, ...]:
-    """Steps between the segments and drifts within them."""
-    freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
-    factor = float(scipy.special.stdtrit(freedom, 0.975))
-    found = []
-    for i, after in enumerate(segments):
-        if i:
-            found += _steps(series, time, x, weights, segments[i - 1], after)
-        if after.drifts:
-            found.append(_drift(series, time, after))
-    # in the unit of the parameter, with the interval of the size
-    return tuple(
-        replace(
-            change,
-            size=float(change.size) * scale,
-            std=float(change.std) * scale,
-            interval=(
-                scale * (change.size - factor * change.std),
-                scale * (change.size + factor * change.std),
-            ),
-            before=float(change.before) * scale,
-            after=float(change.after) * scale,
-        )
-        for change in found
-    )
-
-
-def _steps(
-    series: _Series,
-    time: FloatArray,
-    x: FloatArray,
-    weights: FloatArray,
-    before: TrendSegment,
-    after: TrendSegment,
-) -> list[TrendChange]:
-    """The step between two segments; none where a drift begins or ends without one."""
-    (old, old_variance), (new, new_variance) = before.at(time[after.first]), after.at(time[after.first])
-    std = math.sqrt(old_variance + new_variance)
-    if abs(new - old) < _LEAST_STEP * std:
-        return []
-    first, last = places_of_step(time, x, weights, before, after)
-    when = series.when
-    return [
-        TrendChange(
-            kind="step",
-            log=after.first,
-            when=when[after.first],
-            earliest=when[first - 1],
-            latest=when[last],
-            size=new - old,
-            std=std,
-            interval=(0.0, 0.0),
-            before=old,
-            after=new,
-        )
-    ]
-
-
-def _drift(series: _Series, time: FloatArray, segment: TrendSegment) -> TrendChange:
-    first, last = segment.first, segment.end - 1
-    length = float(time[last] - time[first])
-    begin, end = segment.at(time[first])[0], segment.at(time[last])[0]
-    std = math.sqrt(segment.slope_variance) * length
-    when = series.when
-    return TrendChange(
-        kind="drift",
-        log=first,
-        when=when[first],
-        earliest=when[first],
-        latest=when[last],
-        size=segment.slope * length,
-        std=std,
-        interval=(0.0, 0.0),
-        before=begin,
-        after=end,
-    )
+    return variance_where_zero(excess, (excess(0.0) + freedom) / freedom * float(variance.max()))

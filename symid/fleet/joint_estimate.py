@@ -197,21 +197,13 @@ def identify_jointly(
     """
     _check(model, logs)
     with threadpool_limits(1):  # thousands of small matrices: threads would wait for each other
-        return _joined(model, logs, nominal)
-
-
-def _joined(
-    model: GeneratedModel, logs: Sequence[LogFactors], nominal: Mapping[str, float] | None
-) -> JointIdentification:
-    equations = len(logs[0].factors)
-    fit = estimate([factor for log in logs for factor in log.factors])
-    information = _information(logs, fit.weights.reshape(len(logs), equations))
-    covariance = _covariance(logs, information, fit)
-    physical: tuple[PhysicalEstimate, ...] = ()
-    if fit.status == "ok":
-        physical = physical_estimates(model, fit.parameters, covariance, nominal)
-    status, message = verdict(model, fit, physical)
-    disagreement, freedom = _disagreement(logs, fit)
+        fit = estimate([factor for log in logs for factor in log.factors])
+        covariance = _covariance(logs, fit)
+        physical: tuple[PhysicalEstimate, ...] = ()
+        if fit.status == "ok":
+            physical = physical_estimates(model, fit.parameters, covariance, nominal)
+        status, message = verdict(model, fit, physical)
+        disagreement, freedom = _disagreement(logs, fit)
     names = tuple(log.log for log in logs)
     return JointIdentification(
         model, names, fit, covariance, physical, status, message, disagreement, freedom
@@ -235,25 +227,14 @@ def _check(model: GeneratedModel, logs: Sequence[LogFactors]) -> None:
             )
 
 
-def _information(logs: Sequence[LogFactors], weights: FloatArray) -> list[FloatArray]:
-    """Weighted information A_k of each log."""
-    return [
-        np.asarray(
-            sum(
-                weight**2 * factor.R[:-1, :-1].T @ factor.R[:-1, :-1]
-                for weight, factor in zip(own, log.factors, strict=True)
-            )
-        )
-        for log, own in zip(logs, weights, strict=True)
-    ]
-
-
-def _covariance(logs: Sequence[LogFactors], information: list[FloatArray], fit: LeastSquares) -> FloatArray:
+def _covariance(logs: Sequence[LogFactors], fit: LeastSquares) -> FloatArray:
     """Covariance of the joint estimate; nan where the classical one is."""
     # Sandwich estimate: the bread is A^-1, the meat the covariance of each log's scores, A_k C_k A_k.
     inverse = fit.rank.inverse_root @ fit.rank.inverse_root.T
     scores = np.zeros_like(inverse)
-    for log, A in zip(logs, information, strict=True):
+    for log, weights in zip(logs, fit.weights.reshape(len(logs), -1), strict=True):
+        R = np.concatenate([w * factor.R[:-1, :-1] for w, factor in zip(weights, log.factors, strict=True)])
+        A = R.T @ R
         scores += A @ log.covariance @ A if np.all(np.isfinite(log.covariance)) else log.dependence * A
     covariance = inverse @ scores @ inverse
     covariance[np.isnan(fit.covariance)] = np.nan

@@ -69,8 +69,9 @@ class Journal:
         try:
             self._handle = os.open(file, os.O_CREAT | os.O_RDWR | os.O_APPEND, 0o666)
         except OSError as error:
-            raise self._failure(error) from error
-        if not self._ends_whole():
+            raise _cannot_write(self.file, error) from error
+        size = os.fstat(self._handle).st_size
+        if size and os.pread(self._handle, 1, size - 1) != b"\n":
             self._write(b"\n")  # ends a torn line
 
     def append(self, row: Row) -> None:
@@ -78,7 +79,11 @@ class Journal:
         self._write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._pending += 1
         if self._pending >= _ROWS or time.monotonic() - self._since > _SECONDS:
-            self._flush()
+            try:
+                os.fsync(self._handle)
+            except OSError as error:
+                raise _cannot_write(self.file, error) from error
+            self._pending, self._since = 0, time.monotonic()
 
     def __enter__(self) -> Journal:
         return self
@@ -90,10 +95,6 @@ class Journal:
             os.fsync(self._handle)
         os.close(self._handle)
 
-    def _ends_whole(self) -> bool:
-        size = os.fstat(self._handle).st_size
-        return size == 0 or os.pread(self._handle, 1, size - 1) == b"\n"
-
     def _write(self, line: bytes) -> None:
         """Write a line as a whole or not at all."""
         before, rest = os.fstat(self._handle).st_size, memoryview(line)
@@ -103,17 +104,11 @@ class Journal:
         except OSError as error:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._handle, before)
-            raise self._failure(error) from error
+            raise _cannot_write(self.file, error) from error
 
-    def _flush(self) -> None:
-        try:
-            os.fsync(self._handle)
-        except OSError as error:
-            raise self._failure(error) from error
-        self._pending, self._since = 0, time.monotonic()
 
-    def _failure(self, error: OSError) -> SymidError:
-        return SymidError(f"{self.file}: cannot be written ({error.strerror})")
+def _cannot_write(file: Path, error: OSError) -> SymidError:
+    return SymidError(f"{file}: cannot be written ({error.strerror})")
 
 
 @contextlib.contextmanager

@@ -24,6 +24,8 @@ UNITS = "symid.units"
 """Key of the units in the metadata of a Parquet file: JSON, from axis to sensors to column to unit."""
 Units = Mapping[str, Mapping[str, Mapping[str, str]]]
 _NEEDED = ("log", "axis", "status")
+_FORMULA, _MADE_SAFE = r"^('*[=+\-@\t\r])", r"^'('*[=+\-@\t\r])"
+"""Texts that a spreadsheet would take for formulas, and those with an apostrophe before them."""
 _LARGEST = 1e150
 """Largest value of a parameter whose square is finite."""
 
@@ -59,26 +61,17 @@ def read_results(file: str | Path) -> pl.DataFrame:
         raise SettingError(f"results {path}: there is no such file; symid batch writes one")
     require_regular(path)
     try:
-        table = _read_parquet(path) if kind == ".parquet" else _read_csv(path)
+        if kind == ".parquet":
+            scanned = pl.scan_parquet(path, glob=False)
+            require_room(scanned.select(pl.len()).collect().item() * len(scanned.collect_schema()))
+            table = scanned.collect()
+        else:
+            texts = dict.fromkeys(TEXT_COLUMNS, pl.String)
+            table = pl.read_csv(path, schema_overrides=texts, infer_schema_length=None)
+            table = table.with_columns(pl.col(pl.String).str.replace(_MADE_SAFE, "$1"))
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, LogError) as error:
         raise SettingError(f"results {path} cannot be read: {' '.join(str(error).split())}") from error
     return checked_results(table)
-
-
-def _read_parquet(path: Path) -> pl.DataFrame:
-    scanned = pl.scan_parquet(path, glob=False)
-    require_room(scanned.select(pl.len()).collect().item() * len(scanned.collect_schema()))
-    return scanned.collect()
-
-
-def _read_csv(path: Path) -> pl.DataFrame:
-    texts = dict.fromkeys(TEXT_COLUMNS, pl.String)
-    table = pl.read_csv(path, schema_overrides=texts, infer_schema_length=None)
-    return table.with_columns(pl.col(pl.String).str.replace(_MADE_SAFE, "$1"))
-
-
-_FORMULA = r"^('*[=+\-@\t\r])"
-_MADE_SAFE = r"^'('*[=+\-@\t\r])"
 
 
 def with_safe_cells(table: pl.DataFrame) -> pl.DataFrame:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import scipy
 from symid.arrays import FloatArray
 from symid.fleet.control_chart import ControlChart, control_chart
 from symid.fleet.results import (
+    UNKNOWN,
     EffectCount,
     Group,
     Units,
@@ -23,8 +25,8 @@ from symid.fleet.results import (
     numbers,
     parameter_names,
 )
-from symid.fleet.sentences import sentence
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, robust_deviation, spread_between
+from symid.text import counted
 
 _LEAST_OUTLYING = 3.5
 """Robust z from which a value is an outlier (Iglewicz and Hoaglin 1993), at least."""
@@ -187,7 +189,7 @@ def review_fleet(
         for effect, at in part.rows.select("effect", "at").iter_rows()
     )
     verdicts = _counts(table, "verdict")
-    return FleetReview(table, axes, counts, verdicts, effects, sentence(table, axes, counts, effects))
+    return FleetReview(table, axes, counts, verdicts, effects, _sentence(table, axes, counts, effects))
 
 
 def _axis_review(group: Group, names: Sequence[str], statuses: Sequence[str], units: Units) -> AxisReview:
@@ -251,3 +253,50 @@ def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
     if column not in rows.columns:
         return {}
     return dict(Counter(str(value) for value in rows[column] if value is not None).most_common())
+
+
+def _sentence(
+    table: pl.DataFrame,
+    axes: Sequence[AxisReview],
+    statuses: Mapping[str, int],
+    effects: Sequence[EffectCount],
+) -> str:
+    """Counts, axes that differ, changes and the most frequent effect."""
+    if not table.height:
+        return "No log."
+    known = sum(one.axis != UNKNOWN for one in axes)
+    good = statuses.get("ok", 0)
+    others = ", ".join(
+        f"{count} {name.replace('_', ' ')}" for name, count in statuses.items() if name != "ok"
+    )
+    ok = "all ok" if good == table.height else f"{good} ok ({others})"
+    parts = [f"{counted(table.height, 'log')} of {counted(known, 'axis', 'axes')}, {ok}."]
+    tested = [one for one in axes if one.verdict.probabilities]
+    differing = [one for one in tested if one.verdict.differs]
+    if differing:
+
+        def largest_share(axis: AxisReview) -> float:
+            known = (one.spread for one in axis.parameters if math.isfinite(one.spread.between))
+            return max((spread.share for spread in known), default=0.0)
+
+        worst = max(differing, key=largest_share)
+        which = ", ".join(worst.verdict.parameters[:3])
+        parts.append(
+            f"{len(differing)} of {counted(len(tested), 'axis', 'axes')} really "
+            f"{'differs' if len(differing) == 1 else 'differ'} from run to run"
+            f"{', most of all' if len(differing) > 1 else ':'} {worst.name} in {which}."
+        )
+    elif tested:
+        parts.append("No axis differs from run to run beyond its intervals.")
+    changed = [one.name for one in axes if any(p.chart.changes for p in one.parameters)]
+    if changed:
+        names = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
+        parts.append(f"Parameters of {counted(len(changed), 'axis', 'axes')} step or drift: {names}.")
+    if effects:
+        first = effects[0]
+        place = f" at {first.at}" if first.at else ""
+        parts.append(
+            f"Most frequent effect: {first.effect.replace('_', ' ')}{place}, in {counted(first.logs, 'log')} of "
+            f"{counted(len(first.axes), 'axis', 'axes')}."
+        )
+    return " ".join(parts)

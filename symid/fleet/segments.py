@@ -12,7 +12,7 @@ which counts that the place of a change is searched for. The minimum over all cu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Literal
 
@@ -60,6 +60,16 @@ class TrendSegment:
         """Value of the line at a time, and its variance."""
         away = time - self.middle
         return self.level + self.slope * away, self.level_variance + self.slope_variance * away**2
+
+    def scaled(self, unit: float) -> TrendSegment:
+        """The segment of values that are all multiplied by a unit."""
+        return replace(
+            self,
+            level=self.level * unit,
+            slope=self.slope * unit,
+            level_variance=self.level_variance * unit**2,
+            slope_variance=self.slope_variance * unit**2,
+        )
 
     @property
     def drifts(self) -> bool:

@@ -15,7 +15,7 @@ Hartung and Knapp (2001) give the deviation of the mean. Several parameters are 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,9 +151,8 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     if x.size < LEAST_RUNS:
         return _too_few(x, s)
     freedom = x.size - 1
-    unit = float(
-        np.exp(np.mean(np.log(s)))
-    )  # squares of very small parameters would leave the range of numbers
+    # in this unit, squares of very small parameters stay in the range of numbers
+    unit = float(np.exp(np.mean(np.log(s))))
     x, variance = x / unit, (s / unit) ** 2
     tau2 = variance_at(x, variance, freedom)
     ends = [
@@ -201,14 +200,19 @@ def variance_at(x: FloatArray, variance: FloatArray, target: float) -> float:
     >>> round(variance_at(np.array([0.0, 2.0]), np.ones(2), 1.0), 9)
     1.0
     """
-    if generalised_statistic(x, variance, 0.0) <= target:
-        return 0.0
     high = float(np.sum((x - x.mean()) ** 2)) / target + float(variance.max())  # Q is below the target there
-    return float(
-        scipy.optimize.brentq(
-            lambda tau2: generalised_statistic(x, variance, tau2) - target, 0.0, high, xtol=1e-12 * high
-        )
-    )
+    return variance_where_zero(lambda tau2: generalised_statistic(x, variance, tau2) - target, high)
+
+
+def variance_where_zero(excess: Callable[[float], float], high: float) -> float:
+    """Variance up to `high` at which a falling function of it is zero; 0 where it is nowhere positive.
+
+    Examples
+    --------
+    >>> round(variance_where_zero(lambda tau2: 3.0 - tau2, 10.0), 9), variance_where_zero(lambda tau2: -1.0, 10.0)
+    (3.0, 0.0)
+    """
+    return 0.0 if excess(0.0) <= 0 else float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-12 * high))
 
 
 def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVerdict:

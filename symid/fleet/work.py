@@ -76,13 +76,8 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
 def killed(task: Task) -> LogOutcome:
     """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
     message = "its worker died twice, as for want of memory or time: use fewer --jobs, more --timeout, or a shorter log"
-    row: Row = {
-        "log": visible(task.log),
-        "status": "failed",
-        "message": message,
-        "finished": time_text(time.time()),
-    }
-    return LogOutcome(task.log, row)
+    row = {"log": visible(task.log), "status": "failed", "message": message}
+    return LogOutcome(task.log, {**row, "finished": time_text(time.time())})
 
 
 def content_of(path: str) -> str:
@@ -205,17 +200,8 @@ def _columns_of(found: Identification) -> dict[str, Value]:
         "condition_number": finite(found.fit.condition_number),
         "residual_rms": finite(residual.rms),
         "residual_relative": finite(residual.relative),
+        "notes": "; ".join(found.notes) or None,
     }
-    row |= _examined(found)
-    row |= with_deviations(found.minimal_parameters, found.standard_deviations)
-    if found.physical:
-        row |= with_deviations(found.physical_parameters, found.physical_deviations)
-    return row
-
-
-def _examined(found: Identification) -> dict[str, Value]:
-    """Columns of timing, bias and notes."""
-    row: dict[str, Value] = {"notes": "; ".join(found.notes) or None}
     if found.timing is not None:
         timing = found.timing
         row |= {
@@ -229,6 +215,9 @@ def _examined(found: Identification) -> dict[str, Value]:
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.abs(bias.total / values)
         row["largest_bias"] = finite(np.nanmax(share, initial=0.0))
+    row |= with_deviations(found.minimal_parameters, found.standard_deviations)
+    if found.physical:
+        row |= with_deviations(found.physical_parameters, found.physical_deviations)
     return row
 
 
@@ -238,18 +227,11 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
     from symid.simulation import ClosedLoop
 
     settings, declared = axis.settings, axis.axis
-    loop = (
-        ClosedLoop.with_gains(declared, settings.controller, settings.rate_hz)
-        if settings.controller
-        else None
-    )
+    loop = None
+    if settings.controller:
+        loop = ClosedLoop.with_gains(declared, settings.controller, settings.rate_hz)
     found = identify_output_error(
-        declared,
-        model,
-        log,
-        loop=loop,
-        preparation=settings.preparation,
-        nominal=settings.nominal,
+        declared, model, log, loop=loop, preparation=settings.preparation, nominal=settings.nominal
     )
     row: dict[str, Value] = {"status": found.status, "message": found.message, "decimation": 1}
     row["notes"] = "; ".join(found.notes) or None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -21,36 +22,23 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None
     """Magnitude, phase and coherence below each other, in a subfigure."""
     magnitude, phase, coherence = place.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 0.8))
     sure, f = response.is_coherent, response.frequency
-    curves: tuple[tuple[Axes, Any], ...] = (
-        (magnitude, np.abs),
-        (phase, degrees_of),
-    )
+    curves: tuple[tuple[Axes, Any], ...] = ((magnitude, np.abs), (phase, degrees_of))
     for axes, of in curves:
         for some, size, alpha, label in (
             (~sure, 1.5, 0.4, f"coherence below {COHERENT}"),
             (sure, 3.4, 1.0, "measured (H1)"),
         ):
-            (dots,) = axes.plot(
-                f[some], of(response.measured)[some], "o", color=palette.measured, label=label
-            )
-            dots.set(markersize=size, alpha=alpha)
+            look: Any = {"color": palette.measured, "markersize": size, "alpha": alpha, "label": label}
+            axes.plot(f[some], of(response.measured)[some], "o", **look)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")
-    magnitude.set(
-        xscale="log", yscale="log", ylabel=f"{response.quantity} / {response.force} [{response.unit}]"
-    )
+    label = f"{response.quantity} / {response.force} [{response.unit}]"
+    magnitude.set(xscale="log", yscale="log", ylabel=label)
     magnitude.set_title(f"Frequency response {response.force} → {response.signal}", loc="left", pad=22)
     seen = np.abs(np.concatenate([response.identified, response.measured[sure]]))
     magnitude.set_ylim(float(seen.min() / 3), float(seen.max() * 3))
     handles, labels = magnitude.get_legend_handles_labels()
-    magnitude.legend(
-        handles[::-1],
-        labels[::-1],
-        loc="lower left",
-        bbox_to_anchor=(-0.02, 0.99),
-        ncols=3,
-        frameon=False,
-        markerscale=1.5,
-    )
+    where: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.99), "ncols": 3}
+    magnitude.legend(handles[::-1], labels[::-1], frameon=False, markerscale=1.5, **where)
     phase.set(ylabel="phase [°]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     coherence.plot(f, response.coherence, color=palette.residual, linewidth=0.8, label="coherence")
     coherence.axhline(COHERENT, color=palette.ink, linewidth=0.7, linestyle="--")
@@ -66,15 +54,12 @@ def correlated_pairs(covariance: FloatArray) -> list[tuple[int, int, float]]:
     [(0, 1, 0.9), (1, 2, -0.6)]
     """
     deviations = np.sqrt(np.diag(covariance))
-    n = len(covariance)
     pairs = [
         (i, j, float(covariance[i, j] / (deviations[i] * deviations[j])))
-        for i in range(n)
-        for j in range(i + 1, n)
+        for i, j in combinations(range(len(covariance)), 2)
         if deviations[i] > 0 and deviations[j] > 0
     ]
-    strong = [pair for pair in pairs if abs(pair[2]) > CORRELATED]
-    return sorted(strong, key=lambda pair: -abs(pair[2]))
+    return sorted((pair for pair in pairs if abs(pair[2]) > CORRELATED), key=lambda pair: -abs(pair[2]))
 
 
 def draw_ellipse(

@@ -99,10 +99,7 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
         x_ticks=_time_ticks(chart, time),
         y_ticks=tuple(Tick(float(y(np.array(v))), _number(v, high - low)) for v in _round_values(low, high)),
         marks=_marks(chart, time),
-        rows=tuple(
-            int(rows[place])
-            for place in chart.order[np.concatenate([np.flatnonzero(~out), np.flatnonzero(out)])]
-        ),
+        rows=tuple(int(rows[place]) for place in [*chart.order[~out], *chart.order[out]]),
     )
 
 
@@ -117,9 +114,8 @@ def distribution_shapes(one: ParameterReview, values: FloatArray) -> Distributio
     middles = np.linspace(low, high, 141)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         density = np.exp(-0.5 * ((middles - one.median) / one.spread.promised) ** 2)
-        expected = (
-            density * values.size * (edges[1] - edges[0]) / one.spread.promised / math.sqrt(2 * math.pi)
-        )
+        area = values.size * (edges[1] - edges[0])
+        expected = density * area / one.spread.promised / math.sqrt(2 * math.pi)
     known = bool(np.all(np.isfinite(expected)))
     if known:  # a narrow curve would dwarf the bars: only its width matters
         expected *= min(1.0, 1.4 * counts.max() / expected.max())
@@ -146,15 +142,11 @@ def _horizontal(time: FloatArray, of: FloatArray | None = None) -> FloatArray:
 
 def _range(chart: ControlChart) -> tuple[float, float]:
     """Values that are shown: all within twice the limits; a run that is farther off is drawn at the edge."""
-    limits = np.minimum(
-        _limits(chart), 3 * np.median(chart.limit)
-    )  # one poorly determined log must not flatten the others
-    low = float(np.min(np.maximum(chart.values, chart.centre - 2 * limits)))
-    high = float(np.max(np.minimum(chart.values, chart.centre + 2 * limits)))
-    low, high = (
-        min(low, float(np.min(chart.centre - limits))),
-        max(high, float(np.max(chart.centre + limits))),
-    )
+    # one poorly determined log must not flatten the others
+    limits = np.minimum(_limits(chart), 3 * np.median(chart.limit))
+    lowest = np.minimum(np.maximum(chart.values, chart.centre - 2 * limits), chart.centre - limits)
+    highest = np.maximum(np.minimum(chart.values, chart.centre + 2 * limits), chart.centre + limits)
+    low, high = float(lowest.min()), float(highest.max())
     margin = 0.04 * (high - low) or abs(high) or 1.0
     return low - margin, high + margin
 
@@ -193,11 +185,8 @@ def _marks(chart: ControlChart, time: FloatArray) -> tuple[Mark, ...]:
         if change.kind == "step" and change.log > 0:  # between the run before it and that after it
             seconds[0] = 0.5 * (time[change.log] + time[change.log - 1])
         place, left, right = _horizontal(time, np.array(seconds))
-        marks.append(
-            Mark(
-                float(place), float(left), float(max(right - left, 1.0)), change.kind, change_sentence(change)
-            )
-        )
+        width = float(max(right - left, 1.0))
+        marks.append(Mark(float(place), float(left), width, change.kind, change_sentence(change)))
     return tuple(marks)
 
 
@@ -233,8 +222,5 @@ def _number(value: float, length: float) -> str:
     order, size = math.floor(math.log10(length)), math.floor(math.log10(abs(value)))
     if -4 <= size < 6:
         return f"{value:.{max(1 - order, 0)}f}"
-    return (
-        f"{value:.{min(max(size - order + 1, 0), 9)}e}".replace("e+0", "e")
-        .replace("e+", "e")
-        .replace("e-0", "e-")
-    )
+    mantissa, exponent = f"{value:.{min(max(size - order + 1, 0), 9)}e}".split("e")
+    return f"{mantissa}e{int(exponent)}"

@@ -47,16 +47,12 @@ def print_derivation(model: DerivedModel, console: Console | None = None) -> Non
     console = console or report_console()
     record = derivation_record(model)
     console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
-    _section(
-        console,
-        "Equations of motion (coordinates relative to the body that carries)",
-        record["equations_of_motion"],
-    )
+    motion = "Equations of motion (coordinates relative to the body that carries)"
+    _section(console, motion, record["equations_of_motion"])
     for name, value in record["constants"].items():
         console.print(f"    with {name} = {value:g}")
-    regressor = Table(
-        box=None, pad_edge=False, title_justify="left", title="Minimal model y = D X, columns of D"
-    )
+    title = "Minimal model y = D X, columns of D"
+    regressor = Table(box=None, pad_edge=False, title_justify="left", title=title)
     regressor.add_column("X")
     for output in record["output"]:
         regressor.add_column(f"y = {output}", overflow="fold")
@@ -73,9 +69,8 @@ def print_derivation(model: DerivedModel, console: Console | None = None) -> Non
         lines = [f"{name} = {_shortened(value)}" for name, value in branch.items()]
         _section(console, f"Inverse map{which}", lines)
     if not record["inverse_branches"]:
-        _section(
-            console, "Inverse map", ["no closed form; identification solves for the parameters numerically"]
-        )
+        lines = ["no closed form; identification solves for the parameters numerically"]
+        _section(console, "Inverse map", lines)
     _print_identifiability(console, record)
 
 
@@ -87,17 +82,15 @@ def _print_identifiability(console: Console, record: dict[str, Any]) -> None:
     }
     lines = []
     for kind, meaning in words.items():
-        names = [name for name, value in record["identifiability"].items() if value == kind]
-        if names:
+        if names := [name for name, value in record["identifiability"].items() if value == kind]:
             lines.append(f"{meaning}: {', '.join(names)}")
     if not record["identifiability_counted"]:
         lines.append(
             "the solutions were not counted (the system is large): a finite choice may be a unique value"
         )
     if record["determined_combinations"]:
-        lines.append(
-            f"determined combinations: {', '.join(map(_shortened, record['determined_combinations']))}"
-        )
+        combinations = ", ".join(map(_shortened, record["determined_combinations"]))
+        lines.append(f"determined combinations: {combinations}")
     if record["relations"]:
         lines.append(
             f"{record['relations']} more minimal than physical parameters: as many relations check the structure"

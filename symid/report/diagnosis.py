@@ -140,14 +140,16 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     )
     for fault in record["faults"]:
         console.print(f"fault of the recording: {fault}", markup=False)
-    console.print(
-        "",
-        _gap_table(record),
-        closed_line(record["gap"]),
-        *_reversal_line(record["gap"]),
-        *_repetition_line(record["gap"]),
-        sep="\n",
-    )
+    gap = record["gap"]
+    console.print("", _gap_table(record), closed_line(gap), sep="\n")
+    if gap["reversal"] is not None:
+        before, after = (significant(gap["reversal"][x]["rms"]) for x in ("reidentified", "explained"))
+        unit = gap["unit"]
+        console.print(f"within 50 ms of reversals: {before} {unit} re-identified, {after} {unit} explained")
+    if gap["not_repeated"] is not None:
+        rms, period = gap["not_repeated"]["level"]["rms"], significant(gap["not_repeated"]["period"], 3)
+        size = f"{significant(rms)} {gap['unit']}"
+        console.print(f"the motion repeats every {period} s: {size} of the error are new each time")
     for table in (
         _drives_table(record),
         *(_motion_table(motion, record) for motion in motions(record)),
@@ -182,27 +184,6 @@ def closed_line(gap: dict[str, Any]) -> str:
     low, high = (100 * end for end in gap["closed_interval"])
     closed = f"{share(gap['closed_fraction'])} ({low:.0f} to {high:.0f} %)"
     return f"{closed} of the way from the re-identified model to the noise floor is closed"
-
-
-def _reversal_line(gap: dict[str, Any]) -> tuple[str, ...]:
-    """The error near reversals; nothing where the log has none."""
-    if gap["reversal"] is None:
-        return ()
-    before, after = (significant(gap["reversal"][x]["rms"]) for x in ("reidentified", "explained"))
-    return (
-        f"within 50 ms of reversals: {before} {gap['unit']} re-identified, {after} {gap['unit']} explained",
-    )
-
-
-def _repetition_line(gap: dict[str, Any]) -> tuple[str, ...]:
-    """Part of the error that is new each time the motion repeats; empty without repetition."""
-    if gap["not_repeated"] is None:
-        return ()
-    rms, period = (
-        significant(gap["not_repeated"]["level"]["rms"]),
-        significant(gap["not_repeated"]["period"], 3),
-    )
-    return (f"the motion repeats every {period} s: {rms} {gap['unit']} of the error are new each time",)
 
 
 def _gap_table(record: dict[str, Any]) -> TextTable:

@@ -14,7 +14,7 @@ import polars as pl
 
 from symid import __version__
 from symid.files import write_whole
-from symid.fleet import AxisReview, FleetReview, JointIdentification, ParameterReview
+from symid.fleet import AxisReview, FleetReview, JointIdentification
 from symid.fleet.results import numbers, parameter_names
 from symid.report import control_chart_svg
 from symid.report.control_chart_svg import ChartShapes, DistributionShapes, chart_shapes, distribution_shapes
@@ -93,22 +93,17 @@ def _sections(found: FleetReview, record: dict[str, Any], places: dict[str, int]
         return sum(len(one.chart.changes) for one in axis.parameters) + axis.verdict.differs
 
     pairs = sorted(zip(found.axes, record["axes"], strict=True), key=lambda pair: -findings(pair[0]))
-    return [
-        _Section(
-            of_record,
-            tuple(_drawn(one, of_record["parameters"][one.name], places) for one in axis.parameters),
-            opened=k < _MOST_OPEN,
-        )
-        for k, (axis, of_record) in enumerate(pairs)
-    ]
-
-
-def _drawn(one: ParameterReview, record: dict[str, Any], places: dict[str, int]) -> _Drawn:
-    shapes = distribution = None
-    if one.chart.values.size:
-        shapes = chart_shapes(one, [places[log] for log in one.logs])
-        distribution = distribution_shapes(one, one.chart.values)
-    return _Drawn(one.name, record, shapes, distribution)
+    sections = []
+    for k, (axis, of_record) in enumerate(pairs):
+        drawn = []
+        for one in axis.parameters:
+            shapes = distribution = None
+            if one.chart.values.size:
+                shapes = chart_shapes(one, [places[log] for log in one.logs])
+                distribution = distribution_shapes(one, one.chart.values)
+            drawn.append(_Drawn(one.name, of_record["parameters"][one.name], shapes, distribution))
+        sections.append(_Section(of_record, tuple(drawn), opened=k < _MOST_OPEN))
+    return sections
 
 
 def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
@@ -124,7 +119,10 @@ def _outliers(record: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _logs(found: FleetReview) -> dict[str, Any]:
     """Columns of the table of logs; a parameter's deviation stands beside its value, its unit in its heading."""
-    table, units = found.table, _units(found)
+    table, units = found.table, defaultdict[str, set[str]](set)
+    for axis in found.axes:
+        for one in axis.parameters:
+            units[one.name].add(one.unit)
     columns: list[dict[str, Any]] = []
     parameters = parameter_names(table)
     for name in (*_FIRST, *parameters, *_LAST):
@@ -136,19 +134,10 @@ def _logs(found: FleetReview) -> dict[str, Any]:
             continue
         column = {"name": name, "text": False, "values": _plain(table, name)}
         if name in parameters:
-            column["unit"] = units.get(name, "")
+            column["unit"] = "".join(units[name]) if len(units[name]) == 1 else ""  # not the same in all axes
             column["deviations"] = _plain(table, f"{name}_std")
         columns.append(column)
     return {"count": table.height, "columns": columns}
-
-
-def _units(found: FleetReview) -> dict[str, str]:
-    """Units of parameters that have the same one in all axes."""
-    every: dict[str, set[str]] = defaultdict(set)
-    for axis in found.axes:
-        for one in axis.parameters:
-            every[one.name].add(one.unit)
-    return {name: units.pop() for name, units in every.items() if len(units) == 1}
 
 
 def _plain(table: pl.DataFrame, name: str) -> list[float | None]:

@@ -99,11 +99,10 @@ def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
 
 def change_record(change: TrendChange) -> dict[str, Any]:
     """A change as a record; times in ISO."""
+    times = {name: getattr(change, name) for name in ("when", "earliest", "latest")}
     return {
         "kind": change.kind,
-        "when": _iso(change.when),
-        "earliest": _iso(change.earliest),
-        "latest": _iso(change.latest),
+        **{name: t.isoformat() if isinstance(t, datetime) else t for name, t in times.items()},
         "size": change.size,
         "std": change.std,
         "interval": list(change.interval),
@@ -112,10 +111,6 @@ def change_record(change: TrendChange) -> dict[str, Any]:
         "after": change.after,
         "sentence": change_sentence(change),
     }
-
-
-def _iso(moment: datetime | float) -> str | float:
-    return moment.isoformat() if isinstance(moment, datetime) else moment
 
 
 def moment(when: datetime | float) -> str:

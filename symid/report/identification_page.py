@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import platform
 from collections.abc import Mapping, Sequence
@@ -92,10 +93,8 @@ def _fits(found: Identification, validation: Prediction | None) -> list[dict[str
 
 def _parameters(found: Identification) -> list[dict[str, Any]]:
     """Physical parameters, or minimal ones where there are none, with their 95 % intervals."""
-    physical = bool(found.physical)
-    values = found.physical_parameters if physical else found.minimal_parameters
-    deviations = found.physical_deviations if physical else found.standard_deviations
-    units: Mapping[str, str] = found.model.physical_units if physical else found.model.minimal_units
+    deviations = found.physical_deviations if found.physical else found.standard_deviations
+    units: Mapping[str, str] = found.model.physical_units if found.physical else found.model.minimal_units
     return [
         {
             "name": name,
@@ -105,7 +104,7 @@ def _parameters(found: Identification) -> list[dict[str, Any]]:
             "low": value - _INTERVAL * float(std),
             "high": value + _INTERVAL * float(std),
         }
-        for (name, value), std in zip(values.items(), deviations, strict=True)
+        for (name, value), std in zip(found.parameters.items(), deviations, strict=True)
     ]
 
 
@@ -123,19 +122,11 @@ def _svg(figure: Drawn | None, name: str) -> str:
 def _made(found: Identification, validation: Prediction | None, command: str) -> list[tuple[str, str]]:
     """Provenance: time, programs and files."""
     logs = [*found.logs, *([validation.log] if validation is not None else [])]
-    hashes = [(f"SHA-256 of {log}", digest) for log in dict.fromkeys(logs) if (digest := _hash(log))]
+    hashes = []
+    for log in dict.fromkeys(logs):
+        with contextlib.suppress(OSError), open(log, "rb") as file:  # a log may come from no file
+            hashes.append((f"SHA-256 of {log}", hashlib.file_digest(file, "sha256").hexdigest()))
     libraries = f"NumPy {np.__version__}, SciPy {scipy.__version__}"
     programs = f"symid {__version__}, Python {platform.python_version()}, {libraries}"
     when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     return [("written", when), *([("command", command)] if command else []), ("programs", programs), *hashes]
-
-
-def _hash(log: str) -> str:
-    path = Path(log)
-    try:
-        if not path.is_file():
-            return ""
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:
-        return ""

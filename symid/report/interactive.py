@@ -12,7 +12,6 @@ from bokeh.models.annotations.geometry import BoxAnnotation
 from bokeh.models.plots import GridPlot
 from bokeh.models.sources import ColumnDataSource
 from bokeh.models.tools import HoverTool
-from bokeh.plotting import figure
 from bokeh.resources import Resources
 
 from symid.arrays import FloatArray
@@ -79,23 +78,26 @@ def plots_of(found: Diagnosis) -> Plots:
 
 
 def _over_time(found: Diagnosis) -> GridPlot:
-    """Force, error, position and velocity below each other with one time."""
+    """Force, error, position and velocity below each other with one time; values follow the time that is shown."""
     source, gap, length = _thinned(found), found.gap, length_unit(found.drive.at)
     curves = _curves(found)
-    force = _timed("force", f"{gap.signal} [{gap.unit}]", 320)
+    force = new_plot("force", f"{gap.signal} [{gap.unit}]", 320, window_axis="x")
     draw_curves(force, source, curves)
-    error = _timed("error", f"error [{gap.unit}]", 210, force)
+    error = new_plot("error", f"error [{gap.unit}]", 210, force, window_axis="x")
     draw_curves(
         error, source, [replace(curve, column=f"error_{curve.column}") for curve in _compared(curves)]
     )
     error.add_layout(noise_band(2 * gap.noise_floor.rms))
-    position = _timed("position", f"position [{length}]", 130, force)
+    position = new_plot("position", f"position [{length}]", 130, force, window_axis="x")
     draw_curves(position, source, [Curve("position", "", NOISE)])
-    velocity = _timed("velocity", f"velocity [{length / Unit.of('s')}]", 155, force)
+    velocity = new_plot("velocity", f"velocity [{length / Unit.of('s')}]", 155, force, window_axis="x")
     draw_curves(velocity, source, [Curve("velocity", "", NOISE)])
     velocity.xaxis.axis_label = "time [s]"
     with_one_crosshair(force, error, position, velocity)
-    force.add_tools(_reading(force, curves))
+    first: Any = force.select_one({"name": "measured"})
+    values = [(curve.label, f"@{curve.column}{{0.00}}") for curve in curves]
+    tips = [("time", "@time{0.0000} s"), *values]
+    force.add_tools(HoverTool(mode="vline", renderers=[first], tooltips=tips))  # at the cross-hair
     return stacked(force, error, position, velocity)
 
 
@@ -133,18 +135,6 @@ def _thinned(found: Diagnosis) -> ColumnDataSource:
     del columns["error_nominal"]
     thin = {name: envelope(values, _MOST_POINTS).astype(np.float32) for name, values in columns.items()}
     return ColumnDataSource({"time": envelope_places(signals.time, _MOST_POINTS), **thin})
-
-
-def _timed(name: str, label: str, height: int, above: figure | None = None) -> figure:
-    """An empty plot over time; its values follow the time that is shown."""
-    return new_plot(name, label, height, above, window_axis="x")
-
-
-def _reading(force: figure, curves: list[Curve]) -> HoverTool:
-    """Values at the cross-hair."""
-    first: Any = force.select_one({"name": "measured"})
-    values = [(curve.label, f"@{curve.column}{{0.00}}") for curve in curves]
-    return HoverTool(mode="vline", renderers=[first], tooltips=[("time", "@time{0.0000} s"), *values])
 
 
 def _spectrum(found: Diagnosis) -> GridPlot:

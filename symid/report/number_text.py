@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 MISSING = "–"
+_LARGE = 3.0
+"""A change by more than this factor is written as a factor."""
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -125,10 +127,6 @@ def change(value: float, reference: float) -> str:
         return MISSING
     ratio = value / reference
     return f"× {ratio:.3g}" if ratio > _LARGE else f"{100 * (ratio - 1):+.3g} %"
-
-
-_LARGE = 3.0
-"""A change by more than this factor is written as a factor."""
 
 
 def band(low: float, high: float) -> str:

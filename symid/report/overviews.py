@@ -60,9 +60,8 @@ def batch_figure(batch: Batch, palette: Palette = LIGHT) -> Drawn:
     for axes, (axis, name, unit) in zip(rows, drawn, strict=True):
         of_axis = table.with_row_index("place").filter(axis=axis)
         width = 1.96 * of_axis[f"{name}_std"].to_numpy()
-        axes.errorbar(
-            of_axis["place"].to_numpy(), of_axis[name].to_numpy(), width, fmt="o", color=palette.model
-        )
+        places, values = of_axis["place"].to_numpy(), of_axis[name].to_numpy()
+        axes.errorbar(places, values, width, fmt="o", color=palette.model)
         axes.set_ylabel(f"{name} [{unit}]")
         axes.set_title(axis, loc="left")
     rows[-1].set_xlabel("log, in the order of the batch")
@@ -125,9 +124,7 @@ def _spectrum(axes: Axes, found: Diagnosis, palette: Palette) -> None:
 
 def _stages(axes: Axes, found: Diagnosis, palette: Palette) -> None:
     """The error of each model, the noise floor last."""
-    stages = [stage for stage in waterfall(found) if stage.level is not None]
-    sizes = [stage.level.rms for stage in stages if stage.level is not None]
-    axes.barh(range(len(stages)), sizes, color=palette.measured)
-    axes.set_yticks(range(len(stages)), [stage.model for stage in stages])
+    sizes = {stage.model: stage.level.rms for stage in waterfall(found) if stage.level is not None}
+    axes.barh(list(sizes), list(sizes.values()), color=palette.measured)
     axes.invert_yaxis()
     axes.set_xlabel(f"rms of the error [{found.gap.unit}]")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +11,6 @@ from bokeh.models.sources import ColumnDataSource
 from bokeh.models.tickers import FixedTicker
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import Axis
 from symid.diagnosis import Diagnosis, explained_axis
 from symid.errors import SettingError
 from symid.report.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE
@@ -60,7 +58,11 @@ def _beside(found: Diagnosis, signal: str) -> _Beside | None:
 
 def _explained(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
     """Response with the effects that were found, as far as they are linear."""
-    axis, values = _axis_with_effects(found)
+    try:
+        with_effects = explained_axis(found)
+        axis, values = with_effects.axis, with_effects.values
+    except SettingError:  # no effect is an element of the axis
+        axis, values = found.axis, {change.name: change.explained for change in found.parameters}
     if not has_response(axis, values):
         return None
     drive = np.ones(of.frequency.size, dtype=complex)
@@ -72,15 +74,6 @@ def _explained(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
             else:  # below 0 the record lags, not the force
                 drive *= 1 / (1 + turned) if effect.parameters["T"].value > 0 else 1 - turned
     return np.asarray(drive * identified_response(axis, values, of.signal, of.frequency, of.order))
-
-
-def _axis_with_effects(found: Diagnosis) -> tuple[Axis, Mapping[str, float]]:
-    """The axis with the effects that are elements of it; as declared where none is."""
-    try:
-        explained = explained_axis(found)
-    except SettingError:
-        return found.axis, {change.name: change.explained for change in found.parameters}
-    return explained.axis, explained.values
 
 
 def _bode(one: _Beside) -> GridPlot:
@@ -111,14 +104,11 @@ def _bode(one: _Beside) -> GridPlot:
 
 def _curves(what: str, one: _Beside) -> list[Curve]:
     """Measured points and computed curves of the magnitude or the phase."""
-    curves = [
+    return [
         Curve(f"{what}_doubtful", f"coherence below {COHERENT}", MEASURED, 3, True, 0.25),
         Curve(f"{what}_measured", "measured", MEASURED, 5, True, 0.8),
         Curve(f"{what}_reidentified", "re-identified", MODEL, 1.6),
-    ]
-    return [
-        *curves,
-        *([] if one.explained is None else [Curve(f"{what}_explained", "with effects", EXPLAINED, 1.6)]),
+        *([Curve(f"{what}_explained", "with effects", EXPLAINED, 1.6)] if one.explained is not None else []),
     ]
 
 

@@ -64,12 +64,7 @@ def draw_curves(plot: figure, source: ColumnDataSource, curves: list[Curve], x: 
     """Draw columns, and a legend of those that have a label: a click hides a curve."""
     items: dict[str, list[Any]] = {}
     for curve in curves:
-        look: dict[str, Any] = {
-            "source": source,
-            "name": curve.column,
-            "color": curve.colour,
-            "alpha": curve.alpha,
-        }
+        look: Any = {"source": source, "name": curve.column, "color": curve.colour, "alpha": curve.alpha}
         drawn: Any = (
             plot.scatter(x, curve.column, size=curve.width, line_color=None, **look)
             if curve.dots

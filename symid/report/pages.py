@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from inspect import isfunction
 from pathlib import Path
 
 import jinja2
 
 from symid.errors import SettingError
-from symid.report import colours
-from symid.report import number_text as numbers
+from symid.report import colours, number_text
 from symid.report.diagnosis import removes
 from symid.report.motion_gap import motion_line, motion_rows, motions
 
@@ -38,24 +38,8 @@ def page_templates() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    for write in (
-        motion_line,
-        motion_rows,
-        motions,
-        removes,
-        numbers.significant,
-        numbers.with_deviation,
-        numbers.multiple,
-        numbers.times,
-        numbers.percent,
-        numbers.share,
-        numbers.probability,
-        numbers.band,
-        numbers.change,
-        numbers.words,
-        numbers.capitalize_first,
-    ):
+    for write in (motion_line, motion_rows, motions, removes, colours.in_dark):
         templates.filters[write.__name__] = write
-    templates.filters["in_dark"] = colours.in_dark
+    templates.filters |= {name: write for name, write in vars(number_text).items() if isfunction(write)}
     templates.globals.update(colours=colours)
     return templates

@@ -138,16 +138,11 @@ def _panels_of_readings(
     if validation is not None:
         runs.append((f"validation on {validation.log}", validation))
     return [
-        Panel(
-            _short(source),
-            signal,
-            unit,
-            run.time,
-            run.readings[:, j],
-            run.readings[:, j] - run.innovations[:, j],
-        )
+        Panel(_short(source), signal, unit, run.time, measured, measured - innovations)
         for source, run in runs
-        for j, (signal, unit) in enumerate(found.reading_units.items())
+        for (signal, unit), measured, innovations in zip(
+            found.reading_units.items(), run.readings.T, run.innovations.T, strict=True
+        )
     ]
 
 

@@ -7,7 +7,6 @@ it; links of bodies that are not neighbours run above. A sensor is an arrow from
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,53 +17,28 @@ from matplotlib.patches import Circle, FancyBboxPatch, Patch
 
 from symid.axis import (
     GROUND,
-    AsymmetricFriction,
     Axis,
-    Backlash,
-    Between,
     Body,
-    CoulombFriction,
-    Damper,
-    DriveImperfection,
     EncoderRipple,
     Ground,
-    Imperfection,
-    Joint,
-    JointImperfection,
-    Law,
     PayloadChange,
     PendulumWeight,
     Sensor,
-    Spring,
-    ViscousFriction,
     Weight,
 )
-from symid.axis.elements import Parameter
 from symid.report import symbols
 from symid.report.colours import LIGHT, Palette
 from symid.report.drawn import Drawn, svg_of
-from symid.report.symbols import Line, Sign
+from symid.report.schematic_links import Link, links_of, marked, marks_of, written
+from symid.report.symbols import Line
 
 _GAP, _LANE, _WALL = 1.75, 0.72, 0.28
 _WIDTH, _RISE = 1.15, 0.33
 _BELOW = 1.15
 _INCH = 0.62
 """Inches of a unit of length."""
-_FIRST_MARK, _CIRCLED = ord("\u2460"), 20
-"""Circled numbers, by which notes explain imperfections, and how many there are."""
 _NOTE, _LETTER = 0.34, 0.125
 """Height of a line of a note and width of a letter, in units of length."""
-
-
-@dataclass(frozen=True)
-class _Link:
-    """An element between two bodies: `sign` draws it, `label` is its text, `name` identifies it in the figure."""
-
-    first: str
-    second: str
-    sign: Sign
-    label: str
-    name: str
 
 
 @dataclass(frozen=True)
@@ -112,83 +86,16 @@ def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
         return drawing.figure
 
 
-def _links(axis: Axis) -> Iterator[_Link]:
-    """All elements that act in a joint, in the order of the declaration; the drives last."""
-    for body in axis.bodies:
-        for gear in body.gears:
-            name = (
-                f"gear of {body.name}" if len(body.gears) == 1 else f"gear of {body.name} to {gear.to.name}"
-            )
-            yield _Link(gear.to.name, body.name, symbols.gear, f"× {gear.ratio:.4g}", name)
-    for element in axis.elements:
-        match element:
-            case Spring():
-                label, at = _written(element.stiffness), element.at
-                if isinstance(at, Between) and at.ratio != 1:
-                    label += f", × {at.ratio:.4g}"
-                yield _link(element.at, symbols.spring, label, f"spring {element.name}")
-                if element.damping is not None:
-                    damping = _written(element.damping)
-                    yield _link(element.at, symbols.damper, damping, f"damping of {element.name}")
-            case Damper():
-                yield _link(element.at, symbols.damper, _written(element.damping), f"damper {element.name}")
-            case Law():
-                yield _link(element.at, _sign_of(element), _label(element), type(element).__name__)
-            case JointImperfection():
-                yield _link(element.at, symbols.law, _marks(axis, element), type(element).__name__)
-    marks = _marks(axis, *(e for e in axis.imperfections if isinstance(e, DriveImperfection)))
-    for drive in axis.drives:
-        name = "drive" if len(axis.drives) == 1 else f"drive {drive.signal}"
-        yield _link(drive.at, symbols.drive, _marked(drive.command or drive.signal, marks), name)
-
-
-def _marks(axis: Axis, *elements: Imperfection) -> str:
-    """Marks of imperfections, by which the notes below the drawing explain them."""
-    places = [i for i, element in enumerate(axis.imperfections) if any(element is one for one in elements)]
-    return " ".join(chr(_FIRST_MARK + i) if i < _CIRCLED else f"({i + 1})" for i in places)
-
-
-def _marked(label: str, marks: str) -> str:
-    return f"{label}, {marks}" if marks else label
-
-
-def _link(at: Joint, sign: Sign, label: str, name: str) -> _Link:
-    first, second = (at.on, at) if isinstance(at, Body) else (at.first, at.second)
-    return _Link(first.name, second.name, sign, label, name)
-
-
-def _written(parameter: Parameter | None) -> str:
-    """Name of a parameter, or the value of one that is known."""
-    return parameter if isinstance(parameter, str) else f"{parameter:.4g}"
-
-
-def _label(law: Law) -> str:
-    """Parameters of a law; of many the first and the last one."""
-    names = list(dict.fromkeys(term.parameter for term in law.terms()))
-    return ", ".join(names) if len(names) <= 2 else f"{names[0]} … {names[-1]}"
-
-
-def _sign_of(law: Law) -> Sign:
-    match law:
-        case ViscousFriction():
-            return symbols.damper
-        case CoulombFriction() | AsymmetricFriction():
-            return symbols.friction
-        case Backlash():
-            return symbols.play
-    return symbols.law
-
-
 class _Drawing:
     """Places bodies, then draws what joins them."""
 
     def __init__(self, axis: Axis, palette: Palette) -> None:
         self.axis, self.palette = axis, palette
         self.order = [GROUND.name, *(body.name for body in axis.bodies)]
-        self.lanes: dict[tuple[str, str], list[_Link]] = {}
-        self.hanging: dict[str, list[_Link]] = {}
-        self.above: list[_Link] = []
-        for link in _links(axis):
+        self.lanes: dict[tuple[str, str], list[Link]] = {}
+        self.hanging: dict[str, list[Link]] = {}
+        self.above: list[Link] = []
+        for link in links_of(axis):
             self._sort(link)
         self.boxes = self._boxes()
         right = max(box.centre + box.width / 2 for box in self.boxes.values()) + 0.4
@@ -196,7 +103,7 @@ class _Drawing:
             right += 1.0
         self.notes: list[str] = []
         for element in axis.imperfections:
-            text, letters = f"{_marks(axis, element)} {element.formula}", max(int(right / _LETTER), 20)
+            text, letters = f"{marks_of(axis, element)} {element.formula}", max(int(right / _LETTER), 20)
             self.notes += textwrap.wrap(text, letters, subsequent_indent="   ")
         bottom, top = self._heights()
         self.bottom = bottom
@@ -206,7 +113,7 @@ class _Drawing:
         self.axes.axis("off")
         self.figure = figure
 
-    def _sort(self, link: _Link) -> None:
+    def _sort(self, link: Link) -> None:
         """Between neighbours, to the ground below, or above the bodies."""
         first, second = (self.order.index(name) for name in (link.first, link.second))
         near, far = min(first, second), max(first, second)
@@ -279,21 +186,21 @@ class _Drawing:
         shape.set_gid(f"body {body.name}")
         self.axes.add_patch(shape)
         self._text(box.centre, 0.2, body.name, weight="bold")
-        marks = _marks(
+        marks = marks_of(
             self.axis,
             *(e for e in self.axis.imperfections if isinstance(e, PayloadChange) and e.body == body),
         )
-        mass = _written(body.inertia if body.turns else body.mass)
-        self._text(box.centre, -0.2, _marked(mass, marks), style="italic")
+        mass = written(body.inertia if body.turns else body.mass)
+        self._text(box.centre, -0.2, marked(mass, marks), style="italic")
 
-    def _between(self, left: _Box, right: _Box, links: list[_Link]) -> None:
+    def _between(self, left: _Box, right: _Box, links: list[Link]) -> None:
         for i, link in enumerate(links):
             y = _LANE * ((len(links) - 1) / 2 - i) - 0.1
             line = Line((left.side(True, y), y), (right.side(False, y), y))
             link.sign(self.axes, line, self.palette, link.name)
             self._text((line.begin[0] + line.end[0]) / 2, y + _RISE, link.label)
 
-    def _below(self, box: _Box, links: list[_Link]) -> None:
+    def _below(self, box: _Box, links: list[Link]) -> None:
         for i, link in enumerate(links):
             x = box.centre + 0.85 * (i - (len(links) - 1) / 2) - 0.12
             top = -box.height / 2
@@ -306,7 +213,7 @@ class _Drawing:
         symbols.wall(self.axes, (box.centre - half, y - 0.2), 2 * half, 0.2, self.palette)
         self._stroke([box.centre - half, box.centre + half], [y, y])
 
-    def _over(self, link: _Link, y: float) -> None:
+    def _over(self, link: Link, y: float) -> None:
         first, second = sorted((self.boxes[link.first], self.boxes[link.second]), key=lambda b: b.centre)
         left, right = first.centre + 0.25, second.centre - 0.25
         link.sign(self.axes, Line((left, y), (right, y)), self.palette, link.name)
@@ -332,7 +239,7 @@ class _Drawing:
         ripples = (
             e for e in self.axis.imperfections if isinstance(e, EncoderRipple) and e.signal == sensor.signal
         )
-        label = _marked(sensor.signal, _marks(self.axis, *ripples))
+        label = marked(sensor.signal, marks_of(self.axis, *ripples))
         self._text(end - 0.45 * side, y + 0.2, label, color=colour)
 
     def _weights(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -58,6 +59,19 @@ def _leads(
     return [(-end, 0.0), (-half, 0.0)], [(half, 0.0), (end, 0.0)]
 
 
+def _filled(
+    axes: Axes, line: Line, palette: Palette, name: str, corners: Sequence[tuple[float, float]]
+) -> None:
+    look: Any = {
+        "facecolor": palette.fill,
+        "edgecolor": palette.ink,
+        "linewidth": LINE,
+        "gid": name,
+        "zorder": 3,
+    }
+    axes.add_patch(Polygon(line.points(corners), **look))
+
+
 def spring(axes: Axes, line: Line, palette: Palette, name: str) -> None:
     """Symbol of a spring: a zigzag line."""
     teeth = 8
@@ -79,10 +93,8 @@ def friction(axes: Axes, line: Line, palette: Palette, name: str) -> None:
     end = line.length / 2
     rail = [(-end, 0.0), (-0.24, 0.0), (-0.24, -_HALF), (0.3, -_HALF)]
     _stroke(axes, line, palette, name, rail, [(0.1, 0.04), (end, 0.04)])
-    shoe = line.points([(-0.1, -_HALF + 0.02), (0.14, -_HALF + 0.02), (0.14, 0.12), (-0.1, 0.12)])
-    axes.add_patch(
-        Polygon(shoe, facecolor=palette.fill, edgecolor=palette.ink, linewidth=LINE, gid=name, zorder=3)
-    )
+    shoe = [(-0.1, -_HALF + 0.02), (0.14, -_HALF + 0.02), (0.14, 0.12), (-0.1, 0.12)]
+    _filled(axes, line, palette, name, shoe)
 
 
 def play(axes: Axes, line: Line, palette: Palette, name: str) -> None:
@@ -97,10 +109,7 @@ def play(axes: Axes, line: Line, palette: Palette, name: str) -> None:
 def law(axes: Axes, line: Line, palette: Palette, name: str) -> None:
     """Any other law: a box with a bent curve in it."""
     _stroke(axes, line, palette, name, *_leads(line, 0.2))
-    box = line.points([(-0.2, -_HALF), (0.2, -_HALF), (0.2, _HALF), (-0.2, _HALF)])
-    axes.add_patch(
-        Polygon(box, facecolor=palette.fill, edgecolor=palette.ink, linewidth=LINE, gid=name, zorder=3)
-    )
+    _filled(axes, line, palette, name, [(-0.2, -_HALF), (0.2, -_HALF), (0.2, _HALF), (-0.2, _HALF)])
     u = np.linspace(-0.15, 0.15, 25)
     x, y = line.points(list(zip(u.tolist(), (0.1 * np.tanh(u / 0.05)).tolist(), strict=True))).T
     axes.plot(x, y, color=palette.ink, linewidth=LINE, zorder=4)
@@ -111,17 +120,14 @@ def drive(axes: Axes, line: Line, palette: Palette, name: str) -> None:
     _stroke(axes, line, palette, name)
     end, radius = line.length / 2, 0.17
     (centre,) = line.points([(0.0, 0.0)])
-    axes.add_patch(
-        Circle(
-            tuple(centre),
-            radius,
-            facecolor=palette.paper,
-            edgecolor=palette.model,
-            linewidth=1.8,
-            gid=name,
-            zorder=3,
-        )
-    )
+    look: Any = {
+        "facecolor": palette.paper,
+        "edgecolor": palette.model,
+        "linewidth": 1.8,
+        "gid": name,
+        "zorder": 3,
+    }
+    axes.add_patch(Circle(tuple(centre), radius, **look))
     for side in (-1.0, 1.0):
         tip, start = line.points([(side * end, 0.0), (side * radius, 0.0)])
         arrow = {"arrowstyle": "-|>", "color": palette.model, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0}
@@ -137,15 +143,5 @@ def gear(axes: Axes, line: Line, palette: Palette, name: str) -> None:
 
 def wall(axes: Axes, corner: tuple[float, float], width: float, height: float, palette: Palette) -> None:
     """The ground: a hatched strip."""
-    axes.add_patch(
-        Rectangle(
-            corner,
-            width,
-            height,
-            facecolor=palette.paper,
-            edgecolor=palette.ink,
-            hatch="////",
-            linewidth=0,
-            gid="ground",
-        )
-    )
+    look: Any = {"facecolor": palette.paper, "edgecolor": palette.ink, "linewidth": 0, "gid": "ground"}
+    axes.add_patch(Rectangle(corner, width, height, hatch="////", **look))

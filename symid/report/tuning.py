@@ -15,6 +15,8 @@ from symid.report.console import report_console
 from symid.report.drawn import Drawn
 from symid.tuning import BoundSearch, TotalTuning, Tuning
 
+_CIRCLE: Any = {"fillstyle": "none", "markersize": 9}
+
 
 def tuning_record(found: Tuning) -> dict[str, Any]:
     """Record of `symid tune --json`."""
@@ -80,13 +82,8 @@ def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
         _draw(left, found.cutoff, "cutoff frequency [Hz]", "low-pass filter, exact derivatives [35]", palette)
         title = f"central differences of {', '.join(found.measured)} [37]"
         _draw(right, found.sampling, "sampling frequency [Hz]", title, palette)
-        right.axvline(
-            found.first_sampling_hz,
-            color=palette.residual,
-            linestyle=":",
-            linewidth=1,
-            label="first guess [36]",
-        )
+        look: Any = {"color": palette.residual, "linestyle": ":", "linewidth": 1}
+        right.axvline(found.first_sampling_hz, label="first guess [36]", **look)
         left.set_ylabel("largest error of a parameter [%]")
         for axes in (left, right):
             axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
@@ -97,14 +94,10 @@ def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Pale
     look = {"color": palette.other, "linewidth": 1, "label": "error"}
     axes.loglog(search.scanned_hz, search.scanned_errors, ".-", **look)
     axes.axhline(search.bound, color=palette.model, linewidth=1, label=f"bound {search.bound:g} %")
-    tuned = search.frequency_hz
-    _circle(axes, tuned, search.largest_error, f"tuned {tuned:.4g} Hz", palette)
+    tuned, circle = search.frequency_hz, {**_CIRCLE, "color": palette.model}
+    axes.loglog(tuned, search.largest_error, "o", label=f"tuned {tuned:.4g} Hz", **circle)
     axes.set_xlabel(label)
     axes.set_title(title, loc="left")
-
-
-def _circle(axes: Axes, x: float | None, y: float, label: str, palette: Palette) -> None:
-    axes.loglog(x, y, "o", color=palette.model, fillstyle="none", markersize=9, label=label)
 
 
 def total_record(found: TotalTuning) -> dict[str, Any]:
@@ -165,7 +158,8 @@ def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT) -> Drawn:
         label = "scan, best decimation"
         axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
         tuned, decimation = found.preparation.cutoff_hz, found.preparation.decimation
-        _circle(axes, tuned, found.total_percent, f"tuned {tuned:.4g} Hz, decimation {decimation}", palette)
+        label = f"tuned {tuned:.4g} Hz, decimation {decimation}"
+        axes.loglog(tuned, found.total_percent, "o", color=palette.model, label=label, **_CIRCLE)
         axes.set_xlabel("cutoff frequency [Hz]")
         axes.set_ylabel("total error, rms over parameters [%]")
         axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -111,18 +111,15 @@ def table_of_messages(messages: Iterable[tuple[str, int, object]]) -> Table:
         for topic, time in times.items()
     }
     channels = []
-    for name, (path, (rows, values)) in zip(_named(list(samples)), samples.items(), strict=True):
+    # Signals are named by the last field where it is there once; of ``/force`` with ``data``, by the topic.
+    topics = {path[0] for path in samples if path[1:] == ("data",)}
+    names = short_names([path[:1] if path[0] in topics else path for path in samples])
+    for name, (path, (rows, values)) in zip(names, samples.items(), strict=True):
         clock = seconds[path[0]]
         channels.append(
             Channel(name, "", clock if len(rows) == clock.size else clock[rows], np.array(values))
         )
     return table_of_channels(channels)
-
-
-def _named(paths: Sequence[tuple[str, ...]]) -> list[str]:
-    """Names of signals: the last field where it is there once; of ``/force`` with ``data``, the topic."""
-    topics = {path[0] for path in paths if path[1:] == ("data",)}
-    return short_names([path[:1] if path[0] in topics else path for path in paths])
 
 
 def _fields_of(message: object) -> Mapping[str, Any] | None:
@@ -159,7 +156,8 @@ def _numbers(value: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, 
         for field, inner in fields.items():
             if field == "header" or field in _STAMPS:
                 continue
-            if isinstance(names, (list, tuple)) and field != "name" and _is_array(inner, len(names)):
+            is_array = isinstance(inner, (list, tuple, np.ndarray))
+            if isinstance(names, (list, tuple)) and field != "name" and is_array and len(inner) == len(names):
                 for name, one in zip(names, inner, strict=True):
                     yield from _numbers(one, (*path, str(name), field))
             else:
@@ -167,7 +165,3 @@ def _numbers(value: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, 
     elif isinstance(value, (list, tuple, np.ndarray)) and len(value) <= _LONGEST_ARRAY:
         for i, inner in enumerate(value):
             yield from _numbers(inner, (*path[:-1], f"{path[-1]}[{i}]") if path else (f"[{i}]",))
-
-
-def _is_array(value: object, size: int) -> bool:
-    return isinstance(value, (list, tuple, np.ndarray)) and len(value) == size

@@ -66,23 +66,19 @@ def open_scope_text(path: Path, writer: Writer, separator: str) -> Table:
 
 def _begin(path: Path, rows: Sequence[Sequence[str]], separator: str) -> int:
     """The first row of values: its second field is a number, and so are those of all rows below."""
+
+    def is_value(text: str) -> bool:
+        return is_number(text, comma=separator != ",")
+
     begin = len(rows)
-    while begin and _are_values(rows[begin - 1], separator):
+    for row in reversed(rows):
+        numbers = [text for text in row[1:] if text]
+        if not numbers or not all(map(is_value, numbers)) or not (row[0] == _VALUES or is_value(row[0])):
+            break
         begin -= 1
     if begin == len(rows):
         raise LogError(f"{path}: there are no values below the properties: export the scope again")
     return begin
-
-
-def _are_values(row: Sequence[str], separator: str) -> bool:
-    begins = row[:1] in (
-        [
-            "",
-        ],
-        [_VALUES],
-    ) or (bool(row) and is_number(row[0], comma=separator != ","))
-    numbers = [text for text in row[1:] if text]
-    return begins and bool(numbers) and all(is_number(text, comma=separator != ",") for text in numbers)
 
 
 def _twincat(path: Path, above: Sequence[Sequence[str]], values: Table) -> Table:
