@@ -20,7 +20,18 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     9.0
     """
     try:
-        kept: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(function)
+        kept: Any = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # no place that can be written
-        kept = numba.njit(error_model="numpy")(function)
-    return kept
+        return numba.njit(error_model="numpy")(function)
+    # Kept by another version of symid, code may be for records that are no longer there: it is compiled again.
+    files = kept._cache._cache_file
+    load = files._load_index
+
+    def load_if_readable() -> Any:
+        try:
+            return load()
+        except (AttributeError, ImportError):
+            return {}
+
+    files._load_index = load_if_readable
+    return kept  # type: ignore[no-any-return]
