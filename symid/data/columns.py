@@ -30,6 +30,7 @@ def references_of(signals: Collection[str]) -> tuple[str, ...]:
     return REFERENCE, *(f"{REFERENCE}_{signal}" for signal in signals)
 
 
+_POSITIONS: Final = Unit.of("m"), Unit.of("rad")
 _HEADER: Final = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]\s*")
 
 
@@ -98,6 +99,9 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
     position = _position(given.headers, column)
     unit = Unit.of("s") if signal == TIME else given.expected.get(signal)
     if position is not None:
+        text = given.units.get(signal, split_unit(given.headers[position])[1])
+        if unit is None and text is not None and "count" in text:  # a reference is in counts of the positions
+            unit = next((own for own in given.expected.values() if own in _POSITIONS), None)
         return Source(signal, position, _factor(given, signal, position, unit))
     if must:
         what = "time" if signal == TIME else f"signal {signal!r}"

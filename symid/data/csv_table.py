@@ -26,7 +26,7 @@ from symid.data.layout import (
 )
 from symid.data.memory import free_memory
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
-from symid.data.time_stamps import seconds_of_stamps
+from symid.data.time_stamps import is_stamp, seconds_of_stamps
 from symid.errors import LogError
 
 _CHUNK: Final = 4_194_304
@@ -76,8 +76,9 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
             f"{path}: ends above the values, which the layout expects below line {skipped}: correct it"
         )
     headers = layout.headers(lines)
-    width = max(len(headers), len(fields(lines[skipped], layout.separator)))
-    file = _Csv(path, layout.separator, width)
+    row = fields(lines[skipped], layout.separator)
+    stamps = frozenset(i for i, text in enumerate(row) if is_stamp(text.strip(" \t\"'")))
+    file = _Csv(path, layout.separator, max(len(headers), len(row)))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         try:
@@ -92,7 +93,7 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
             frame = file.scan(values, positions, pl.String(), header_rows=0)
         return [_values_of_text(series, layout.separator) for series in _without_blank_end(frame)]
 
-    return Table(headers, read)
+    return Table(headers, read, stamps=stamps)
 
 
 def _first_lines(path: Path) -> tuple[str, str]:

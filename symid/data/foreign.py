@@ -94,9 +94,15 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     require_room(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
     return tuple(
-        _guessed(header, column)
-        for header, column in zip(table.headers, values, strict=True)
+        _of_stamps(header) if i in table.stamps else _guessed(header, column)
+        for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
+    )
+
+
+def _of_stamps(header: str) -> ForeignColumn:
+    return ForeignColumn(
+        header, "time", "s", False, "its values are moments, which are read in seconds", True
     )
 
 
@@ -141,15 +147,17 @@ def _rises_evenly(values: FloatArray) -> bool:
 
 
 def split_header(header: str) -> tuple[str, str | None]:
-    """Name and unit of a foreign header.
+    """Name and unit of a foreign header; a number in brackets is that of an axis or channel.
 
     Examples
     --------
-    >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)")
-    (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None))
+    >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)"), split_header("load (4)")
+    (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None), ('load (4)', None))
     """
     match = _BRACKETS.fullmatch(header) or _TRAILING.fullmatch(header)
-    return (match["name"], match["unit"].strip()) if match else (header, None)
+    if match is None or match["unit"].strip().isdecimal():
+        return header, None
+    return match["name"], match["unit"].strip()
 
 
 def _match(words: Sequence[str], pattern: str) -> str | None:
@@ -187,7 +195,8 @@ def _without_unit(
             return ForeignColumn(header, "time", fits[0], setpoint, reason, False)
         return ForeignColumn(header, "time", None, setpoint, f"{said}; steps of {step:g} fit no unit", False)
     if quantity == "position" and np.ptp(values) > _LONGEST_STROKE:
-        reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres"
+        counts = "; whole numbers may be counts, in '4096 counts/rev'" if np.all(values % 1 == 0) else ""
+        reason = f"{said}; a stroke of {np.ptp(values):.3g} is too long for metres{counts}"
         return ForeignColumn(header, "position", "mm", setpoint, reason, False)
     lacking = f"{written!r} is not a unit" if written else "no unit"
     return ForeignColumn(header, quantity, None, setpoint, f"{said}; {lacking}, so SI is assumed", False)

@@ -22,6 +22,8 @@ _LEAST_REPEATED, _MOST_REPEATED = 0.002, 0.3
 """Share of repeated rows from which on some were lost, and beyond which a channel is slow rather than lossy."""
 _COARSE = 0.4
 """Share of different values below which a channel is one of steps."""
+_COUNTS, _ROUNDING = 5000, 1e-3
+"""Steps of its range up to which a channel of whole counts is coarse, and their rounding in a file."""
 _EVERY, _MANY = 16, 10_000
 """Every which sample shows first whether values repeat, and of how many samples."""
 _STEPS = 12.0
@@ -90,15 +92,27 @@ def repeated(x: FloatArray) -> BoolArray:
 
 
 def step_of(x: FloatArray) -> float:
-    """Smallest step of a channel of few values; 0 for one whose values are all its own.
+    """Smallest step of a channel of few values, or of whole counts; 0 for one whose values are all its own.
 
-    Of few values, some come again among every sixteenth sample too: only then are all of them sorted.
+    Of few values, some come again among every sixteenth sample too: only then are all of them sorted. A short log of
+    counts has few values that come again, but each is a whole number of steps from the others.
+
+    Examples
+    --------
+    >>> counts = np.round(200 * np.sin(np.arange(300) / 40))
+    >>> step_of(counts), step_of(counts + 1e-3 * np.random.default_rng(0).standard_normal(300))
+    (1.0, 0.0)
     """
     some = x[::_EVERY]
     if x.size > _MANY and np.unique(some).size == some.size:
         return 0.0
     values = np.unique(x)
-    return float(np.diff(values).min()) if 1 < values.size < _COARSE * x.size else 0.0
+    if values.size < 2:
+        return 0.0
+    gaps = np.diff(values)
+    counts = gaps / gaps.min()
+    whole = counts.sum() < _COUNTS and bool(np.all(np.abs(counts - np.round(counts)) < _ROUNDING))
+    return float(gaps.min()) if values.size < _COARSE * x.size or whole else 0.0
 
 
 def restored(

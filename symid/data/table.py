@@ -52,6 +52,8 @@ class Table:
         Rows by the header of the file; None without such a number.
     clocks : mapping of int to int
         Position of the column of the times of each column, where columns have separate clocks.
+    stamps : frozenset of int
+        Positions of columns whose values are moments written as text, which are read as seconds.
     """
 
     headers: tuple[str, ...]
@@ -59,6 +61,7 @@ class Table:
     slices: Callable[[Sequence[int]], Slices] | None = None
     n_rows: int | None = None
     clocks: Mapping[int, int] = field(default_factory=dict)
+    stamps: frozenset[int] = frozenset()
 
 
 @contextmanager

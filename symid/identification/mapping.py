@@ -21,6 +21,8 @@ _PERIOD = re.compile(
     r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
     re.IGNORECASE,
 )
+_MOTION = "position", "velocity", "acceleration"
+"""Quantities that a name without a unit suggests, and an answer refutes."""
 
 
 @dataclass(frozen=True)
@@ -312,7 +314,10 @@ class _Guess:
             return
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
-        if column.quantity in (own, None) and _measures(column.unit, unit):
+        misnamed = (
+            signal in self.named and column.quantity in _MOTION and column.unit is None
+        )  # v may be volts
+        if (misnamed or column.quantity in (own, None)) and _measures(column.unit, unit):
             self.take(signal, column)
             if gain is not None:
                 self.gains[signal] = gain

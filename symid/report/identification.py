@@ -171,6 +171,13 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         console.print(
             _residual_table(f"Residual on {record['validation']['log']}", record["validation"]["residual"])
         )
+        kept = min(output["rows"] for output in record["validation"]["residual"].values())
+        if kept <= len(record["minimal"]):
+            console.print(
+                f"note: {kept} rows of {record['validation']['log']} are left by filter, decimation and reversals, "
+                f"no more than the {len(record['minimal'])} parameters: take a longer log to judge the prediction",
+                markup=False,
+            )
     relations = record["relations"]
     if relations is not None:
         console.print(

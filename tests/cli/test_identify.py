@@ -193,6 +193,15 @@ def test_figures_are_drawn(folder: Path, suffix: str) -> None:
     assert head.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix])
 
 
+def test_a_validation_of_few_rows_judges_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = Path("good.csv").read_text().splitlines()
+    Path("end.csv").write_text("\n".join([lines[0], *lines[-360:]]))
+    assert run("identify", "rigid_1m", "good.csv", "--cutoff", "20", "--validation", "end.csv") == 0
+    assert "rows of end.csv are left" in capsys.readouterr().out
+    assert run("identify", "rigid_1m", "good.csv", "--cutoff", "20", "--validation", "good.csv") == 0
+    assert "to judge the prediction" not in capsys.readouterr().out
+
+
 def test_help_of_each_command_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
     for command in ("demo", "show", "generate", "identify"):
         assert run(command, "--help") == 0

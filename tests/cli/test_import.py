@@ -8,6 +8,7 @@ import scipy
 from command_line import run
 from recorded_run import PERIOD, TRUE, table
 
+from symid import load_axis, read_axis_log
 from symid.data import Layout, foreign_columns, guessed_layout, open_table
 from symid.report.colours import DARK
 
@@ -263,3 +264,31 @@ def test_options_complete_a_mapping_that_lacks_something(
     assert run(*identify, *complete) == 0
     found = json.loads(Path("f.json").read_text(encoding="utf-8"))["physical"]
     assert found["M"]["value"] == pytest.approx(TRUE["M"], rel=0.02)
+
+
+def test_moments_are_seconds_and_a_number_in_brackets_is_a_channel(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A servo on a serial bus at 10 Hz: times of day, positions in counts, the motor in brackets."""
+    rows = [f"2025-11-09T09:27:{k / 10:06.3f}Z,{2000 + k},{1990 + k * k % 7},{k % 5}" for k in range(100)]
+    (folder / "bus.csv").write_text("\n".join(["timestamp,goal pos (4),pos (4),load (4)", *rows]))
+    options = ("--column", "F=load (4)", "--column", "q=pos (4)", "--unit", "q=100 counts/mm")
+    options += ("--column", "reference=goal pos (4)", "--unit", "reference=100 counts/mm")
+    assert run("import", "bus.csv", "--axis", "rigid_1m", "-o", "map.json", *options) == 0
+    shown = capsys.readouterr().out
+    assert "read in seconds" in shown
+    assert "its unit '4'" not in shown
+    mapping = json.loads((folder / "map.json").read_text())
+    assert mapping["units"]["t"] == "s"
+    names = {"columns": mapping["columns"], "units": mapping["units"]}
+    log = read_axis_log(load_axis("rigid_1m"), "bus.csv", **names)
+    assert log.sampling_period == pytest.approx(0.1)
+    assert log["reference"][:2] == pytest.approx([0.02, 0.02001])
+
+
+def test_a_column_that_is_named_is_the_force_whatever_its_name_suggests(recorded, folder: Path) -> None:
+    text = table({"t": recorded.time, "x": recorded["q"], "v": recorded["F"]}, ",")
+    (folder / "a.csv").write_text(text)
+    assert run("import", "a.csv", "--axis", "rigid_1m", "--column", "F=v", "-o", "map.json") == 0
+    mapping = json.loads((folder / "map.json").read_text())
+    assert (mapping["columns"]["F"], mapping["missing"]) == ("v", [])

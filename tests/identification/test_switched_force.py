@@ -5,7 +5,7 @@ import pytest
 
 from symid import identify
 from symid.identification import Preparation
-from symid.identification.recording import is_switched
+from symid.identification.recording import channel_fault, is_switched
 
 TRUE = {"M": 6.0, "Fv": 12.0, "Fs": 2.0}
 LEVEL, STEP = 13.0, 1e-4
@@ -58,3 +58,11 @@ def test_a_few_steps_are_no_rounding() -> None:
     levels = np.repeat([0.0, 2.0, 4.0, 6.0, 0.0], 150)
     assert is_switched(levels)
     assert not is_switched(levels + np.tile([0.0, 2.0], 375))  # a rounded force changes often
+
+
+def test_the_slope_of_a_short_log_of_counts_is_not_limited() -> None:
+    t = np.arange(492) / 500
+    chirp = 195 * np.sin(2 * np.pi * (4.8 * t + 0.7 * t**2))
+    assert channel_fault(np.round(chirp), "v") == ""
+    slow = np.cumsum(np.clip(np.diff(chirp, prepend=0.0), -12.3, 12.3))
+    assert "slope is limited" in channel_fault(slow, "v")
