@@ -17,6 +17,8 @@ from symid.diagnosis.effects.friction import (
     LoadDependentFriction,
     PreslidingFriction,
     SteadyFrictionDrift,
+    is_part,
+    with_parts,
 )
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
 from symid.diagnosis.effects.imperfections import declared_effects, effects_of_element, imperfection_of
@@ -89,5 +91,7 @@ __all__ = [
     "effects_of_element",
     "force_at",
     "imperfection_of",
+    "is_part",
     "with_alike",
+    "with_parts",
 ]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 import sympy as sp
@@ -51,6 +53,8 @@ class PreslidingFriction(JointEffect):
     amplitudes = ("Fs",)
     shape_names = ("reach",)
     positive = True
+    is_part: ClassVar[bool] = False
+    """Whether it takes away Coulomb friction that is not declared but found."""
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         slides = str(joint_units(prediction, place)[1]) == "m"
@@ -71,8 +75,8 @@ class PreslidingFriction(JointEffect):
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
-        declared = joint.name in _declared(prediction, DeclaredCoulomb)
-        return sampled(prediction, state - np.sign(joint.v) if declared else state, joint=joint)
+        is_part = self.is_part or joint.name in _declared(prediction, DeclaredCoulomb)
+        return sampled(prediction, state - np.sign(joint.v) if is_part else state, joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
@@ -84,6 +88,33 @@ class PreslidingFriction(JointEffect):
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return str(force), str(length)
+
+
+class _PartOfCoulomb(PreslidingFriction):
+    is_part = True
+
+
+_PART = _PartOfCoulomb()
+
+
+def is_part(item: Placed, whole: Placed) -> bool:
+    """Whether an effect is presliding friction, and the other one Coulomb friction of the same joint."""
+    is_pair = item.effect.name == PreslidingFriction.name and whole.key == ("coulomb_friction", item.at)
+    return is_pair and not (item.integrated or whole.integrated)
+
+
+def with_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
+    """The same effects, presliding friction as a part of the Coulomb friction found before it in the same joint.
+
+    They predict the same. The level of the Coulomb friction is then that of the whole, as that of a declared one is.
+    """
+    found = list(placed)
+    for at, item in enumerate(found):
+        for i, whole in enumerate(found[:at]):
+            if is_part(item, whole):
+                found[i] = replace(whole, amplitudes=(whole.amplitudes[0] + item.amplitudes[0],))
+                found[at] = replace(item, effect=_PART)
+    return tuple(found)
 
 
 def dahl_state(q: FloatArray, reach: float) -> FloatArray:

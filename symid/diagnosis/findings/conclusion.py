@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from symid.data import Log
-from symid.diagnosis.effects import declared_effects, effects_of_element
+from symid.diagnosis.effects import declared_effects, effects_of_element, with_parts
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
 from symid.diagnosis.findings.gap import Gap, Level
@@ -163,6 +164,7 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     A moment that the log does not determine, because the axis rests, has the deviation of a uniform distribution over
     the log.
     """
+    fit = replace(fit, state=replace(fit.state, placed=with_parts(fit.state.placed)))
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
     found, place = [], 0

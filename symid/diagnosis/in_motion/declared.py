@@ -14,7 +14,13 @@ from symid.axis import (
     PreslidingFriction,
     Spring,
 )
-from symid.diagnosis.effects import LawEffect, Placed, force_at, imperfection_of
+from symid.diagnosis.effects import (
+    LawEffect,
+    Placed,
+    force_at,
+    imperfection_of,
+    with_parts,
+)
 from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
@@ -96,7 +102,7 @@ def axis_of(state: State) -> ExplainedAxis:
     declared, values = state.prediction.axis, dict(state.prediction.parameters)
     axis = declared.without(*declared.imperfections)
     left_out = []
-    for item in state.placed:
+    for item in with_parts(state.placed):
         added = _added(axis, item, values)
         if added is None:
             left_out.append(_left_out(state.prediction, item))
@@ -136,10 +142,12 @@ def _with_presliding(axis: Axis, item: Placed, values: Values) -> Axis:
     """The axis whose Coulomb friction, which is added where there is none, builds up over a displacement."""
     (level,), (reach,) = item.amplitudes, item.shape
     place = place_named(axis, item.at)
-    if not any(isinstance(law, CoulombFriction) and law.at == place for law in axis.laws):
+    declared = any(isinstance(law, CoulombFriction) and law.at == place for law in axis.laws)
+    if item.integrated or not declared:  # beside the friction that is there, not a part of it
         name = f"{item.at}_Fs"
-        values[name] = level
-        axis = axis.with_effect(CoulombFriction(place, name))
+        if name not in values:
+            axis = axis.with_effect(CoulombFriction(place, name))
+        values[name] = values.get(name, 0.0) + level
     return axis.with_effect(PreslidingFriction(place, level, reach=reach))
 
 

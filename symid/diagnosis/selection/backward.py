@@ -13,7 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from symid.diagnosis.effects import Effect, Key, Placed
+from symid.diagnosis.effects import Effect, Key, Placed, is_part
 from symid.diagnosis.fitting.blocks import deviation
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import Start
@@ -74,8 +74,18 @@ def backward_elimination(
         sorted(members, key=lambda member: -member.taken),
         members,
     )
-    chains = (_chain(order, first, THRESHOLDS.as_good * whole.mean_square) for order in orders)
+    most = THRESHOLDS.as_good * whole.mean_square
+    chains = (_chain(_whole_before_part(order), first, most) for order in orders)
     return next((chain for chain in chains if chain is not None), _beside_others(accepted, members))
+
+
+def _whole_before_part(order: Sequence[Member]) -> list[Member]:
+    """The same order, but for Coulomb friction behind its presliding part: it goes before that."""
+    found: list[Member] = []
+    for member in order:
+        behind = (i for i, other in enumerate(found) if is_part(other.placed, member.placed))
+        found.insert(next(behind, len(found)), member)
+    return found
 
 
 def _beside_others(accepted: Sequence[SelectionStep], members: Sequence[Member]) -> tuple[SelectionStep, ...]:
@@ -139,22 +149,25 @@ def _reselected(accepted: Sequence[SelectionStep], library: Sequence[Effect]) ->
     """
     first = accepted[0].before
     whole = accepted[-1].confirmed[0].fit.after(first)
-    n, members = len(accepted), list[Member]()
+    n, members, dropped = len(accepted), list[Member](), list[Member]()
     for i, step in enumerate(accepted):
         at = (
             len(whole.state.placed) - n
         )  # an effect done with goes to the end: the next one is the first of the last n
         own, before = whole.state.placed[at], _without(whole, at)
-        found = _chosen(first, before, own, step, library if i == 0 else ())
+        simpler = [member for member in dropped if own.contains(member.placed.key)]
+        sought = library if not any(is_part(item, own) for item in before.state.placed) else ()
+        found = _chosen(first, before, own, step, sought if i == 0 else (), simpler)
         matters = takes(before, whole, first)
         if found is None and matters and i > 0:
-            found = _chosen(first, before, own, step, library)
+            found = _chosen(first, before, own, step, sought)
         if found is not None and not _stands_in(found, before, whole):
             found = None
         if found is None and matters:
             return []
         if found is None:
             whole, n = before, n - 1
+            dropped.append(Member(own, step, 0.0))
             continue
         whole = found.confirmed[0].fit.after(first)
         n_drives = first.state.prediction.record.n_drives
@@ -170,12 +183,21 @@ def _stands_in(found: SelectionStep, before: Fit, whole: Fit) -> bool:
 
 
 def _chosen(
-    first: Fit, before: Fit, own: Placed, step: SelectionStep, library: Sequence[Effect]
+    first: Fit,
+    before: Fit,
+    own: Placed,
+    step: SelectionStep,
+    library: Sequence[Effect],
+    simpler: Sequence[Member] = (),
 ) -> SelectionStep | None:
-    """The step of an effect beside all others; None if nothing is worth its place."""
-    starts = [Start.of(before, own)]
+    """The step of an effect beside all others; None if nothing is worth its place.
+
+    What is `simpler`, and was dropped as the effect contains it, is a rival again.
+    """
+    starts = [Start.of(before, item) for item in (own, *(member.placed for member in simpler))]
     if library:
-        rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS]}
+        present = {item.key for item in before.state.placed}
+        rivals = {c.key: c.placed for c in step.confirmed[1 : 1 + _RIVALS] if c.key not in present}
         rivals |= {c.placed.key: c.placed for c in screened(before, library)[:_RIVALS]}
         starts += [Start.of(before, item) for item in rivals.values()]
     found: dict[Key, Confirmed] = {}
@@ -192,7 +214,10 @@ def _chosen(
     chosen = SelectionStep(before, tuple(best), step.screened, refused)
     if not chosen.justifies_another(first):
         return None
-    return chosen if len(best) > 1 else _in_place_of(step, before, best[0])
+    if len(best) > 1:
+        return chosen
+    steps = {member.placed.key: member.step for member in simpler}
+    return _in_place_of(steps.get(best[0].key, step), before, best[0])
 
 
 def _clearly(best: Confirmed, own: Confirmed, first: Fit) -> bool:

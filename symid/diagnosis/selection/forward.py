@@ -81,15 +81,21 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in simpler], confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
-    return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
+    step = SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
+    return step.whole_before_part()
 
 
 def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed]) -> dict[Key, Placed]:
-    """Fit candidates, which are returned; each keeps the best of its fits."""
+    """Fit candidates, which are returned; each keeps the best of its fits.
+
+    What one of them refines is always fitted to the end: the two are compared.
+    """
     tried = {}
     for start in starts:
         tried[start.placed.key] = start.placed
-        own = confirmed_from(fit, start, THRESHOLDS.hopeless * _least_left(confirmed))
+        refined = any(other.placed.contains(start.placed.key) for other in confirmed.values())
+        most = math.inf if refined else THRESHOLDS.hopeless * _least_left(confirmed)
+        own = confirmed_from(fit, start, most)
         if own is not None and (own.key not in confirmed or own.gain > confirmed[own.key].gain):
             confirmed[own.key] = own
     return tried

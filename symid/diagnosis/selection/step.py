@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
+from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_part
 from symid.diagnosis.fitting.fit import Fit, fitted_on
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -112,6 +112,21 @@ class SelectionStep:
         if not found:
             return self
         return self.led_by(found[0])
+
+    def whole_before_part(self) -> SelectionStep:
+        """The same with Coulomb friction before presliding friction that leaves more than noise.
+
+        Where only a part of the friction builds up over a displacement, presliding friction alone finds a wrong reach.
+        Beside Coulomb friction all reaches are tried. Rivals stay as far behind it as they are behind both.
+        """
+        if not self.confirmed or self.confirmed[0].fit.mean_square < THRESHOLDS.explained:
+            return self
+        best, *others = self.confirmed
+        whole = next((own for own in others if is_part(best.placed, own.placed)), None)
+        if whole is None or not self._accepts(whole):
+            return self
+        behind = (own.beside(best, whole) for own in others if own is not whole)
+        return replace(self, confirmed=(whole, best, *behind))
 
     def led_by(self, own: Confirmed) -> SelectionStep:
         """The same with another of its candidates first."""
