@@ -34,7 +34,6 @@ from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axi
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import ClosedLoop
-from symid.verbs.diagnose import require_model
 
 _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "seconds")
 
@@ -115,7 +114,6 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         if simulated:
             found = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
         else:
-            require_model(declared, runs[0])
             found = diagnose(declared, runs, validation=validation, nominal=nominal, **recorded)
     if experiment:
         found = _with_experiment(found, limits, experiment)

@@ -37,6 +37,8 @@ class Thresholds:
         Share of the mean square; with more of it left, no candidate has explained it, and dearer starts are tried.
     promising : float
         Share of the best candidate's gain by projection from which on another is fitted.
+    clear_gap : float
+        Mean square from which on candidates are fitted whatever a projection says of them.
     hopeless : float
         Multiple of the least mean square beyond which another candidate is not fitted to the end.
     beside_best : float
@@ -147,6 +149,7 @@ class Thresholds:
     explained: float = 1.4
     hardly: float = 0.05
     promising: float = 0.15
+    clear_gap: float = 9.0
     hopeless: float = 4.0
     beside_best: float = 0.2
     other_timing: float = 0.3

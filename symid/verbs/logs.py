@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from symid.axis import Axis
 from symid.data import AnyLog, Frame, Log, LongLog
@@ -25,6 +25,15 @@ def log_of(axis: Axis, given: Recorded, measured: Sequence[str] | None = None, *
 def are_several(given: Recorded | Sequence[Recorded]) -> bool:
     """Whether these are logs in a list or tuple."""
     return isinstance(given, (list, tuple))
+
+
+def logs_of(
+    axis: Axis, given: Recorded | Sequence[Recorded], measured: Sequence[str] | None = None, **columns: Any
+) -> list[Log]:
+    """One or several logs of an axis, whole in memory."""
+    several = cast("Sequence[Recorded]", given) if are_several(given) else (cast("Recorded", given),)
+    runs = [log_of(axis, each, measured, **columns) for each in several]
+    return [run.window(0, run.n_samples) for run in runs]
 
 
 read_axis_log = of_any_axis(files.read_axis_log)

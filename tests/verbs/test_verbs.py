@@ -9,7 +9,7 @@ from command_line import run
 from fleet_logs import TRUE, write_log
 
 import symid
-from symid.codegen import store
+from symid.diagnosis import diagnose as diagnose_axis
 from symid.errors import SettingError, SymidError
 
 
@@ -77,13 +77,21 @@ def test_diagnose_takes_names_and_frames(folder: Path, monkeypatch: pytest.Monke
         "symid.verbs.diagnose.diagnose_axis", lambda *given, **settings: seen.append((given, settings))
     )
     symid.diagnose("rigid_1m", pd.read_csv("a.csv"), validation="a.csv", nominal=TRUE)
-    symid.diagnose(own("Fdiag"), "a.csv")
-    ((first, settings), (second, _)) = seen
-    assert first[0] == symid.load_axis("rigid_1m")
-    assert np.array_equal(first[1]["q"], settings["validation"]["q"])
+    symid.diagnose(own("Fdiag"), ["a.csv", "a.csv"])
+    ((axis, logs), settings), ((_, several), others) = seen
+    assert axis == symid.load_axis("rigid_1m")
+    assert np.array_equal(logs[0]["q"], settings["validation"][0]["q"])
     assert settings["nominal"] == TRUE
-    assert ("own_verbs", ("q",)) in {key[1:] for key in store.DERIVED}
-    assert second[1].n_samples == 2000
+    assert [log.n_samples for log in several] == [2000, 2000]
+    assert others["validation"] == []
+
+
+def test_diagnose_of_a_declaration_needs_no_nominal_values(folder: Path) -> None:
+    axis = own("Fbegins")
+    log = symid.read_axis_log(axis, "a.csv")
+    for found in (symid.diagnose(axis, "a.csv"), diagnose_axis(axis, log)):
+        values = {change.name: change.reidentified for change in found.parameters}
+        assert values["M"] == pytest.approx(TRUE["M"], rel=0.02)
 
 
 def test_results_are_frames(folder: Path) -> None:

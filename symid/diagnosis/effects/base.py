@@ -47,11 +47,18 @@ class Effect(ABC):
     """Whether its force depends on what it changes itself, so that a balance is to be solved."""
     moments: ClassVar[tuple[str, ...]] = ()
     """Shape parameters that a log need not determine, such as when something changed while the axis was at rest."""
+    may_be_zero: ClassVar[tuple[str, ...]] = ()
+    """Shape parameters that may be as small as their deviation, such as the damping of a mode."""
     per_log: ClassVar[bool] = False
     """Whether its amplitudes belong to a log: time starts at 0 in each."""
 
     imitates: tuple[str, ...] = ()
     """Names of simpler effects whose lack it may explain as well."""
+
+    @property
+    def in_doubt(self) -> frozenset[str]:
+        """Shape parameters whose deviation may exceed them."""
+        return frozenset((*self.moments, *self.may_be_zero))
 
     def is_possible(self, prediction: Prediction, placed: Placed) -> bool:
         """Whether a machine can have these amplitudes."""

@@ -38,9 +38,14 @@ _WAVES_OF_ENERGY = 400
 _LEAST_STROKE = 5e-3
 _TRIALS = 4
 _SHARE_OF_BAND = 0.6
-_LOWEST_MODE = 3.0
+_PERIODS_OF_MODE = 3.0
+"""Of a mode that a log shows, at least."""
+_LOWEST_MODES = (0.5, 3.0)
+"""Between which frequencies the lowest mode lies that is sought, Hz: below, a mode looks like a weight or a spring."""
 _SHARE_OF_MOTION = 0.9
-_MODES = 40
+_MODES_APART = 1.09
+_NEAR_MODE, _AT_MODE = 0.25, 0.5
+"""Share of the acceleration, squared, that may lie within some of a mode: one sine tells a mode from no inertia."""
 _MOST_OF_MASS = 0.95
 _INSIDE = 0.99
 _MASS_CHANGES = (-0.3, -0.1, -0.03, 0.03, 0.1, 0.3)
@@ -293,24 +298,31 @@ class FlexibleMode(LinearEffect):
     amplitudes = ("m",)
     shape_names = ("f", "D")
     positive = True
+    may_be_zero = ("D",)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The mode is part of the body's mass, and within the frequencies at which the axis moves."""
+        """The mode is part of the body's mass, and within the frequencies at which the axis moves, which are several."""
         body = prediction.bodies[placed.at].direction
         whole = float(body @ prediction.response.plant.mass @ body)
         highest = _SHARE_OF_MOTION * prediction.record.motion_hz
-        return placed.amplitudes[0] < _MOST_OF_MASS * whole and placed.shape[0] < _INSIDE * highest
+        if not (placed.amplitudes[0] < _MOST_OF_MASS * whole and placed.shape[0] < _INSIDE * highest):
+            return False
+        omega = prediction.record.omega
+        power = np.abs(omega**2 * prediction.bodies[placed.at].modelled) ** 2
+        near = np.abs(omega - 2 * math.pi * placed.shape[0]) < _NEAR_MODE * omega
+        return bool(power[near].sum() < _AT_MODE * power.sum())
 
     def joint(self, prediction: Prediction, place: str) -> Joint:
         return prediction.bodies[place]
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        highest = _SHARE_OF_MOTION * prediction.record.motion_hz
-        return [(float(f), d) for f in np.geomspace(_LOWEST_MODE, highest, _MODES) for d in _DAMPINGS]
+        lowest, highest = _modes_seen(prediction.record)
+        count = 1 + math.ceil(max(math.log(highest / lowest), 0.0) / math.log(_MODES_APART))
+        return [(float(f), d) for f in np.geomspace(lowest, highest, count) for d in _DAMPINGS]
 
     def bounded(self, prediction: Prediction, place: str, shape: Shape) -> Shape:
-        highest = _SHARE_OF_MOTION * prediction.record.motion_hz
-        return float(np.clip(shape[0], 0.5 * _LOWEST_MODE, highest)), float(np.clip(shape[1], 1e-3, 1.0))
+        lowest, highest = _modes_seen(prediction.record)
+        return float(np.clip(shape[0], 0.5 * lowest, highest)), float(np.clip(shape[1], 1e-3, 1.0))
 
     def stiffness(self, omega: FloatArray, shape: Shape) -> ComplexArray:
         own, s = 2 * math.pi * shape[0], 1j * omega
@@ -319,3 +331,9 @@ class FlexibleMode(LinearEffect):
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         force, length = joint_units(prediction, place)
         return str(force * Unit.of("s") ** 2 / length), "Hz", "1"
+
+
+def _modes_seen(record: Record) -> tuple[float, float]:
+    """Lowest and highest frequency of a mode that a log shows, Hz."""
+    lowest = float(np.clip(_PERIODS_OF_MODE / record.duration, *_LOWEST_MODES))
+    return lowest, _SHARE_OF_MOTION * record.motion_hz

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.axis import Axis
-from symid.codegen import load_generated
+from symid.codegen import model_of
 from symid.diagnosis.fitting.fit import Fit, converged, fitted, masses_and_stiffnesses, stiffnesses
 from symid.diagnosis.fitting.state import State, first_state, with_effects
 from symid.diagnosis.prediction.record import Record
@@ -26,7 +26,7 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     absolute value: what is wrong is said of the fit from there.
     """
     try:
-        found = identify(load_generated(axis, record.signals), record.log, examine=False).physical_parameters
+        found = identify(model_of(axis, record.signals), record.log, examine=False).physical_parameters
     except SymidError as error:
         raise SettingError(
             f"no values to begin with can be identified ({error}): give --nominal P.json"

@@ -99,7 +99,7 @@ def _is_certain(fit: Fit) -> bool:
     shapes = range(-len(item.shape), 0)
     deviations = standard_deviations(fit)
     names = item.effect.shape_names
-    return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.moments)
+    return all(deviations[i] < abs(item.shape[i]) for i in shapes if names[i] not in item.effect.in_doubt)
 
 
 def prefer_coulomb(confirmed: dict[Key, Confirmed]) -> None:

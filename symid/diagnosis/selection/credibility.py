@@ -104,7 +104,7 @@ def is_determined(item: Placed, blocks: Blocks) -> bool:
     covariance = blocks.covariance[-item.n_free :, -item.n_free :]
     n = item.n_free - len(item.shape)
     amplitudes, shape = np.array(item.amplitudes[:n]), np.array(item.shape)
-    matters = np.array([name not in item.effect.moments for name in item.effect.shape_names], dtype=bool)
+    matters = np.array([name not in item.effect.in_doubt for name in item.effect.shape_names], dtype=bool)
     if np.any((np.sqrt(np.diag(covariance)[n:]) > np.abs(shape)) & matters):
         return False
     if not n:

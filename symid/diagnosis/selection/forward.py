@@ -19,6 +19,8 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
 _OTHER_PLACES = 3
+_ALWAYS = 3
+"""Candidates fitted where there is a gap, whatever a projection says."""
 
 
 def forward_selection(
@@ -118,14 +120,15 @@ def _stages(
     # Screening is linear, confirmation is not. The likeliest candidates come first, from the values of their screening;
     # then starts for errors with several minima, each only while nothing explains the error: joints integrated with
     # their motion, the nominal model, effects carried over to other hidden places, a grid over the hidden spring.
-    promising = _promising(found)
+    promising = _promising(found, fit)
     white = sorted(promising, key=lambda c: -c.white_penalised_gain)
     timing = [c for c in found if c.placed.effect.name == LATE_READING]
     yield [Start.of(fit, c.placed) for c in promising[:3]]
     yield [Start.of(fit, c.placed) for c in _distinct([*promising[3:6], *white[:3], *timing], promising[:3])]
     if not confirmed:  # what seemed best is no machine's: the others are seen without it
         yield [
-            Start.of(fit, c.placed) for c in _promising([c for c in found if c.placed.key not in tried])[:6]
+            Start.of(fit, c.placed)
+            for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
         ]
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
         return
@@ -146,11 +149,17 @@ def _stages(
         yield of_grid(fit, nominal, library)
 
 
-def _promising(found: Sequence[Candidate]) -> list[Candidate]:
-    """Candidates that gain enough to be fitted, beside the best of them."""
+def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
+    """Candidates that gain enough to be fitted, beside the best of them.
+
+    Where a model leaves much more than noise, the first are fitted whatever their gain: few rows cannot give more to a
+    projection whose shapes are only near the right one.
+    """
     gains = [max(c.penalised_gain, c.white_penalised_gain) for c in found]
     least = max(THRESHOLDS.least_penalised_gain / 2, THRESHOLDS.promising * max(gains, default=0.0))
-    return [own for own, gain in zip(found, gains, strict=True) if gain > least]
+    gap = fit.mean_square > THRESHOLDS.clear_gap
+    enough = [own for own, gain in zip(found, gains, strict=True) if gain > least]
+    return enough if len(enough) >= _ALWAYS or not gap else list(found[:_ALWAYS])
 
 
 def _least_left(confirmed: Mapping[Key, Confirmed]) -> float:
