@@ -118,10 +118,10 @@ def diagnose_against(
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, steps, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)
-    found = replace(found, sentence=sentence_against(found, simulator))
     found = with_motion(found, comparison, runs, data.held_out, controller=controller, simulated=simulated)
     return replace(
         found,
+        sentence=sentence_against(found, simulator),
         assumptions=(*found.assumptions, _assumption(simulator)),
         faults=(*whole.notes, *found.faults),
         simulated=simulator,

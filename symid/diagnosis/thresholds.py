@@ -123,6 +123,9 @@ class Thresholds:
     negligible : float
         Error, relative to the force, that a model may leave whatever the noise: the instants of reversals are known to
         a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force).
+    worse_motion : float
+        Factor on the error of the simulated motion from which on it speaks against an effect: on real logs the right
+        ones left at most 1.01 times as much, a limit of the force of a relay 7 times (cart, not shipped).
     nominal_is_good : float
         Factor on the error of the re-identified model that nominal values may leave.
     least_removed, removed_width : float
@@ -191,6 +194,7 @@ class Thresholds:
     white: float = 1.6
     coloured: float = 6.0
     negligible: float = 0.0015
+    worse_motion: float = 1.5
     nominal_is_good: float = 1.1
     least_removed: float = 0.1
     removed_width: float = 0.02

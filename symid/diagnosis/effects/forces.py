@@ -301,7 +301,7 @@ class FlexibleMode(LinearEffect):
     may_be_zero = ("D",)
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The mode is part of the body's mass, and within the frequencies at which the axis moves, which are several."""
+        """The mode is part of the body's mass, and among the frequencies, several, at which the axis moves."""
         body = prediction.bodies[placed.at].direction
         whole = float(body @ prediction.response.plant.mass @ body)
         highest = _SHARE_OF_MOTION * prediction.record.motion_hz

@@ -23,7 +23,7 @@ from symid.diagnosis.findings.result import (
     FoundEffect,
     ParameterChange,
 )
-from symid.diagnosis.findings.wording import next_experiment, sentence
+from symid.diagnosis.findings.wording import next_experiment
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.selection.evidence import Errors, Outcome, Verdict, is_there, outcome, probabilities
@@ -41,7 +41,7 @@ def concluded(
     logs: tuple[Log, Log | None],
     damaged: Damage = NO_DAMAGE,
 ) -> Diagnosis:
-    """The diagnosis that follows from a search.
+    """The diagnosis that follows from a search, but for its sentence and the gap in the motion.
 
     `fits` are the re-identified model and those with effects accepted one by one; `comparison` has them and the nominal
     model on the validation data. `logs` are that of the identification, and that of the validation if there is one.
@@ -65,7 +65,7 @@ def concluded(
         measured=comparison.record.signals,
         logs=tuple(log.source for log in logs if log is not None),
         verdict=verdict,
-        sentence=sentence(verdict, gaps, effects, alternatives, damaged.fatal),
+        sentence="",
         gap=gaps[0],
         location=located(found, _shares(comparison, accepted, steps)),
         maps=found,

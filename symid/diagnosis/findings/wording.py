@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
-from symid.diagnosis.findings.gap import Gap, Level, Motion
+from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.result import Alternative, Diagnosis, FoundEffect, Simulator
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -23,6 +23,8 @@ _ADVICE = {
     "saturation": "accelerate at levels below and above the limit found",
     "gain_nonlinearity": "accelerate at several levels up to the limit",
 }
+_LIKELY = 0.5
+"""Probability from which on the model is said to lack an effect."""
 _ADVICE |= {
     effect.name: effect.advice for effect in LIBRARY if isinstance(effect, LawEffect) and effect.advice
 }
@@ -39,19 +41,14 @@ def spoken(effect: str, at: str = "") -> str:
     return effect.replace("_", " ") + (f" at {at}" if at else "")
 
 
-def sentence(
-    verdict: Verdict,
-    gaps: Sequence[Gap],
-    effects: Sequence[FoundEffect],
-    rivals: Sequence[Alternative],
-    damaged: Sequence[str] = (),
-) -> str:
-    """The verdict in one sentence, with the gaps of all drives, that which counts most first."""
-    gap, *others = gaps
+def sentence(found: Diagnosis) -> str:
+    """The verdict in one sentence, with the gaps of all drives, that which counts most first; and one of the motion."""
+    gap = found.gap
+    gaps = (gap, *(own.gap for own in found.drives if own.gap.signal != gap.signal))
     left, before = _sizes(gaps, [g.explained for g in gaps]), _sizes(gaps, [g.reidentified for g in gaps])
-    if verdict == "no_gap":
+    if found.verdict == "no_gap":
         return f"There is no gap: the model leaves {before}."
-    if verdict == "parameters":
+    if found.verdict == "parameters":
         of_nominal = [f"{g.nominal.rms:.3g} {g.unit}" for g in gaps if g.nominal is not None]
         nominal = f" instead of {' and '.join(of_nominal)}" if of_nominal else ""
         if gap.reidentified.rms > THRESHOLDS.white * gap.noise_floor.rms:
@@ -59,35 +56,48 @@ def sentence(
             return f"Parameter values were off: re-identified, the model leaves {before}{nominal}; {rest}."
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
-    if verdict == "recording":
-        return f"The log is damaged, so that no physics is read from its gap: {damaged[0].rstrip('.')}."
-    if verdict == "unexplained":
+    if found.verdict == "recording":
+        return f"The log is damaged, so that no physics is read from its gap: {found.faults[0].rstrip('.')}."
+    if found.verdict == "unexplained":
+        rivals = found.alternatives
         nearest = f"; the nearest is {spoken(rivals[0].effect, rivals[0].at)}" if rivals else ""
         return f"There is a gap of {before} that nothing in the library explains{nearest}."
+    with_them = "with them" if len(found.effects) > 1 else "with it"
+    falls = "force errors fall" if len(gaps) > 1 else "force error falls"
+    text = f"The model {_lacking(found.effects)}: {with_them}, the {falls} from {before} to {left}"
+    if found.verdict == "partly":
+        text += f"; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained"
+    return f"{text}.{of_motion(found)}"
+
+
+def _lacking(effects: Sequence[FoundEffect]) -> str:
+    """What the model lacks, or may lack, and what the first may be instead."""
     first, *further = (spoken(effect.effect, effect.at) for effect in effects)
     doubt = effects[0].indistinguishable_from
+    lacks = "lacks" if doubt or effects[0].probability > _LIKELY else "may lack"
     if doubt:
         *others_like_it, last = (spoken(*key) for key in doubt)
         rest = ", ".join(others_like_it)
         either = f"{rest} or {last}" if rest else last
         first += f" (or {either}: this log does not tell them apart)"
-    with_them = "with them" if further else "with it"
-    falls = "force errors fall" if others else "force error falls"
-    named = " and ".join([first, *further])
-    found = f"The model lacks {named}: {with_them}, the {falls} from {before} to {left}"
-    if verdict == "partly":
-        return f"{found}; {100 * gap.unexplained_share:.0f} % of the excess stays unexplained."
-    return f"{found}."
+    return f"{lacks} {' and '.join([first, *further])}"
 
 
-def sentence_of_motion(motion: Motion, place: str = "position") -> str:
-    """How far a simulated axis is from the measured position of a name, before and after; empty without effects."""
-    before, after = motion.reidentified, motion.explained
-    if not motion.steps or before.status != "ok" or after.status != "ok":
+def of_motion(found: Diagnosis) -> str:
+    """How far the simulated axis is from the measured position, before and after; empty without effects."""
+    motion = found.gap.motion
+    if (
+        motion is None
+        or not motion.steps
+        or not motion.reidentified.status == motion.explained.status == "ok"
+    ):
         return ""
-    scale, prefix = (1e3, "m") if max(before.position_rms, after.position_rms) >= 1e-3 else (1e6, "u")
-    first, last = (f"{scale * error.position_rms:.3g} {prefix}{motion.unit}" for error in (before, after))
-    return f" Simulated, the axis is then {last} off the measured {place} instead of {first} (rms)."
+    before, after = motion.reidentified.position_rms, motion.explained.position_rms
+    scale, prefix = (1e3, "m") if max(before, after) >= 1e-3 else (1e6, "u")
+    first, last = (f"{scale * rms:.3g} {prefix}{motion.unit}" for rms in (before, after))
+    place = motion.signal if found.drives else "position"
+    against = ", which speaks against it" if after > THRESHOLDS.worse_motion * before else ""
+    return f" Simulated, the axis is then {last} off the measured {place} instead of {first} (rms){against}."
 
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
@@ -110,7 +120,7 @@ def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
         also = f" It {', and '.join(parts)}." if parts else ""
         return f"Nothing in the library explains why machine and simulator differ{shrinks}{also}"
     if parts:
-        return f"The simulator {', and '.join(parts)}{shrinks}"
+        return f"The simulator {', and '.join(parts)}{shrinks}{of_motion(found)}"
     if found.verdict == "no_gap":
         return (
             f"There is no gap: the simulator leaves {_size(gap, gap.explained.rms)} of the machine's force."

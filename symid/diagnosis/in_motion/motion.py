@@ -14,7 +14,6 @@ from symid.data import Log
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.gap import Motion, MotionError
 from symid.diagnosis.findings.result import Diagnosis
-from symid.diagnosis.findings.wording import sentence_of_motion
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_of
 from symid.diagnosis.in_motion.replayed import (
@@ -26,6 +25,7 @@ from symid.diagnosis.in_motion.replayed import (
     since_begin,
 )
 from symid.diagnosis.prediction.joined import Joined
+from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
 from symid.simulation import Cascade
 
@@ -44,19 +44,35 @@ def with_motion(
     controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
 ) -> Diagnosis:
-    """A diagnosis with its gap in the motion, of several drives in that of each, which its sentence states too."""
+    """A diagnosis with its gap in the motion, of several drives in that of each.
+
+    An effect with which the axis moves less like the machine becomes unlikely.
+    """
     models = comparison.with_effects(len(found.effects))
     motions = motions_of(models, runs, allowed, controller=controller, simulated=simulated)
     of_force = dict(zip(comparison.record.forces, motions, strict=True))
     drives = (replace(own, gap=replace(own.gap, motion=of_force[own.gap.signal])) for own in found.drives)
-    gap = replace(found.gap, motion=of_force[found.gap.signal])
-    place = gap.motion.signal if gap.motion and found.drives else "position"
-    return replace(
-        found,
-        gap=gap,
-        drives=tuple(drives),
-        sentence=f"{found.sentence}{sentence_of_motion(of_force[gap.signal], place)}",
+    motion = of_force[found.gap.signal]
+    found = replace(found, gap=replace(found.gap, motion=motion), drives=tuple(drives))
+    return _contradicted(found, motion) if found.effects else found
+
+
+def _contradicted(found: Diagnosis, motion: Motion) -> Diagnosis:
+    """A diagnosis with the probabilities that the simulated motion leaves."""
+    errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
+    steps = zip(found.effects, errors[:-1], errors[1:], strict=True)
+    effects = tuple(
+        replace(effect, probability=min(effect.probability, THRESHOLDS.unlikely))
+        if min(after, errors[-1]) > THRESHOLDS.worse_motion * before
+        else effect
+        for effect, before, after in steps
     )
+    share = effects[0].probability / max(found.effects[0].probability, np.finfo(float).tiny)
+    rivals = tuple(replace(own, probability=share * own.probability) for own in found.alternatives)
+    rest = 1 - math.fsum(found.probabilities.values())
+    unexplained = found.probabilities["unexplained"] + (1 - share) * rest
+    probabilities = {**found.probabilities, "unexplained": unexplained}
+    return replace(found, effects=effects, alternatives=rivals, probabilities=probabilities)
 
 
 def motions_of(
