@@ -14,6 +14,7 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.prediction.joined import joined
 from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.selection.backward import brought_first
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 diagnose_module, comparison_module = (sys.modules[own.__module__] for own in (data_of, compared))
@@ -43,6 +44,17 @@ def test_what_removes_most_of_the_gap_measured_is_first(monkeypatch: pytest.Monk
     assert found() == ["quadratic_drag", "cogging"]
     monkeypatch.setattr(diagnose_module, "brought_first", lambda steps, at: steps)
     assert found() == ["cogging", "quadratic_drag"]  # by what errs in the log for identification
+
+
+def test_what_is_brought_first_keeps_what_spoke_for_it() -> None:
+    log = slide([0.05, 0.1, 0.3], 1)
+    steps = [step for step in diagnose(RIGID, log, nominal=VALUES, held=True).search if step.accepts]
+    assert len(steps) == 2
+    last_first = brought_first(steps, 1)
+    assert [step.confirmed[0].key for step in last_first] == [step.confirmed[0].key for step in steps[::-1]]
+    assert [step.confirmed[0].gain for step in last_first] == [step.confirmed[0].gain for step in steps[::-1]]
+    assert all(step.accepts for step in last_first)
+    assert last_first[0].before is steps[0].before
 
 
 @pytest.mark.parametrize("moment", [1.5, 3.4])

@@ -239,8 +239,8 @@ def _chain(
 ) -> tuple[SelectionStep, ...] | None:
     """Steps in an order, fitted again; None if one of them is then worth nothing, or `most` or more is left.
 
-    Of effects that are `justified` beside each other, what each takes away at its place does not count, and those are
-    left out that no machine has behind the first.
+    Of effects that are `justified` beside each other, what each takes away at its place does not count, but what spoke
+    for it beside the others. Those are left out that no machine has behind the first.
     """
     chain: list[SelectionStep] = []
     before = first
@@ -251,9 +251,14 @@ def _chain(
             continue
         if found is None:
             return None
-        step = _in_place_of(member.step, before, found)
-        if not (justified or step.justifies_another(first)):
-            return None
+        if justified:
+            best, *rivals = member.step.confirmed
+            confirmed = (replace(best, fit=found.fit), *rivals)
+            step = replace(member.step, before=before, confirmed=confirmed, beside_others=True)
+        else:
+            step = _in_place_of(member.step, before, found)
+            if not step.justifies_another(first):
+                return None
         chain.append(step)
         before = found.fit.after(before)
     return tuple(chain) if chain and before.mean_square < most else None

@@ -32,10 +32,12 @@ def forward_selection(
     """
     fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
-    # Greedy but for one choice: a delay and a lag are nearly the same until further effects are in the model. Where one
-    # of them comes first, both searches are run to their end, and the better prediction of blocks left out decides.
+    # Greedy but for two choices: a delay and a lag are nearly the same until further effects are in the model, and
+    # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
+    # their end, and the better prediction of blocks left out decides.
     first = _selection_step(fit, library, nominal).with_acceptable()
-    branches = [_continued(fit, begun, library) for begun in (first, *first.other_timing())]
+    begun = (first, *first.other_timing(), *first.whole_before_part())
+    branches = [_continued(fit, step, library) for step in begun]
     return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
 
 
@@ -83,8 +85,7 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
     tried |= _confirm(fit, [Start.of(fit, placed) for placed in simpler], confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
-    step = SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
-    return step.whole_before_part()
+    return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
 
 
 def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed]) -> dict[Key, Placed]:

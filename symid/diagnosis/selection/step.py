@@ -83,17 +83,20 @@ class SelectionStep:
         All candidates.
     refused : frozenset of (str, str)
         Effects and places that were fitted and not confirmed: mostly as no machine can have the values found.
+    beside_others : bool
+        Whether gains are those beside all other effects, and not over the model before.
     """
 
     before: Fit
     confirmed: tuple[Confirmed, ...]
     screened: tuple[Candidate, ...]
     refused: frozenset[Key] = frozenset()
+    beside_others: bool = False
 
     @property
     def accepts(self) -> bool:
         """Whether the best candidate is worth its acceptance."""
-        return bool(self.confirmed) and self._accepts(self.confirmed[0])
+        return bool(self.confirmed) and (self.beside_others or self._accepts(self.confirmed[0]))
 
     def _accepts(self, own: Confirmed) -> bool:
         closed = _taken(self.before, own.fit, self.before)
@@ -113,20 +116,20 @@ class SelectionStep:
             return self
         return self.led_by(found[0])
 
-    def whole_before_part(self) -> SelectionStep:
-        """The same with Coulomb friction before presliding friction that leaves more than noise.
+    def whole_before_part(self) -> tuple[SelectionStep, ...]:
+        """The same with Coulomb friction accepted in place of presliding friction that leaves more than noise.
 
         Where only a part of the friction builds up over a displacement, presliding friction alone finds a wrong reach.
         Beside Coulomb friction all reaches are tried. Rivals stay as far behind it as they are behind both.
         """
-        if not self.confirmed or self.confirmed[0].fit.mean_square < THRESHOLDS.explained:
-            return self
+        if not self.accepts or self.confirmed[0].fit.mean_square < THRESHOLDS.explained:
+            return ()
         best, *others = self.confirmed
         whole = next((own for own in others if is_part(best.placed, own.placed)), None)
         if whole is None or not self._accepts(whole):
-            return self
+            return ()
         behind = (own.beside(best, whole) for own in others if own is not whole)
-        return replace(self, confirmed=(whole, best, *behind))
+        return (replace(self, confirmed=(whole, best, *behind)),)
 
     def led_by(self, own: Confirmed) -> SelectionStep:
         """The same with another of its candidates first."""
