@@ -1,22 +1,9 @@
 """Declaring an axis: elements, force laws, sensors, the nM-kS family, axis files. Needs neither sympy nor numpy."""
 
-from symid.axis import imperfections, laws, sensors
+from symid.axis import elements, imperfections, laws, sensors
 from symid.axis.axis import Axis, Element
 from symid.axis.chain import chain
-from symid.axis.elements import (
-    GROUND,
-    STANDARD_GRAVITY,
-    Between,
-    Body,
-    Damper,
-    Drive,
-    Geared,
-    Ground,
-    Joint,
-    PendulumWeight,
-    Spring,
-    Weight,
-)
+from symid.axis.elements import *  # noqa: F403
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.base import *  # noqa: F403
@@ -30,20 +17,8 @@ from symid.axis.sketch import sketch, sketch_source
 from symid.axis.source import axis_source, write_axis
 
 __all__ = [
-    "GROUND",
-    "STANDARD_GRAVITY",
     "Axis",
-    "Between",
-    "Body",
-    "Damper",
-    "Drive",
     "Element",
-    "Geared",
-    "Ground",
-    "Joint",
-    "PendulumWeight",
-    "Spring",
-    "Weight",
     "axis_file",
     "axis_names",
     "axis_source",
@@ -55,6 +30,7 @@ __all__ = [
     "sketch_source",
     "write_axis",
 ]
+__all__ += elements.__all__
 __all__ += imperfections.__all__
 __all__ += laws.__all__
 __all__ += sensors.__all__

@@ -54,25 +54,15 @@ def chain(
     ['M1', 'F1', 'K1', 'M2', 'F2', 'Fs', 'M3', 'F3', 'K3']
     """
     springs = masses - 1 if springs is None else springs
-    faults = [
-        fault
-        for wrong, fault in (
-            (masses < 1, f"masses is {masses}: a chain has at least one"),
-            (
-                springs not in (masses - 1, masses),
-                f"springs is {springs}: {masses} masses take {masses - 1} or {masses} springs",
-            ),
-            (
-                not 1 <= driven <= max(masses, 1),
-                f"driven is {driven}: it must be one of the masses 1 to {masses}",
-            ),
-            (
-                any(not 1 <= i <= masses for i in accelerometers),
-                f"accelerometers {tuple(accelerometers)} must be masses",
-            ),
-        )
-        if wrong
-    ]
+    faults = []
+    if masses < 1:
+        faults.append(f"masses is {masses}: a chain has at least one")
+    if springs not in (masses - 1, masses):
+        faults.append(f"springs is {springs}: {masses} masses take {masses - 1} or {masses} springs")
+    if not 1 <= driven <= max(masses, 1):
+        faults.append(f"driven is {driven}: it must be one of the masses 1 to {masses}")
+    if any(not 1 <= i <= masses for i in accelerometers):
+        faults.append(f"accelerometers {tuple(accelerometers)} must be masses")
     if faults:
         raise DeclarationError(name, faults)
     bodies: list[Body] = []

@@ -12,6 +12,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias, TypeGuard
 
+__all__ = [
+    "GROUND",
+    "STANDARD_GRAVITY",
+    "Between",
+    "Body",
+    "Damper",
+    "Drive",
+    "Geared",
+    "Ground",
+    "Joint",
+    "PendulumWeight",
+    "Spring",
+    "Weight",
+]
+
 STANDARD_GRAVITY = 9.80665
 """m/s^2, ISO 80000-3."""
 

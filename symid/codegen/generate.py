@@ -45,14 +45,12 @@ def plan(
         refused(path, error)
 
     files: list[GeneratedFile] = []
+    own: dict[Path, list[str]] = {}
     for name in track(axes or axis_names()):
         files += _plan_axis(name, measured, leave_out)
+        own.setdefault(generated_folder(axis_file(name)), []).append(axis_file(name).stem)
     if measured is None:
         paths = [*(file.path for file in files), *left_out]
-        own: dict[Path, list[str]] = {}
-        for name in axes or axis_names():
-            path = axis_file(name)
-            own.setdefault(generated_folder(path), []).append(path.stem)
         files += [file for folder, names in own.items() for file in orphans(folder, paths, names)]
     return files
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 
 import sympy as sp
 
 from symid.axis import Axis
 from symid.export.c_code import assignments, c_code, c_name
-from symid.export.dynamics import DISPLACEMENT, VELOCITY, LawJoint, SymbolicDynamics
+from symid.export.dynamics import DISPLACEMENT, VELOCITY, SymbolicDynamics
 from symid.export.imperfect_terms import ACTING, NOW, Memory, added, sent
 from symid.symbolic.expressions import READING, misread
 
@@ -17,18 +17,26 @@ from symid.symbolic.expressions import READING, misread
 def derivative(dynamics: SymbolicDynamics) -> str:
     """Velocities, forces of the laws in each joint, then the accelerations that balance them."""
     n, axis = len(dynamics.bodies), dynamics.axis
-    x = [sp.Symbol(f"x[{i}]") for i in range(n)]
-    v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
+    x, v = state_symbols(n)
     statements = [*clock(dynamics, "0.0"), *acting_force(dynamics, _lagging)]
-    force = smooth_force(dynamics, x, v)
+    force = smooth_force(dynamics)
     taken = {*axis.physical_parameters, *dynamics.constants, *(drive.signal for drive in axis.drives)}
     rates = []
     for joint in dynamics.laws:
-        symbol, written, effect, remembered = _joint(joint, dynamics, x, v)
-        statements += written
-        rates += remembered
+        symbol, q, velocity = (sp.Symbol(f"{letter}_{joint.name}_") for letter in "fqv")
+        names = {DISPLACEMENT: q, VELOCITY: velocity}
+        remembered = {memory.symbol: memory.rate.xreplace(names) for memory in joint.memories}
+        rates += [f"d{place} = {c_code(rate)};" for place, rate in remembered.items()]
+        law = joint.force.xreplace(names)
+        needed = {symbol}.union(law.free_symbols, *(rate.free_symbols for rate in remembered.values()))
+        values = {q: (joint.direction @ x)[0], velocity: (joint.direction @ v)[0], symbol: law}
+        statements += [
+            f"const double {name} = {c_code(renamed(value))};"
+            for name, value in values.items()
+            if name in needed
+        ]
         taken.add(str(symbol))
-        force -= effect * symbol
+        force -= joint.direction.T * symbol
     balance = sp.Matrix([sp.Symbol(f"r{i}_") for i in range(n)])
     motion = [renamed(f) for f in force]
     statements += [
@@ -46,18 +54,18 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     return lines([*members(used_parameters(dynamics, *matrices, *laws)), *statements])
 
 
-def smooth_force(
-    dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
-) -> sp.ImmutableMatrix:
+def state_symbols(n: int) -> tuple[sp.Matrix, sp.Matrix]:
+    """Displacements and velocities of n bodies as they stand in C."""
+    x, v = ([sp.Symbol(f"x[{first + i}]") for i in range(n)] for first in (0, n))
+    return sp.Matrix(x), sp.Matrix(v)
+
+
+def smooth_force(dynamics: SymbolicDynamics) -> sp.Matrix:
     """B F + c - C v - K x, F being the forces that act."""
+    x, v = state_symbols(len(dynamics.bodies))
     sent_forces = [sp.Symbol(drive.signal) for drive in dynamics.axis.drives]
     acting = sp.Matrix([ACTING] if acts_otherwise(dynamics) else sent_forces)
-    return (
-        dynamics.drives * acting
-        + dynamics.constant
-        - dynamics.damping * sp.Matrix(v)
-        - dynamics.stiffness * sp.Matrix(x)
-    )
+    return dynamics.drives * acting + dynamics.constant - dynamics.damping * v - dynamics.stiffness * x
 
 
 def force_parameters(axis: Axis) -> str:
@@ -100,30 +108,6 @@ def acting_force(
 
 def _lagging(_: int, memory: Memory) -> tuple[list[str], str]:
     return [f"d{memory.symbol} = {c_code(memory.rate)};"], str(memory.symbol)
-
-
-def _joint(
-    joint: LawJoint, dynamics: SymbolicDynamics, x: Sequence[sp.Symbol], v: Sequence[sp.Symbol]
-) -> tuple[sp.Symbol, list[str], sp.Matrix, list[str]]:
-    """Symbol of a joint's force, what computes it, its effect on each body, and the rates of its memories."""
-    symbol = sp.Symbol(f"f_{joint.name}_")
-    q, velocity = (sp.Symbol(f"{letter}_{joint.name}_") for letter in "qv")
-    names = {DISPLACEMENT: q, VELOCITY: velocity}
-    law = joint.force.xreplace(names)
-    rates = {memory.symbol: memory.rate.xreplace(names) for memory in joint.memories}
-    statements = {
-        q: sp.Add(*map(sp.Mul, joint.direction, x)),
-        velocity: sp.Add(*map(sp.Mul, joint.direction, v)),
-        symbol: law,
-    }
-    needed = {symbol}.union(law.free_symbols, *(rate.free_symbols for rate in rates.values()))
-    written = [
-        f"const double {name} = {c_code(renamed(value))};"
-        for name, value in statements.items()
-        if name in needed
-    ]
-    remembered = [f"d{place} = {c_code(rate)};" for place, rate in rates.items()]
-    return symbol, written, joint.direction.T, remembered
 
 
 def readings(dynamics: SymbolicDynamics) -> str:

@@ -20,6 +20,7 @@ from symid.export.c_motion import (
     members,
     renamed,
     smooth_force,
+    state_symbols,
     used_parameters,
 )
 from symid.export.dynamics import VELOCITY, SymbolicDynamics
@@ -114,9 +115,7 @@ _JOINTS = """\
 def step_function(dynamics: SymbolicDynamics) -> str:
     """Text of the function `<axis>_step`, and of those that it calls."""
     n, name = len(dynamics.bodies), dynamics.axis.name
-    x = [sp.Symbol(f"x[{i}]") for i in range(n)]
-    v = [sp.Symbol(f"x[{n + i}]") for i in range(n)]
-    smooth = smooth_force(dynamics, x, v)
+    smooth = smooth_force(dynamics)
     inverse = dynamics.mass.inv(method="LU")
     used = used_parameters(dynamics, smooth, inverse)
     remembers = bool(dynamics.imperfect.remembering)
@@ -146,14 +145,13 @@ def _lagging(place: int, memory: Memory) -> tuple[list[str], str]:
 
 def _after(dynamics: SymbolicDynamics) -> str:
     """Statements for the states of friction and the time after the step."""
-    n, found = len(dynamics.bodies), []
+    (_, v), found = state_symbols(len(dynamics.bodies)), []
     for joint in dynamics.laws:
-        speed = sp.Add(*(share * sp.Symbol(f"x[{n + i}]") for i, share in enumerate(joint.direction)))
-        for memory in joint.memories:
-            now = {VELOCITY: speed}
-            found.append(
-                _follows(replace(memory, gain=memory.gain.xreplace(now), decay=memory.decay.xreplace(now)))
-            )
+        now = {VELOCITY: (joint.direction @ v)[0]}
+        found += [
+            _follows(replace(m, gain=m.gain.xreplace(now), decay=m.decay.xreplace(now)))
+            for m in joint.memories
+        ]
     if dynamics.imperfect.is_timed:
         found.append(f"{dynamics.imperfect.clock} += h;")
     return "".join(f"    {line}\n" for line in found)

@@ -43,28 +43,10 @@ class LawJoint:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicDynamics:
-    """The terms of the equation above.
+    """The terms of the equation above: as those of `Plant`, but SymPy's matrices and rows in the physical parameters.
 
-    Parameters
-    ----------
-    axis : Axis
-        The declaration.
-    bodies : tuple of str
-        Free bodies, in the order of the displacements.
-    mass, damping, stiffness : sympy.Matrix of shape (n, n)
-        M, C and K in the physical parameters.
-    drives : sympy.Matrix of shape (n, n_drives)
-        B.
-    constant : sympy.Matrix of shape (n, 1)
-        c.
-    laws : tuple of LawJoint
-        Nonlinear laws by joint.
-    sensors : mapping of str to (sympy.Matrix of shape (1, n), int)
-        For each signal a row on the bodies' displacements and the order of derivative.
-    constants : mapping of str to float
-        Known numbers that stand in the terms as symbols: ratios and gravity.
-    imperfect : Imperfect
-        Imperfections; their forces in joints, and the masses that they add, are in the terms.
+    `constants` are known numbers that stand in the terms as symbols: ratios and gravity. The forces of the
+    imperfections in joints, and the masses that they add, are in the terms.
     """
 
     axis: Axis

@@ -252,20 +252,14 @@ class _Collector:
             case Weight():
                 force = -value[element.body.inertial] * element.acceleration
                 self.add(self.path(self.kinematics.absolute(element.body)), "constant", force)
-            case PendulumWeight():
-                self._pendulum(element)
+            case PendulumWeight(body=body) if self._is_in_tree(body):
+                first = next(e for e in self.axis.elements if isinstance(e, PendulumWeight))
+                moment = value[element.named("moment")] * element.acceleration / first.acceleration
+                self.moments[body.name] = self.moments.get(body.name, 0.0) + moment
+            case PendulumWeight(body=body):
+                self.losses.append(f"PendulumWeight of {body.name}: it turns with a gear and has no frame.")
             case Law():
                 self._law(element, self.path(displacement(element.at)))
-
-    def _pendulum(self, element: PendulumWeight) -> None:
-        first = next(e for e in self.axis.elements if isinstance(e, PendulumWeight))
-        if self._is_in_tree(element.body):
-            moment = self.values[element.named("moment")] * element.acceleration / first.acceleration
-            self.moments[element.body.name] = self.moments.get(element.body.name, 0.0) + moment
-        else:
-            self.losses.append(
-                f"PendulumWeight of {element.body.name}: it turns with a gear and has no frame."
-            )
 
     def _law(self, law: Law, path: Path) -> None:
         match law:

@@ -115,10 +115,8 @@ class OpenLoop(Controller):
 
     def linear(self, period: float) -> LinearLaw:
         """The law with the given force alone."""
-        none = np.zeros((0, 0))
-        return LinearLaw(
-            none, np.zeros((0, 3)), np.zeros(0), np.zeros(3), given=np.asarray(self.forces, float)
-        )
+        forces = np.asarray(self.forces, dtype=np.float64)
+        return LinearLaw(np.zeros((0, 0)), np.zeros((0, 3)), np.zeros(0), np.zeros(3), given=forces)
 
 
 @dataclass(frozen=True)
@@ -258,7 +256,7 @@ def tuned_cascade(
 ) -> Cascade:
     """Cascade for the moving mass that the drive sees at low frequency.
 
-    The velocity loop crosses over at `bandwidth_hz`; the position loop at a fifth of it, as does the integral.
+    The velocity loop crosses over at `bandwidth_hz`; the position loop and the integral at a fifth of it.
 
     Parameters
     ----------
@@ -269,7 +267,7 @@ def tuned_cascade(
     bandwidth_hz : float
         Bandwidth of the velocity loop.
     force_limit : float
-        Largest force.
+        Largest force, N.
 
     Raises
     ------

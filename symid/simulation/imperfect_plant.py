@@ -33,46 +33,44 @@ _FINE, _MOST_STEPS = 0.5, 50
 
 @dataclass(eq=False)
 class Moment:
-    """State on which laws depend besides the motion: time, s, force of the drive, and memories of presliding friction.
-
-    Each memory comes with the direction of its joint.
-    """
+    """State on which laws depend besides the motion: time, s, force of the drive, memories of presliding friction."""
 
     time: float = 0.0
     load: float = 1.0
-    memories: list[tuple[FloatArray, Dahl]] = field(default_factory=list)
+    memories: list[Dahl] = field(default_factory=list)
 
     def begin(self, displacements: FloatArray) -> None:
         """Begin a run at displacements, with empty memories."""
-        for direction, memory in self.memories:
-            memory.place, memory.state = float(direction @ displacements), 0.0
+        for memory in self.memories:
+            memory.place, memory.state = float(memory.direction @ displacements), 0.0
 
     def recall(self, memories: FloatArray) -> None:
         """Set place and state of each memory, the rows of an array."""
-        for (_, memory), (place, state) in zip(self.memories, memories.tolist(), strict=True):
-            memory.place, memory.state = place, state
+        for memory, known in zip(self.memories, memories.tolist(), strict=True):
+            memory.place, memory.state = known
 
     def settle(self, displacements: FloatArray) -> None:
         """Remember the displacements at the end of a sample."""
-        for direction, memory in self.memories:
-            memory.settle(float(direction @ displacements))
+        for memory in self.memories:
+            memory.settle(float(memory.direction @ displacements))
 
 
 @dataclass(eq=False)
 class Dahl:
-    """Friction that builds up over a displacement `reach`: exact along a motion that does not turn.
+    """Friction in the joint of a direction that builds up over `reach`: exact along a motion that does not turn.
 
     `state` is z at the displacement `place` of the last update.
 
     Examples
     --------
-    >>> friction = Dahl(1.0)
+    >>> friction = Dahl(np.ones(1), 1.0)
     >>> for place in (1.0, 2.0, 1.0):
     ...     friction.settle(place)
     >>> round(friction.state, 3)
     -0.314
     """
 
+    direction: FloatArray
     reach: float
     place: float = 0.0
     state: float = 0.0
@@ -119,19 +117,17 @@ def _law(
     values: Mapping[str, float],
     moment: Moment,
 ) -> ScaledLaw:
+    memory = None
     if isinstance(element, PreslidingFriction):
-        memory = Dahl(element.reach)
-        moment.memories.append((direction, memory))
+        memory = Dahl(direction, element.reach)
+        moment.memories.append(memory)
         element = replace(element, level=presliding_level(axis, element, values))
-        law, number = scalar_law(element), len(moment.memories) - 1
-        return ScaledLaw(
-            1.0,
-            lambda q, v: law(q, v, moment.load, moment.time, memory.at(q)),
-            imperfection_law(element),
-            number,
-        )
     law = scalar_law(element)
-    return ScaledLaw(1.0, lambda q, v: law(q, v, moment.load, moment.time, 0.0), imperfection_law(element))
+
+    def force(q: float, v: float) -> float:
+        return law(q, v, moment.load, moment.time, memory.at(q) if memory else 0.0)
+
+    return ScaledLaw(1.0, force, imperfection_law(element), len(moment.memories) - 1 if memory else -1)
 
 
 @cache

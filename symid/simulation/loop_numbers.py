@@ -81,9 +81,9 @@ class LawNumbers(NamedTuple):
             ends=np.cumsum([0, *(p.operations.size for p in programs)]),
             arguments=np.zeros(len(_ARGUMENTS)),
             stack=np.zeros(max((p.depth for p in programs), default=1)),
-            slides=np.array([direction for direction, _ in memories]).reshape(-1, n),
-            reaches=np.array([memory.reach for _, memory in memories], dtype=float),
-            memories=np.array([(m.place, m.state) for _, m in memories], dtype=float).reshape(-1, 2),
+            slides=np.array([memory.direction for memory in memories]).reshape(-1, n),
+            reaches=np.array([memory.reach for memory in memories], dtype=float),
+            memories=np.array([(m.place, m.state) for m in memories], dtype=float).reshape(-1, 2),
         )
 
 

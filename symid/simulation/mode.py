@@ -28,14 +28,12 @@ class AffineForce:
 
 @dataclass(frozen=True, eq=False)
 class Transition:
-    """Motion over a duration: state after it = transition @ state + drives @ drive forces + offset - gain @ others.
+    """Motion over a duration: state after it = transition @ state + drives @ drive forces + offset.
 
     Parameters
     ----------
     transition : array of shape (2 n, 2 n)
         Matrix of the state.
-    gain : array of shape (2 n, n)
-        Matrix of constant forces on the bodies.
     drives : array of shape (2 n, n_drives)
         Effect of a unit of each drive's force.
     offset : array of shape (2 n,)
@@ -43,7 +41,6 @@ class Transition:
     """
 
     transition: FloatArray
-    gain: FloatArray
     drives: FloatArray
     offset: FloatArray
 
@@ -119,7 +116,7 @@ class StickSlipMode:
 
     def _step(self, duration: float) -> Transition:
         transition, gain = self.flow.transition(duration)
-        return Transition(transition, gain, gain @ self.plant.drives, gain @ self.constant)
+        return Transition(transition, gain @ self.plant.drives, gain @ self.constant)
 
 
 def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:

@@ -108,7 +108,7 @@ class SimulationRun:
         record.states[k + 1] = engine.state
         if loop.moment is not None:
             loop.moment.settle(engine.state[: len(loop.plant.bodies)])
-            for row, (_, memory) in zip(self._laws.memories, loop.moment.memories, strict=True):
+            for row, memory in zip(self._laws.memories, loop.moment.memories, strict=True):
                 row[:] = memory.place, memory.state
         record.accelerations[k + 1] = self._acceleration(forces)
         if loop.law:

@@ -62,8 +62,6 @@ class InverseDynamicModel:
         Known numbers that stand in the equations as symbols: ratios and gravity.
     known : mapping of str to float
         Parameters that are known and not 0, which stand in the equations as symbols too.
-    kinetic_energy, potential_energy, dissipation : sympy.Expr
-        T, V and Rayleigh's D.
     balances : tuple of sympy.Expr
         Left-hand sides, with the values of nonlinear laws as symbols.
     inputs : tuple of LawInput
@@ -74,9 +72,6 @@ class InverseDynamicModel:
     coordinates: tuple[str, ...]
     constants: Mapping[str, float]
     known: Mapping[str, float]
-    kinetic_energy: sp.Expr
-    potential_energy: sp.Expr
-    dissipation: sp.Expr
     balances: tuple[sp.Expr, ...]
     inputs: tuple[LawInput, ...]
 
@@ -203,9 +198,6 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
         coordinates=tuple(kinematics.coordinates.values()),
         constants=dict(sorted(kinematics.constants.items())),
         known={name: value for name, value in axis.known_parameters.items() if value},
-        kinetic_energy=kinetic,
-        potential_energy=potential,
-        dissipation=dissipation,
         balances=tuple(balances),
         inputs=inputs,
     )

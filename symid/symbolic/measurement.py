@@ -26,7 +26,6 @@ class MeasuredFunction:
 
     signal: str
     order: int
-    functional: Functional
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
     for sensor in sorted(sensors, key=lambda sensor: sensor.derivative):
         functional = model.functional(kinematics.reading(sensor))
         if span.add(functional, pivot=sensor.body.name):
-            basis.append(MeasuredFunction(sensor.signal, sensor.derivative, functional))
+            basis.append(MeasuredFunction(sensor.signal, sensor.derivative))
         else:
             combination = span.coordinates(functional) or {}
             repeated.append(RepeatedFunction(sensor.signal, sensor.derivative, combination))

@@ -15,126 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from math import prod
-from operator import sub
 from typing import Any
 
 import sympy as sp
-from sympy.polys.rings import PolyElement
 
 from symid.errors import EliminationError
 from symid.signals import derivative_name
 from symid.symbolic.elimination import InputOutputModel
 from symid.symbolic.equations import InputOutputEquation
 from symid.symbolic.expressions import exact
-from symid.symbolic.polynomials import quotient_if_whole
+from symid.symbolic.parameter_function import ParameterFunction
 from symid.symbolic.span import Span
 from symid.units import Unit
 
 _AFTER_ALL_DERIVATIVES = 1000
-_LONG = 200
-"""Terms from which on a function is not written by sympy."""
 _ONE = 0
 """Place of the constant 1 in a basis."""
-
-
-@dataclass(frozen=True)
-class ParameterFunction:
-    """A rational function of the physical parameters in the ring of the operator model, reduced by common monomials."""
-
-    numerator: PolyElement
-    denominator: PolyElement
-
-    @classmethod
-    def quotient(cls, numerator: PolyElement, denominator: PolyElement) -> ParameterFunction:
-        """numerator / denominator in lowest terms, as far as monomials and exact division go."""
-        ring = numerator.ring
-        if not denominator.is_term and len(numerator) >= len(denominator):
-            whole = quotient_if_whole(numerator, denominator)
-            if whole is not None:
-                return cls(whole, ring.one)
-        shared = tuple(
-            min(powers) for powers in zip(*numerator.itermonoms(), *denominator.itermonoms(), strict=True)
-        )
-        sign = ring.domain.one if ring.domain.is_positive(denominator.LC) else -ring.domain.one
-        scale = 1 / (denominator.LC if denominator.is_term else sign)
-        if not any(shared) and scale == ring.domain.one:
-            return cls(numerator, denominator)
-        return cls(_over_monomial(numerator, shared, scale), _over_monomial(denominator, shared, scale))
-
-    @cached_property
-    def monomials(self) -> dict[Any, Any]:
-        """Vector of its monomials; functions with the same polynomial denominator share a space."""
-        if self.denominator.is_term:
-            ((powers, scale),) = self.denominator.terms()
-            below = ""
-        else:
-            powers, scale = (0,) * len(self.numerator.ring.gens), self.numerator.ring.domain.one
-            below = str(self.denominator)
-        if not any(powers) and scale == self.numerator.ring.domain.one:
-            return {(below, m): c for m, c in self.numerator.terms()}
-        return {(below, tuple(map(sub, m, powers))): c / scale for m, c in self.numerator.terms()}
-
-    def coordinates(self, known: Mapping[int, Any]) -> dict[Any, Any]:
-        """Vector of its monomials in the unknown parameters; `known` gives generators their values."""
-        if not known:
-            return self.monomials
-        total: dict[Any, Any] = {}
-        for (below, powers), c in self.monomials.items():
-            key = (below, tuple(0 if i in known else power for i, power in enumerate(powers)))
-            factor = prod((value ** powers[i] for i, value in known.items() if powers[i]), start=c)
-            total[key] = total.get(key, 0) + factor
-        return {key: c for key, c in total.items() if c}
-
-    @property
-    def names(self) -> set[str]:
-        """Names of the physical parameters in it."""
-        powers = zip(*self.numerator.itermonoms(), *self.denominator.itermonoms(), strict=True)
-        return {str(x) for x, used in zip(self.numerator.ring.symbols, powers, strict=True) if any(used)}
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether it is a sum of physical parameters times numbers."""
-        return self.denominator.is_ground and all(sum(m) == 1 for m in self.numerator.itermonoms())
-
-    @cached_property
-    def expression(self) -> sp.Expr:
-        """As a sum of fractions, each over the monomial that is left below it."""
-        ring = self.numerator.ring
-        if not self.denominator.is_term:
-            return self.numerator.as_expr() / self.denominator.as_expr()
-        fractions: dict[sp.Expr, list[sp.Expr]] = {}
-        for (_, powers), coefficient in self.monomials.items():
-            above = sp.Mul(*(g**p for g, p in zip(ring.symbols, powers, strict=True) if p > 0))
-            below = sp.Mul(*(g**-p for g, p in zip(ring.symbols, powers, strict=True) if p < 0))
-            fractions.setdefault(below, []).append(ring.domain.to_sympy(coefficient) * above)
-        return sp.Add(*(sp.Add(*terms) / below for below, terms in fractions.items()))
-
-    def __str__(self) -> str:
-        """Its expression; a long one term by term, which sympy would take minutes to sort."""
-        if len(self.numerator) <= _LONG or not self.denominator.is_term:
-            return str(self.expression)
-        names, field = list(map(str, self.numerator.ring.symbols)), self.numerator.ring.domain
-        written = []
-        for (_, powers), c in self.monomials.items():
-            factors = [f"{n}**{p}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p]
-            written.append("*".join(factors if c == 1 else [f"({field.to_sympy(c)})", *factors]))
-        return " + ".join(written)
-
-    def unit(self, units: dict[str, Unit]) -> Unit:
-        """Unit, given those of the physical parameters."""
-        total = Unit()
-        names = [str(symbol) for symbol in self.numerator.ring.symbols[1:]]
-        for sign, part in ((1, self.numerator), (-1, self.denominator)):
-            for name, power in zip(names, part.LM[1:], strict=True):
-                total = total * units[name] ** (sign * power) if power else total
-        return total
-
-
-def _over_monomial(polynomial: PolyElement, powers: tuple[int, ...], scale: Any) -> PolyElement:
-    """scale * polynomial / monomial."""
-    return polynomial.new({tuple(map(sub, m, powers)): c * scale for m, c in polynomial.items()})
 
 
 @dataclass(frozen=True)
@@ -245,17 +141,6 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     )
 
 
-def _known_generators(model: InputOutputModel) -> dict[int, Any]:
-    """Values of the generators that are known parameters, by index."""
-    ring = model.operators.ring
-    known = model.source.known
-    return {
-        i: ring.domain.from_sympy(exact(known[str(symbol)]))
-        for i, symbol in enumerate(ring.symbols)
-        if str(symbol) in known
-    }
-
-
 def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> _Row:
     """An equation divided by the coefficient of the force of lowest derivative, which becomes its output.
 
@@ -307,7 +192,12 @@ def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> _Row:
 
 def _basis(model: InputOutputModel, rows: Sequence[_Row]) -> tuple[list[ParameterFunction], list[_Row]]:
     """Functions that span all coefficients, the constant 1 first, and the rows with their shares of these."""
-    ring, known = model.operators.ring, _known_generators(model)
+    ring, values = model.operators.ring, model.source.known
+    known = {
+        i: ring.domain.from_sympy(exact(values[str(symbol)]))
+        for i, symbol in enumerate(ring.symbols)
+        if str(symbol) in values
+    }
     one = ParameterFunction(ring.one, ring.one)
     of_columns = [column.function for row in rows for column in row.columns]
     # The space that the coefficients span over the numbers is fixed; only its basis is a choice. Physical parameters

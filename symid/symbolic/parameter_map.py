@@ -12,31 +12,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import prod
-from random import Random
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
-import numpy as np
 import sympy as sp
-from sympy import GF, QQ
-from sympy.polys.densebasic import dup_degree
-from sympy.polys.fields import FracElement
-from sympy.polys.galoistools import gf_sqf_part
-from sympy.polys.groebnertools import groebner
-from sympy.polys.matrices import DomainMatrix
-from sympy.polys.orderings import grevlex
-from sympy.polys.rings import PolyElement, PolyRing
+from sympy import QQ
+from sympy.polys.rings import PolyRing
 
 from symid.symbolic.branch_signs import other_solutions_are_unphysical
-from symid.symbolic.minimal import MinimalModel, ParameterFunction
-from symid.symbolic.span import Span
+from symid.symbolic.generic_point import GenericPoint, moved
+from symid.symbolic.minimal import MinimalModel
+from symid.symbolic.parameter_function import ParameterFunction
 from symid.symbolic.triangular_systems import MOST_TERMS, TriangularSolution, triangular_solution
 
 Identifiability = Literal["unique", "several", "none"]
-
-_PRIME = 2**31 - 1
-_MOST_UNKNOWNS = 4
-"""Largest number of unknowns for which a Groebner basis is computed; more take too long."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +84,7 @@ def parameter_map(model: MinimalModel) -> ParameterMap:
     -X2*X3 + X5
     """
     names = list(model.source.source.axis.physical_parameters)
-    point = _Point(model)
+    point = GenericPoint(model)
     undetermined = point.undetermined()
     several, counted = point.with_several_values()
     identifiability: dict[str, Identifiability] = {
@@ -135,15 +123,21 @@ def inverse_map(model: MinimalModel) -> TriangularSolution | None:
     constants = list(model.source.source.numbers)
     # The steps are tried at a random point modulo a prime, where numbers stay small: with symbols, an attempt that
     # leads nowhere may take minutes. A step that does not exist there does not exist in general.
-    trial = _Point(model)
+    trial = GenericPoint(model)
     seen = set().union(*(p.function.names for p in model.parameters)).intersection(names)
     if trial.undetermined() & seen or not _solves(trial.triangular(), names, seen):
         return None
     field = QQ.frac_field(*constants, *(parameter.name for parameter in model.parameters))
     ring = PolyRing(names, field)
+    domain = model.source.operators.ring.domain
+    known = {name: field.from_sympy(sp.Symbol(name)) for name in constants}
+
+    def number(coefficient: Any) -> Any:
+        return field.from_sympy(domain.to_sympy(coefficient))
+
     system = [
-        _convert(p.function.numerator, ring)
-        - _convert(p.function.denominator, ring) * field.from_sympy(sp.Symbol(p.name))
+        moved(p.function.numerator, ring, number, known)
+        - moved(p.function.denominator, ring, number, known) * field.from_sympy(sp.Symbol(p.name))
         for p in model.parameters
     ]
     solution = triangular_solution(system, len(names))
@@ -157,19 +151,6 @@ def _solves(solution: TriangularSolution, names: Sequence[str], wanted: set[str]
     such a false solution leaves parameters open.
     """
     return not solution.left and {names[step.unknown] for step in solution.steps} == wanted
-
-
-def _convert(polynomial: PolyElement, ring: PolyRing) -> PolyElement:
-    """A polynomial of the operator model's ring, free of s, in a ring of the unknown parameters alone."""
-    domain, symbols = polynomial.ring.domain, polynomial.ring.symbols
-    unknown = set(ring.symbols)
-    total: dict[tuple[int, ...], Any] = {}
-    for m, c in polynomial.terms():
-        powers = dict(zip(symbols, m, strict=True))
-        known = sp.Mul(*(x**power for x, power in powers.items() if power and x not in unknown))
-        key = tuple(powers.get(x, 0) for x in ring.symbols)
-        total[key] = total.get(key, 0) + ring.domain.from_sympy(domain.to_sympy(c) * known)
-    return ring.from_dict({key: c for key, c in total.items() if c})
 
 
 def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[str, sp.Expr], ...]:
@@ -198,135 +179,3 @@ def _branches(model: MinimalModel, solution: TriangularSolution) -> tuple[dict[s
         solved = {str(symbol): value.xreplace(sign) for symbol, value in values.items()}
         branches.append({name: solved[name] for name in names if name in solved})
     return tuple(branches)
-
-
-class _Point:
-    """The forward map at a random point, modulo a prime."""
-
-    def __init__(self, model: MinimalModel) -> None:
-        self.names = list(model.source.source.axis.physical_parameters)
-        self.field = GF(_PRIME, symmetric=False)
-        self.ring = PolyRing(self.names, self.field, grevlex)
-        draw = Random(len(self.names))
-        self.values = [self.field(draw.randrange(1, _PRIME)) for _ in self.names]
-        self.constants = {name: draw.randrange(1, _PRIME) for name in model.source.source.numbers}
-        self.functions = [(p.function.numerator, p.function.denominator) for p in model.parameters]
-        self.evaluated = [(self._evaluated(n), self._evaluated(d)) for n, d in self.functions]
-        self.is_small = all(len(n) <= MOST_TERMS for n, _ in self.functions)
-        self.jacobian = self._jacobian()
-        self.rank = self.jacobian.rank()
-
-    def undetermined(self) -> set[str]:
-        """Parameters that can change without changing any minimal parameter."""
-        null = self.jacobian.nullspace().to_list()
-        return {name for i, name in enumerate(self.names) if any(row[i] for row in null)}
-
-    def system(self) -> list[PolyElement]:
-        """Equations X(theta) = X(theta0), undetermined directions held at theta0."""
-        # The solutions form a manifold if parameters are undetermined: each direction is fixed by one without pivot.
-        _, pivots = self.jacobian.rref()
-        held = {i: self.values[i] for i in range(len(self.names)) if i not in pivots}
-        equations = [
-            self._modular(n) - self._modular(d) * self.field(above.value) / self.field(below.value)
-            for (n, d), (above, below) in zip(self.functions, self.evaluated, strict=True)
-        ]
-        fixed = [(self.ring.gens[i], value) for i, value in held.items()]
-        return [e for equation in equations if (e := equation.subs(fixed) if fixed else equation)]
-
-    def triangular(self) -> TriangularSolution:
-        """Closed form at this point: the same steps exist for general minimal parameters."""
-        return triangular_solution(self.system(), len(self.names))
-
-    def with_several_values(self) -> tuple[set[str], bool]:
-        """Parameters that take several values among all solutions, and whether these were counted.
-
-        Monomial steps leave a core that only a Groebner basis can count; if it is too large, all its
-        unknowns and those that depend on them are suspected.
-        """
-        if not self.is_small:
-            return set(self.names) - self.undetermined(), False
-        solution = triangular_solution(self.system(), len(self.names), simple=True)
-        core = sorted({i for e in solution.left for i in range(len(self.names)) if e.degree(i) > 0})
-        counted = len(core) <= _MOST_UNKNOWNS
-        values = _count_values(solution.left, core, self.ring) if core and counted else dict.fromkeys(core, 2)
-        several = {i for i, count in values.items() if count > 1}
-        for step in reversed(solution.steps):
-            if any(part.degree(i) > 0 for part in step.coefficients for i in several):
-                several.add(step.unknown)
-        return {self.names[i] for i in several}, counted
-
-    def _modular(self, polynomial: PolyElement) -> PolyElement:
-        symbols = list(map(str, polynomial.ring.symbols))
-        places = [symbols.index(name) if name in symbols else None for name in self.names]
-        known = [(i, self.field(self.constants[x])) for i, x in enumerate(symbols) if x in self.constants]
-        total = self.ring.zero
-        for m, c in polynomial.terms():
-            value = prod((base ** m[i] for i, base in known if m[i]), start=self._number(c))
-            total += self.ring.from_dict(
-                {tuple(m[i] if i is not None else 0 for i in places): value} if value else {}
-            )
-        return total
-
-    def _number(self, value: Any) -> Any:
-        """A coefficient, which may hold known constants."""
-        if isinstance(value, FracElement):
-            point = [(x, self.constants[str(x)]) for x in value.numer.ring.gens]
-            above, below = (self._number(part.evaluate(point)) for part in (value.numer, value.denom))
-            return above / below
-        return self.field(int(value.numerator)) / self.field(int(value.denominator))
-
-    def _jacobian(self) -> DomainMatrix:
-        rows = []
-        for above, below in self.evaluated:
-            scale = pow(below.value, -2, _PRIME)
-            slopes = zip(above.gradient, below.gradient, strict=True)
-            rows.append([self.field((n * below.value - above.value * d) * scale) for n, d in slopes])
-        return DomainMatrix(rows, (len(rows), len(self.names)), self.field)
-
-    def _evaluated(self, polynomial: PolyElement) -> _Evaluated:
-        """Value and gradient of a polynomial at the point: sums over products of residues, which 64 bits hold."""
-        symbols = list(map(str, polynomial.ring.symbols))
-        powers = np.array(polynomial.monoms(), dtype=np.int64).reshape(len(polynomial), len(symbols))
-        terms = np.array([int(self._number(c)) for c in polynomial.coeffs()], dtype=np.int64)
-        point = {**self.constants, **dict(zip(self.names, map(int, self.values), strict=True))}
-        for i, name in enumerate(symbols):
-            if powers[:, i].any():
-                table = [pow(point[name], k, _PRIME) for k in range(int(powers[:, i].max()) + 1)]
-                terms = terms * np.array(table)[powers[:, i]] % _PRIME
-        slopes = dict(zip(symbols, (terms @ powers).tolist(), strict=True))
-        gradient = tuple(slopes.get(name, 0) * pow(point[name], -1, _PRIME) % _PRIME for name in self.names)
-        return _Evaluated(int(terms.sum()) % _PRIME, gradient)
-
-
-class _Evaluated(NamedTuple):
-    """Value and gradient of a polynomial at a point, modulo a prime."""
-
-    value: int
-    gradient: tuple[int, ...]
-
-
-def _count_values(system: Sequence[PolyElement], involved: Sequence[int], ring: PolyRing) -> dict[int, int]:
-    """How many values each unknown takes among the non-zero solutions of a polynomial system.
-
-    A new unknown t with t * (product of the unknowns) = 1 keeps solutions with a zero out. The number of values is
-    the degree of the square-free part of the unknown's minimal polynomial modulo the ideal.
-    """
-    small = PolyRing(("t", *(str(ring.symbols[i]) for i in involved)), ring.domain, grevlex)
-    moved = [small.from_dict({(0, *(m[i] for i in involved)): c for m, c in e.terms()}) for e in system]
-    nonzero = small.from_dict({(1,) * len(small.gens): small.domain.one}) - 1
-    basis = groebner([*moved, nonzero], small)
-    return {
-        i: _number_of_values(generator, basis) for i, generator in zip(involved, small.gens[1:], strict=True)
-    }
-
-
-def _number_of_values(unknown: PolyElement, basis: Sequence[PolyElement]) -> int:
-    span, power, degree = Span(), unknown.ring.one, 0
-    while span.add(dict(power.terms())):
-        power = (power * unknown).rem(list(basis))
-        degree += 1
-    relation = span.coordinates(dict(power.terms())) or {}
-    polynomial = [1] + [
-        int(-relation.get(i, unknown.ring.domain.zero)) % _PRIME for i in reversed(range(degree))
-    ]
-    return int(dup_degree(gf_sqf_part(polynomial, _PRIME, sp.ZZ)))

@@ -159,11 +159,12 @@ def scaling_of(rows: Mapping[str, Row], operators: OperatorModel) -> Scaling | t
             found[key][k] = solved[i]
     if stuck:
         return tuple(stuck)
-    by_kind: dict[str, dict[str, Exponents]] = {"balance": {}, "column": {}, "parameter": {}}
-    for (kind, name), powers in found.items():
-        by_kind[kind][name] = tuple(powers)
+    balances, columns, parameters = (
+        {name: tuple(powers) for (kind, name), powers in found.items() if kind == wanted}
+        for wanted in ("balance", "column", "parameter")
+    )
     plain = PolyRing(ring.symbols, QQ, ring.order)
-    return Scaling(by_kind["balance"], by_kind["column"], by_kind["parameter"], plain, ring)
+    return Scaling(balances, columns, parameters, plain, ring)
 
 
 def term_of(coefficient: Any) -> tuple[Any, Exponents | None]:

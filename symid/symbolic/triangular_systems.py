@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from sympy.polys.fields import FracElement
 from sympy.polys.rings import PolyElement
@@ -50,14 +49,11 @@ class TriangularSolution:
     ----------
     steps : tuple of SolvedUnknown
         Solved unknowns.
-    relations : int
-        Number of equations that were not needed.
     left : tuple of PolyElement
         Equations beyond closed form; empty if all is solved.
     """
 
     steps: tuple[SolvedUnknown, ...]
-    relations: int
     left: tuple[PolyElement, ...] = field(default=())
 
     @property
@@ -88,20 +84,18 @@ def triangular_solution(
     """
     system = [_without_monomials(equation) for equation in equations]
     steps: list[SolvedUnknown] = []
-    relations = 0
     while True:
-        relations += sum(1 for e in system if e.is_ground)
         system = sorted({e.monic() for e in system if not e.is_ground}, key=lambda e: (len(e), str(e)))
         if not system:
             break
         short = all(len(e) <= MOST_TERMS and _size(e) <= LARGEST for e in system)
         choice = _next_step(system, unknowns, simple) if short else None
         if choice is None:
-            return TriangularSolution(tuple(steps), relations, tuple(system))
+            return TriangularSolution(tuple(steps), tuple(system))
         equation, step = choice
         steps.append(step)
         system = [_without_monomials(_substitute(e, step)) for e in system if e is not equation]
-    return TriangularSolution(tuple(steps), relations)
+    return TriangularSolution(tuple(steps))
 
 
 def _next_step(
@@ -130,13 +124,8 @@ def _next_step(
 
 
 def _size(equation: PolyElement) -> int:
-    """Terms of all coefficients of a polynomial."""
-    return sum(map(_complexity, equation.coeffs()))
-
-
-def _complexity(value: Any) -> int:
-    """Length of a coefficient: terms above and below where it is a fraction of polynomials."""
-    return len(value.numer) + len(value.denom) if isinstance(value, FracElement) else 1
+    """Terms of all coefficients of a polynomial, above and below where they are fractions of polynomials."""
+    return sum(len(c.numer) + len(c.denom) if isinstance(c, FracElement) else 1 for c in equation.coeffs())
 
 
 def _substitute(equation: PolyElement, step: SolvedUnknown) -> PolyElement:

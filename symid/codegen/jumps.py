@@ -1,0 +1,82 @@
+"""Jumps of friction in a minimal model: where they are, and which of them act as a drive does."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from itertools import product
+from typing import NamedTuple
+
+import sympy as sp
+
+from symid.symbolic.expressions import is_smooth
+from symid.symbolic.minimal import MinimalModel
+from symid.symbolic.pipeline import DerivedModel
+
+
+def sliding_velocities(
+    minimal: MinimalModel, constants: Collection[sp.Symbol]
+) -> tuple[tuple[tuple[int, ...], ...], tuple[sp.Expr, ...]]:
+    """For each equation the indices of the velocities in its laws with jumps, and these velocities.
+
+    An equation that lacks the derivative of a jump does not hold at it either, though no column shows it.
+    """
+    velocities: dict[sp.Expr, int] = {}
+    by_equation = []
+    for row, y, equation in zip(minimal.regressor, minimal.output, minimal.source.equations, strict=True):
+        shown = {f for entry in (*row, y) for f in entry.atoms(sp.Function) if not is_smooth(f)}
+        jumps = sorted(
+            shown.union(*(f.atoms(sp.Function) for f in equation.dropped)), key=sp.default_sort_key
+        )
+        arguments = [-f.args[0] if f.args[0].could_extract_minus_sign() else f.args[0] for f in jumps]
+        # Jumps elsewhere, such as a stiffness at the edge of a gap, do not depend on standstill.
+        arguments = [
+            a for a in arguments if not a.xreplace(dict.fromkeys(a.free_symbols.difference(constants), 0))
+        ]
+        by_equation.append(tuple(sorted({velocities.setdefault(a, len(velocities)) for a in arguments})))
+    return tuple(by_equation), tuple(velocities)
+
+
+class CoulombAtDrive(NamedTuple):
+    """Friction that acts as a drive does: row of its velocity, index of its minimal parameter, signal of the drive."""
+
+    row: int
+    parameter: int
+    drive: str
+
+
+def coulomb_at_drive(model: DerivedModel, velocities: tuple[sp.Expr, ...]) -> list[CoulombAtDrive]:
+    """Coulomb friction that acts on the bodies as a drive does, where an equation lacks its derivatives.
+
+    The drive force less this friction is smooth where the velocity changes its sign, and can be differentiated.
+    """
+    if not any(equation.dropped for equation in model.minimal.source.equations):
+        return []
+    operators = model.minimal.source.operators
+    zero = operators.ring.zero
+    # Taken off a force that is a column too, it would change that column, which no law gives it back to.
+    columns = {symbol for row in model.minimal.regressor for e in row for symbol in e.free_symbols}
+    outputs = [drive.signal for drive in model.axis.drives if sp.Symbol(drive.signal) not in columns]
+    found: list[CoulombAtDrive] = []
+    for entry in operators.source.inputs:
+        if entry.expression != sp.sign(sp.Symbol("v")):
+            continue
+        for generator, signal in product(operators.ring.gens[1:], outputs):
+            if not any(
+                row.get(str(entry.symbol), zero) + generator * operators.force[body].get(signal, zero)
+                for body, row in operators.inputs.items()
+            ):
+                places = _places_of_coulomb(model.minimal, velocities, str(generator))
+                found += [CoulombAtDrive(*place, signal) for place in places[:1]]
+                break
+    return found
+
+
+def _places_of_coulomb(
+    model: MinimalModel, velocities: tuple[sp.Expr, ...], parameter: str
+) -> list[tuple[int, int]]:
+    """Velocity and index of a minimal parameter that is this physical one, from its column sign(velocity)."""
+    for j, minimal in enumerate(model.parameters):
+        if minimal.function.names == {parameter} and str(minimal.function) == parameter:
+            columns = {row[j] for row in model.regressor} - {0}
+            return [(i, j) for i, velocity in enumerate(velocities) if columns == {sp.sign(velocity)}]
+    return []
