@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
@@ -14,6 +13,7 @@ from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
 from symid.axis.quantities import end_of, force_unit, length_unit, parameter_units, unit_faults
 from symid.axis.sensors import Sensor
+from symid.axis.signature import hash_of
 from symid.axis.validation import declaration_faults, known_faults
 from symid.errors import DeclarationError, SettingError
 from symid.shown import Shown
@@ -23,9 +23,6 @@ Element: TypeAlias = Body | Spring | Damper | Weight | PendulumWeight | Law | Im
 
 MOST_OPTIONAL_SENSORS = 3
 """Largest number of optional sensors for which a regressor is generated for every subset."""
-
-
-_IMPERFECTIONS = ("noise", "resolution", "delay")
 
 
 @dataclass(frozen=True, repr=False)
@@ -309,26 +306,8 @@ class Axis(Shown):
 
         Imperfections of signals do not count: no regressor depends on them.
         """
-        return hashlib.sha256(repr(_canonical(self)).encode()).hexdigest()[:16]
+        return hash_of(self)
 
     def force_unit(self, joint: Joint) -> Unit:
         """Unit of a force (or torque) in a joint, which follows the unit of the drives."""
         return force_unit(self.drives, joint)
-
-
-def _canonical(value: object) -> object:
-    """Nested tuples of class names and field values, the same in every process."""
-    if isinstance(value, Law):
-        # The terms too: a law's class may change while its fields stay.
-        return (type(value).__name__, _canonical(value.at), _canonical(value.terms()))
-    if is_dataclass(value) and not isinstance(value, type):
-        named = (f.name for f in fields(value) if f.name not in _IMPERFECTIONS)
-        named = (name for name in named if name != "known" or value.known)  # type: ignore[attr-defined]
-        return (type(value).__name__, *((name, _canonical(getattr(value, name))) for name in named))
-    if isinstance(value, tuple):
-        return tuple(_canonical(item) for item in value)
-    if isinstance(value, Mapping):
-        return tuple((name, _canonical(item)) for name, item in sorted(value.items()))
-    if isinstance(value, float):
-        return float(value)  # NumPy's numbers print otherwise
-    return value

@@ -14,8 +14,6 @@ from symid.axis.elements import (
     Body,
     Damper,
     Drive,
-    Geared,
-    Ground,
     Parametrised,
     PendulumWeight,
     Spring,
@@ -25,6 +23,7 @@ from symid.axis.imperfections import EncoderRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
 from symid.axis.laws.base import is_finite
 from symid.axis.sensors import Sensor
+from symid.axis.type_faults import ends_of, label_of, type_faults
 from symid.signals import is_signal_name
 from symid.units import Unit
 
@@ -41,7 +40,7 @@ def declaration_faults(
 
     Faults of types are reported alone, because nothing else can be checked while they last.
     """
-    faults = tuple(_type_faults(name, elements, drives, sensors))
+    faults = tuple(type_faults(name, elements, drives, sensors))
     if faults:
         return faults
     checked_drives = [drive for drive in drives if isinstance(drive, Drive)]
@@ -57,69 +56,6 @@ def declaration_faults(
         *_connection_faults(bodies, elements, checked_drives),
         *_signal_faults(elements, checked_sensors),
     )
-
-
-def _type_faults(
-    name: object, elements: Sequence[object], drives: Sequence[object], sensors: Sequence[object]
-) -> Iterator[str]:
-    if not isinstance(name, str) or not is_signal_name(name):
-        yield f"name {name!r} is not an identifier: use letters, digits and underscores"
-    if not isinstance(elements, tuple) or not isinstance(sensors, tuple):
-        yield "elements and sensors must be tuples: write a comma behind a single one"
-        return
-    kinds = (Body, Spring, Damper, Weight, PendulumWeight, Law, Imperfection)
-    for element in elements:
-        if not isinstance(element, kinds):
-            known = "Body, Spring, Damper, Weight, PendulumWeight, a Law or an Imperfection"
-            yield f"{element!r} is not an element: use {known}"
-        else:
-            yield from _field_faults(element)
-    if not drives:
-        yield "there is no drive: declare drive=Drive(signal, body)"
-    for drive in drives:
-        if not isinstance(drive, Drive):
-            yield f"drive {drive!r} is not a Drive: declare drive=Drive(signal, body), or a tuple of these"
-        else:
-            yield from _field_faults(drive)
-    if not sensors:
-        yield "there is no sensor: declare at least a Position of the driven body"
-    for sensor in sensors:
-        if not isinstance(sensor, Sensor) or not hasattr(sensor, "derivative"):
-            yield f"{sensor!r} is not a sensor: use Position, Velocity or Acceleration"
-        else:
-            yield from _field_faults(sensor)
-
-
-def _field_faults(element: object) -> Iterator[str]:
-    """Bodies given by name, and parameters that are not names."""
-    label = _label(element)
-    for field in ("on", "at", "body", "relative_to"):
-        value = getattr(element, field, None)
-        allowed = (Body, Between) if field == "at" else (Body, Ground)
-        if value is not None and not isinstance(value, allowed):
-            kinds = " or ".join(kind.__name__ for kind in allowed)
-            yield f"{label}: {field}={value!r} must be the {kinds} object itself"
-        if isinstance(value, Between):
-            for end in (value.first, value.second):
-                if not isinstance(end, (Body, Ground)):
-                    yield f"{label}: {end!r} must be the Body object itself"
-    for field in ("name", "signal", "command"):
-        value = getattr(element, field, None)
-        if value is not None and not isinstance(value, str):
-            yield f"{label}: {field}={value!r} must be a name"
-    for field in () if isinstance(element, Law) else PARAMETER_FIELDS:
-        value = getattr(element, field, None)
-        if value is not None and not isinstance(value, str) and not is_finite(value):
-            yield f"{label}: {field}={value!r} must be the name of a parameter, or its value: a finite number"
-    if isinstance(element, Law):
-        for term in element.terms():
-            if not isinstance(term.parameter, str):
-                yield f"{label}: parameter {term.parameter!r} must be a name, with its value in known= of the axis"
-    gears = element.gears if isinstance(element, Body) else ()
-    is_empty = getattr(element, "geared", None) == ()
-    if is_empty or not all(isinstance(gear, Geared) and isinstance(gear.to, Body) for gear in gears):
-        geared = getattr(element, "geared", None)
-        yield f"{label}: geared={geared!r} must be Geared(to=BODY, ratio=NUMBER), or a tuple of these"
 
 
 def _name_faults(
@@ -197,7 +133,7 @@ def _reference_faults(bodies: Sequence[Body], holders: Sequence[object]) -> Iter
             if body not in bodies:
                 near = get_close_matches(body.name, names, 1)
                 hint = f", or did you mean {near[0]!r}?" if near and near[0] != body.name else ""
-                yield f"{_label(holder)} refers to body {body.name!r}, which is not among the elements: add it{hint}"
+                yield f"{label_of(holder)} refers to body {body.name!r}, which is not among the elements: add it{hint}"
 
 
 def _bodies_of(holder: object) -> Iterator[Body]:
@@ -218,27 +154,27 @@ def _number_faults(
     for holder in (*elements, *drives):
         at = getattr(holder, "at", None)
         if isinstance(at, Between):
-            numbers.append((f"{_label(holder)}: ratio", at.ratio))
+            numbers.append((f"{label_of(holder)}: ratio", at.ratio))
         if isinstance(holder, Body):
-            numbers += [(f"{_label(holder)}: ratio", gear.ratio) for gear in holder.gears]
+            numbers += [(f"{label_of(holder)}: ratio", gear.ratio) for gear in holder.gears]
         if isinstance(holder, (Weight, PendulumWeight)):
-            numbers.append((f"{_label(holder)}: acceleration", holder.acceleration))
+            numbers.append((f"{label_of(holder)}: acceleration", holder.acceleration))
         if isinstance(holder, (Law, Imperfection)):
-            yield from (f"{_label(holder)}: {fault}" for fault in holder.faults())
+            yield from (f"{label_of(holder)}: {fault}" for fault in holder.faults())
     for holder in (*drives, *sensors):
         for field in ("noise", "resolution", "delay"):
             value = getattr(holder, field, 0.0)
             if not is_finite(value) or value < 0:
-                yield f"{_label(holder)}: {field} is {value!r}: it must be a finite number of at least 0"
+                yield f"{label_of(holder)}: {field} is {value!r}: it must be a finite number of at least 0"
     for sensor in sensors:
         of, to = getattr(sensor, "body", None), getattr(sensor, "relative_to", None)
         if isinstance(of, Body) and isinstance(to, Body) and of.turns != to.turns:
             yield (
-                f"{_label(sensor)} subtracts {'an angle' if to.turns else 'a displacement'} from "
+                f"{label_of(sensor)} subtracts {'an angle' if to.turns else 'a displacement'} from "
                 f"{'an angle' if of.turns else 'a displacement'}: measure {of.name!r} alone, "
                 f"or relative to a body that {'turns' if of.turns else 'slides'}"
             )
-    numbers += [(f"{_label(d)}: gain", d.gain) for d in drives if d.gain is not None and d.constant is None]
+    numbers += [(f"{label_of(d)}: gain", d.gain) for d in drives if d.gain is not None and d.constant is None]
     for what, value in numbers:
         if not is_finite(value) or value == 0:
             yield f"{what} is {value!r}: it must be a finite number other than 0"
@@ -246,7 +182,7 @@ def _number_faults(
 
 def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
     for drive in drives:
-        label = _label(drive)
+        label = label_of(drive)
         if drive.constant is not None:
             gain = f"{label}: gain {drive.constant!r}"
             if not str(drive.constant).isidentifier():
@@ -269,14 +205,14 @@ def _joint_faults(holders: Sequence[object]) -> Iterator[str]:
         at = getattr(holder, "at", None)
         if isinstance(at, Between):
             if at.first == at.second:
-                yield f"{_label(holder)} lies between {at.first.name!r} and itself: name two bodies"
+                yield f"{label_of(holder)} lies between {at.first.name!r} and itself: name two bodies"
             kinds = {end.turns for end in (at.first, at.second) if isinstance(end, Body)}
             if len(kinds) == 2 and at.ratio == 1:
-                yield f"{_label(holder)} joins a turning and a sliding body: give the ratio in metres per radian"
+                yield f"{label_of(holder)} joins a turning and a sliding body: give the ratio in metres per radian"
         if isinstance(holder, Weight) and holder.body.turns:
-            yield f"{_label(holder)}: a weight acts on a sliding body; use PendulumWeight where it turns"
+            yield f"{label_of(holder)}: a weight acts on a sliding body; use PendulumWeight where it turns"
         if isinstance(holder, PendulumWeight) and not holder.body.turns:
-            yield f"{_label(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
+            yield f"{label_of(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
 
 
 def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
@@ -295,10 +231,10 @@ def _connection_faults(
     bodies: Sequence[Body], elements: Sequence[object], drives: Sequence[Drive]
 ) -> Iterator[str]:
     """Bodies that no drive can move: no spring, damper, law, gear or common carrier leads to them."""
-    links = [_ends(getattr(holder, "at", None)) for holder in (*elements, *drives)]
+    links = [ends_of(getattr(holder, "at", None)) for holder in (*elements, *drives)]
     links += [(body.name, gear.to.name) for body in bodies for gear in body.gears]
     # The inertia force of a body acts on what it is on only through its coordinate, which a law or a spring must hold.
-    reached = {name for drive in drives for name in _ends(drive.at)} - {"ground"}
+    reached = {name for drive in drives for name in ends_of(drive.at)} - {"ground"}
     while True:
         grown = reached | {name for link in links if reached & set(link) for name in link} - {"ground"}
         if grown == reached:
@@ -310,30 +246,5 @@ def _connection_faults(
             yield f"{cannot} move body {body.name!r}: join it by a spring, a damper or a gear to the others"
 
 
-def _ends(at: object) -> tuple[str, ...]:
-    if isinstance(at, Body):
-        return at.name, at.on.name
-    if isinstance(at, Between):
-        return at.first.name, at.second.name
-    return ()
-
-
 def _repeated(names: Iterable[str]) -> list[str]:
     return sorted(name for name, count in Counter(names).items() if count > 1)
-
-
-def _label(element: object) -> str:
-    kind = type(element).__name__
-    if isinstance(element, (Body, Spring, Damper)):
-        return f"{kind} {element.name!r}"
-    if isinstance(element, Sensor):
-        return f"sensor {element.signal!r}"
-    if isinstance(element, Drive):
-        return f"drive {element.signal!r}"
-    at = getattr(element, "at", None) or getattr(element, "body", None)
-    ends = (
-        " and ".join(repr(name) for name in _ends(at))
-        if isinstance(at, Between)
-        else repr(getattr(at, "name", at))
-    )
-    return f"{kind} at {ends}"

@@ -22,7 +22,7 @@ _SHARED = 1e-9
 
 @dataclass(frozen=True)
 class Command:
-    """Command to a controller at one sample.
+    """Command to a controller at a sample.
 
     Parameters
     ----------

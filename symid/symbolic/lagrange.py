@@ -56,8 +56,6 @@ class InverseDynamicModel:
     ----------
     axis : Axis
         The declaration.
-    coordinates : tuple of str
-        Name of each free body's coordinate; ``q_motor_d2`` is its second derivative.
     constants : mapping of str to float
         Known numbers that stand in the equations as symbols: ratios and gravity.
     known : mapping of str to float
@@ -69,7 +67,6 @@ class InverseDynamicModel:
     """
 
     axis: Axis
-    coordinates: tuple[str, ...]
     constants: Mapping[str, float]
     known: Mapping[str, float]
     balances: tuple[sp.Expr, ...]
@@ -101,7 +98,7 @@ class InverseDynamicModel:
 
 
 class Kinematics:
-    """Displacements of bodies and joints in the coordinates of an axis."""
+    """Displacements of bodies and joints in the coordinates of an axis; ``q_motor_d2`` is a second derivative."""
 
     def __init__(self, axis: Axis) -> None:
         self.coordinates = {body: f"q_{body.name}" for body in axis.free_bodies}
@@ -195,7 +192,6 @@ def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
         )
     return InverseDynamicModel(
         axis=axis,
-        coordinates=tuple(kinematics.coordinates.values()),
         constants=dict(sorted(kinematics.constants.items())),
         known={name: value for name, value in axis.known_parameters.items() if value},
         balances=tuple(balances),
