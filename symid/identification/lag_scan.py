@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,12 +31,21 @@ _LEAST_SHARE, _LEAST_ROWS = 0.5, 10
 _LEAST_EIGENVALUE = 1e-12
 
 
+class Lag(NamedTuple):
+    """Seconds by which a signal would be recorded late, residual as part of that without, and parameters with it."""
+
+    late: float
+    left: float
+    parameters: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class LagScan:
-    """Residual of an estimate, as part of the output's power, at seconds by which a signal would be recorded late."""
+    """Residual of an estimate, as part of the output's power, and parameters, at seconds by which a signal is late."""
 
     late: FloatArray
     residual: FloatArray
+    parameters: FloatArray
 
     @property
     def at_zero(self) -> float:
@@ -43,15 +53,16 @@ class LagScan:
         return float(self.residual[self.late.size // 2])
 
     @property
-    def best(self) -> tuple[float, float]:
-        """Lag of least residual, s, and that residual as part of that at zero; of several as good the smallest lag.
+    def best(self) -> Lag:
+        """Lag of least residual; of several as good the smallest.
 
         Motion that repeats itself has a residual nearly as small at every period.
         """
         least = float(self.residual.min())
         good = np.flatnonzero(self.residual <= max(_AS_GOOD * least, np.finfo(float).eps))
         i = int(good[np.argmin(np.abs(self.late[good]))])
-        return float(self.late[i]), float(self.residual[i]) / max(self.at_zero, np.finfo(float).tiny)
+        left = float(self.residual[i]) / max(self.at_zero, np.finfo(float).tiny)
+        return Lag(float(self.late[i]), left, self.parameters[i])
 
 
 @lru_cache(maxsize=16)
@@ -101,7 +112,8 @@ def scan(
             rows += counts[list(thirds)].sum(axis=0)
     late = period * np.arange(-most, most + 1)
     few = (rows < _LEAST_SHARE * rows[most]) | (rows < _LEAST_ROWS * p)
-    return LagScan(np.asarray(late, dtype=float), np.where(few, 1.0, _residuals(total)))
+    residual, parameters = _solved(total)
+    return LagScan(np.asarray(late, dtype=float), np.where(few, 1.0, residual), parameters)
 
 
 def _sums_of(part: Excerpt, names: tuple[str, ...], most: int) -> list[tuple[FloatArray, FloatArray]]:
@@ -157,8 +169,8 @@ def _between_ends(values: FloatArray | BoolArray, lags: npt.NDArray[np.int_]) ->
     return np.asarray(sums[..., np.minimum(n - lags, n)] - sums[..., np.maximum(-lags, 0)])
 
 
-def _residuals(grams: FloatArray) -> FloatArray:
-    """Share of the power of the last column that the others do not explain, for each matrix of sums."""
+def _solved(grams: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Share of the power of the last column that the others do not explain, and their factors, by matrix of sums."""
     powers = np.diagonal(grams, axis1=1, axis2=2)
     least = (
         _LEAST_EIGENVALUE * np.max(powers, axis=0) + np.finfo(float).tiny
@@ -166,7 +178,8 @@ def _residuals(grams: FloatArray) -> FloatArray:
     scale = np.sqrt(np.maximum(powers, least))
     scaled = grams / (scale[:, :, None] * scale[:, None, :])
     values, vectors = np.linalg.eigh(scaled[:, :-1, :-1])
-    shares = np.einsum("lai,la->li", vectors, scaled[:, :-1, -1]) ** 2
+    along = np.einsum("lai,la->li", vectors, scaled[:, :-1, -1])
     seen = values > _LEAST_EIGENVALUE * values[:, -1:]
-    explained = np.sum(np.where(seen, shares / np.where(seen, values, 1.0), 0.0), axis=1)
-    return np.asarray(np.clip(1.0 - explained, 0.0, 1.0))
+    factors = np.where(seen, along / np.where(seen, values, 1.0), 0.0)
+    left = np.clip(1.0 - np.sum(along * factors, axis=1), 0.0, 1.0)
+    return left, np.einsum("lai,li->la", vectors, factors) * scale[:, -1:] / scale[:, :-1]

@@ -21,6 +21,7 @@ from symid.estimation import LeastSquares, corrected_covariance_of_blocks, estim
 from symid.identification.excerpts import Excerpt, blocks_of
 from symid.identification.lag_scan import delayed_together, scan
 from symid.identification.observation import Observation
+from symid.identification.physical import negative_parameters
 
 _SETTLED = 0.01
 """Samples by which the delay still moves when it is found."""
@@ -176,7 +177,7 @@ def _timing_of(
 ) -> Timing | None:
     """Delay of a signal: of itself, or of all others, which are then early by it."""
     scanned = scan(parts, fit, names)
-    late, left = scanned.best
+    late, left, there = scanned.best
     shifting = [_Shifting(part, names) for part in parts]
     near = _refined(parts, shifting, fit, 0.0)
     found: _Delay | None
@@ -187,8 +188,9 @@ def _timing_of(
         chosen = parts[0].observation.preparation
         row = parts[0].log.sampling_period * (chosen.decimation or 1)
         found = _refined(parts, shifting, fit, late) or _Delay(
-            late, row / _ROWS_A_DEVIATION, float(np.sqrt(left)), fit.solution
+            late, row / _ROWS_A_DEVIATION, float(np.sqrt(left)), there
         )
+    found = next((one for one in (found, near) if one and _is_machine(model, one.parameters, fit)), None)
     if found is None:
         return None
     return Timing(
@@ -201,6 +203,23 @@ def _timing_of(
         parameters=found.parameters,
         is_force=signal in model.forces,
     )
+
+
+def _is_machine(model: GeneratedModel, minimal: FloatArray, fit: LeastSquares) -> bool:
+    """Whether no parameter that is positive without a delay is negative with it.
+
+    A motion that repeats itself is met half a period late by an inertia, or a friction, of the other sign.
+    """
+    return _least_negative(model, minimal) <= _least_negative(model, fit.solution)
+
+
+def _least_negative(model: GeneratedModel, minimal: FloatArray) -> int:
+    """Negative physical parameters of the branch that has the fewest; 0 without a map in closed form."""
+    if model.physical_parameters is None:
+        return 0
+    with np.errstate(all="ignore"):
+        branches = [model.physical_parameters(*minimal, branch=b) for b in range(model.branches)]
+    return min(len(negative_parameters(model, physical)) for physical in branches)
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +270,7 @@ def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares)
 
 def _drift_of_force(parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> str:
     thirds = [scan(parts, fit, (force,), (k,)).best for k in range(3)]
-    (first, left_first), (middle, left_middle), (last, left_last) = thirds
+    (first, left_first, _), (middle, left_middle, _), (last, left_last, _) = thirds
     row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
     grows = abs(first - last) >= _DRIFTED_ROWS * row
     is_even = abs(2 * middle - first - last) <= _DRIFTED_ROWS * row + _UNEVEN * abs(last - first)
