@@ -62,11 +62,9 @@ class Imperfection:
         >>> limit.in_numbers(limit.law)
         'min(max(F, -(25.0)), (25.0))'
         """
-        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _PLACES}
-        numbers = {
-            name: f"({value if isinstance(value, int) else float(value)!r})" for name, value in values.items()
-        }
-        return re.sub(r"[a-z_]+", lambda found: numbers.get(found[0], found[0]), text)
+        values = self._numbers.items()
+        written = {name: f"({x if isinstance(x, int) else float(x)!r})" for name, x in values}
+        return re.sub(r"[a-z_]+", lambda found: written.get(found[0], found[0]), text)
 
     @property
     def formula(self) -> str:
@@ -76,14 +74,15 @@ class Imperfection:
     def faults(self) -> Iterator[str]:
         """Faults of its numbers; `Axis` reports them with all others."""
         positive = ("seconds", "force", "pitch", "frequency", "time_constant", "reach", "level", "time")
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in _PLACES:
-                continue
+        for name, value in self._numbers.items():
             if not is_finite(value):
-                yield f"{field.name} is {value!r}: it must be a finite number"
-            elif field.name in positive and not value > 0:
-                yield f"{field.name} is {value!r}: it must be positive"
+                yield f"{name} is {value!r}: it must be a finite number"
+            elif name in positive and not value > 0:
+                yield f"{name} is {value!r}: it must be positive"
+
+    @property
+    def _numbers(self) -> dict[str, float]:
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _PLACES}
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 
 from symid.axis import Axis, Sensor
-from symid.export.c_code import c_name
-from symid.export.c_motion import force_parameters, in_steps
+from symid.export.c_motion import force_parameters, in_steps, sent_forces
 from symid.export.dynamics import SymbolicDynamics
 
 SHORTEST_STEP = 5e-6
@@ -83,7 +82,7 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) ->
     words = {
         "name": axis.name,
         "forces": force_parameters(axis),
-        "acting": "late" if drive else _forces(axis),
+        "acting": "late" if drive else sent_forces(axis),
         "n_state": dynamics.n_states,
         "n_sensors": len(axis.sensors),
         "cells": math.ceil(longest / shortest) + 3,
@@ -100,11 +99,11 @@ def delay_fields(dynamics: SymbolicDynamics, shortest: float = SHORTEST_STEP) ->
 def _begin(axis: Axis, delay: float) -> str:
     """Statements before the first step: readings and force are taken as constant until then."""
     found = [
-        f"{axis.name}_derivative(p, x, {_forces(axis)}, change);",
+        f"{axis.name}_derivative(p, x, {sent_forces(axis)}, change);",
         f"{axis.name}_sensors(x, change, y);",
     ]
     if delay:
-        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{_forces(axis)});")
+        found.append(f"note(way, 0, {-2 * delay!r}, {-2 * delay!r}*{sent_forces(axis)});")
         found.append("note(way, 0, 0.0, 0.0);")
     for lane, i, _ in _lanes(axis, delay):
         found.append(f"note(way, {lane}, 0.0, y[{i}]);")
@@ -112,16 +111,12 @@ def _begin(axis: Axis, delay: float) -> str:
     return f"    if (!way->lane[0].count) {{\n{inner}    }}"
 
 
-def _forces(axis: Axis) -> str:
-    return ", ".join(c_name(drive.signal) for drive in axis.drives)
-
-
 def _late(axis: Axis, delay: float) -> str:
     """Statements for the force that arrives; only one drive has a delay (`symbolic_dynamics`)."""
     if not delay:
         return ""
     found = [
-        f"way->sent += h*{_forces(axis)};",
+        f"way->sent += h*{sent_forces(axis)};",
         "note(way, 0, now + h, way->sent);",
         f"const double late = (noted(way, 0, now + h - {delay!r}) - noted(way, 0, now - {delay!r}))/h;",
     ]

@@ -63,9 +63,14 @@ def state_symbols(n: int) -> tuple[sp.Matrix, sp.Matrix]:
 def smooth_force(dynamics: SymbolicDynamics) -> sp.Matrix:
     """B F + c - C v - K x, F being the forces that act."""
     x, v = state_symbols(len(dynamics.bodies))
-    sent_forces = [sp.Symbol(drive.signal) for drive in dynamics.axis.drives]
-    acting = sp.Matrix([ACTING] if acts_otherwise(dynamics) else sent_forces)
+    symbols = [ACTING] if acts_otherwise(dynamics) else [sp.Symbol(d.signal) for d in dynamics.axis.drives]
+    acting = sp.Matrix(symbols)
     return dynamics.drives * acting + dynamics.constant - dynamics.damping * v - dynamics.stiffness * x
+
+
+def sent_forces(axis: Axis) -> str:
+    """The drive forces as arguments of a C function."""
+    return ", ".join(c_name(drive.signal) for drive in axis.drives)
 
 
 def force_parameters(axis: Axis) -> str:

@@ -17,7 +17,7 @@ from symid.codegen.module import model_signals
 from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.c_delays import SHORTEST_STEP, delay_fields
-from symid.export.c_motion import derivative, force_parameters, lines, members, readings, renamed
+from symid.export.c_motion import derivative, force_parameters, lines, members, readings, renamed, sent_forces
 from symid.export.c_step import step_function
 from symid.export.dynamics import SymbolicDynamics, symbolic_dynamics
 from symid.export.exported import Exported, losses_of_signals
@@ -230,7 +230,7 @@ def _words(
         "values": lines(f".{c_name(n)} = {float(values[n])!r}," for n in parameters),
         "constants": "".join(f"static const double {n} = {v!r};\n" for n, v in dynamics.constants.items())
         + ("\n" if dynamics.constants else ""),
-        "force": ", ".join(c_name(drive.signal) for drive in axis.drives),
+        "force": sent_forces(axis),
         "forces": force_parameters(axis),
         "sensors": ", ".join(dynamics.sensors),
         "n_sensors": len(dynamics.sensors),

@@ -274,8 +274,7 @@ def tuned_cascade(
     SettingError
         If the signal is not that of a position sensor.
     """
-    (cascade,) = tuned_cascades(plant, (signal,), bandwidth_hz, force_limit)
-    return cascade
+    return tuned_cascades(plant, (signal,), bandwidth_hz, force_limit)[0]
 
 
 def tuned_cascades(

@@ -86,8 +86,8 @@ class Engine:
         mode, start = self.mode, self.state
         if mode.varying:
             return False
-        step = mode.step(duration)
-        end = step.transition @ start + (step.drives @ drives + step.offset)
+        transition, gain = mode.flow.transition(duration)
+        end = transition @ start + ((gain @ self.plant.drives) @ drives + gain @ mode.constant)
         if mode.sliding and (mode.speeds @ end).min() < 0:
             return False
         if mode.flow.stuck:

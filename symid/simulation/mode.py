@@ -26,25 +26,6 @@ class AffineForce:
     damping: float
 
 
-@dataclass(frozen=True, eq=False)
-class Transition:
-    """Motion over a duration: state after it = transition @ state + drives @ drive forces + offset.
-
-    Parameters
-    ----------
-    transition : array of shape (2 n, 2 n)
-        Matrix of the state.
-    drives : array of shape (2 n, n_drives)
-        Effect of a unit of each drive's force.
-    offset : array of shape (2 n,)
-        Effect of the mode's constant forces.
-    """
-
-    transition: FloatArray
-    drives: FloatArray
-    offset: FloatArray
-
-
 class StickSlipMode:
     """Motion of an axis while the joints in `signs` keep their direction, or stick where that is 0.
 
@@ -94,7 +75,6 @@ class StickSlipMode:
             for j in flow.stuck
         )
         self._fixed = self._limits(np.zeros(2 * n)) if is_fixed else None
-        self.step = lru_cache(maxsize=32)(self._step)
 
     def force(self, state: FloatArray) -> FloatArray:
         """All forces but that of the drive, of shape (n,)."""
@@ -113,10 +93,6 @@ class StickSlipMode:
         laws = [self.plant.laws[j] for j in self.flow.stuck]
         displacements = state[: len(self.plant.bodies)]
         return np.array([law.limits(float(law.direction @ displacements)) for law in laws]).reshape(-1, 2)
-
-    def _step(self, duration: float) -> Transition:
-        transition, gain = self.flow.transition(duration)
-        return Transition(transition, gain @ self.plant.drives, gain @ self.constant)
 
 
 def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
