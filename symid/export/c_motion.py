@@ -47,7 +47,7 @@ def derivative(dynamics: SymbolicDynamics) -> str:
     statements += [f"dx[{i}] = x[{n + i}];" for i in range(n)]
     statements += assignments([f"dx[{n + i}]" for i in range(n)], accelerations, {*map(c_name, taken)})
     statements += rates
-    if dynamics.imperfect.is_timed:
+    if dynamics.imperfect.clock:
         statements.append(f"d{dynamics.imperfect.clock} = 1.0;")
     matrices = (dynamics.mass, dynamics.damping, dynamics.stiffness, dynamics.drives, dynamics.constant)
     laws = [sp.Matrix([joint.force]) for joint in dynamics.laws]
@@ -81,13 +81,13 @@ def force_parameters(axis: Axis) -> str:
 def acts_otherwise(dynamics: SymbolicDynamics) -> bool:
     """Whether the force that acts differs from the force that is sent."""
     imperfect = dynamics.imperfect
-    return bool(imperfect.drive) or any(ACTING in law.free_symbols for law in imperfect.laws)
+    return bool(imperfect.drive) or any(ACTING in joint.law.free_symbols for joint in imperfect.joints)
 
 
 def clock(dynamics: SymbolicDynamics, ahead: str) -> list[str]:
     """The time for which forces and masses are taken, and by how much masses have grown."""
     imperfect = dynamics.imperfect
-    if not imperfect.is_timed:
+    if not imperfect.clock:
         return []
     now = f"const double {NOW} = {imperfect.clock} + {ahead};"
     grown: dict[sp.Symbol, list[str]] = {}
@@ -104,7 +104,7 @@ def acting_force(
     if not acts_otherwise(dynamics):
         return []
     found = [f"double {ACTING} = {c_name(dynamics.axis.only_drive.signal)};"]
-    for i, (element, memory) in enumerate(dynamics.imperfect.of_drive):
+    for i, (element, memory) in enumerate(dynamics.imperfect.drive):
         before, value = ([], c_code(sent(element))) if memory is None else lag(i, memory)
         first, *others = [*before, f"{ACTING} = {value};"]
         found += [f"{first}  /* {type(element).__name__} */", *others]

@@ -118,7 +118,7 @@ def step_function(dynamics: SymbolicDynamics) -> str:
     smooth = smooth_force(dynamics)
     inverse = dynamics.mass.inv(method="LU")
     used = used_parameters(dynamics, smooth, inverse)
-    remembers = bool(dynamics.imperfect.remembering)
+    remembers = bool(dynamics.imperfect.memories)
     return _STEP.format(
         followed=_FOLLOWED if remembers else "",
         law=_law(dynamics) if dynamics.laws else "",
@@ -152,7 +152,7 @@ def _after(dynamics: SymbolicDynamics) -> str:
             _follows(replace(m, gain=m.gain.xreplace(now), decay=m.decay.xreplace(now)))
             for m in joint.memories
         ]
-    if dynamics.imperfect.is_timed:
+    if dynamics.imperfect.clock:
         found.append(f"{dynamics.imperfect.clock} += h;")
     return "".join(f"    {line}\n" for line in found)
 

@@ -12,7 +12,7 @@ import sympy as sp
 
 from symid.axis import Axis
 from symid.errors import SettingError
-from symid.export.imperfect_terms import Imperfect, Memory, added, of_force
+from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of, of_force
 from symid.simulation.plant import condensed
 from symid.symbolic.forward_dynamics import Functional, Matrix, forward_terms
 from symid.symbolic.lagrange import Kinematics
@@ -93,7 +93,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         shares = (field.to_sympy(field.convert(functional.get(body, 0))) for body in bodies)
         return sp.ImmutableMatrix([list(shares)])
 
-    imperfect, kinematics = Imperfect(axis, 2 * is_node.count(False)), Kinematics(axis)
+    imperfect, kinematics = imperfections_of(axis, first=2 * is_node.count(False)), Kinematics(axis)
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}
     forces: dict[sp.ImmutableMatrix, list[sp.Expr]] = {}
@@ -101,8 +101,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     for law in terms.laws:
         force = sp.cancel(law.parameter.as_expr()) * law.expression.xreplace(_OF_JOINT)
         forces.setdefault(row(law.displacement), []).append(force)
-    remembered = imperfect.memories[len(imperfect.drive) :]
-    for element, force, memory in zip(imperfect.in_joints, imperfect.laws, remembered, strict=True):
+    for element, force, memory in imperfect.joints:
         direction = row(operators.functional(kinematics.displacement(element.at)))
         forces.setdefault(direction, []).append(force.xreplace(_OF_JOINT))
         if memory is not None:

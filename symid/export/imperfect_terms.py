@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -50,82 +50,82 @@ class Memory:
         return self.gain - self.decay * self.symbol
 
 
+class JointForce(NamedTuple):
+    """An imperfection that acts in a joint: its force in q, v, `ACTING`, `NOW` and the state of its memory."""
+
+    element: JointImperfection
+    law: sp.Expr
+    memory: Memory | None
+
+
 @dataclass(frozen=True, eq=False)
 class Imperfect:
-    """The imperfections of an axis; `first` is the place in the state of the first memory."""
+    """The imperfections of an axis.
 
-    axis: Axis
-    first: int
+    Parameters
+    ----------
+    drive : tuple of (DriveImperfection, Memory or None)
+        Those of the drive without its delay, in the order in which a force passes them, with what each remembers.
+    joints : tuple of JointForce
+        Those that act as forces in joints.
+    memories : tuple of Memory
+        All memories, in the order of the state.
+    delay : float
+        Delay of the drive, s.
+    changes : tuple of PayloadChange
+        Changes of masses over time.
+    clock : str
+        C expression of the time, which is a state where anything depends on it; else empty.
+    """
 
-    @cached_property
-    def memories(self) -> tuple[Memory | None, ...]:
-        """For each imperfection of the drive, then of the joints, what it remembers, in the order of the state."""
-        found: list[Memory | None] = []
-        for element in (*self.drive, *self.in_joints):
-            place = self.first + sum(memory is not None for memory in found)
-            found.append(_memory(element, sp.Symbol(f"x[{place}]")) if element.rate else None)
-        return tuple(found)
-
-    @property
-    def remembering(self) -> tuple[Memory, ...]:
-        """Memories of the effects that have one."""
-        return tuple(memory for memory in self.memories if memory is not None)
-
-    @property
-    def of_drive(self) -> tuple[tuple[DriveImperfection, Memory | None], ...]:
-        """Imperfections of the drive with their memories."""
-        return tuple(zip(self.drive, self.memories, strict=False))
-
-    @cached_property
-    def drive(self) -> tuple[DriveImperfection, ...]:
-        """Imperfections of the drive without its delay, in the order in which a force passes them."""
-        items = in_order(e for e in self.axis.elements if isinstance(e, DriveImperfection))
-        return tuple(item for item in items if not isinstance(item, ActuatorDelay))
-
-    @cached_property
-    def in_joints(self) -> tuple[JointImperfection, ...]:
-        """Imperfections that act as forces in joints."""
-        return tuple(e for e in self.axis.elements if isinstance(e, JointImperfection))
-
-    @cached_property
-    def delay(self) -> float:
-        """Delay of the drive, s."""
-        return sum(e.seconds for e in self.axis.elements if isinstance(e, ActuatorDelay))
-
-    @cached_property
-    def changes(self) -> tuple[PayloadChange, ...]:
-        """Changes of masses over time."""
-        return tuple(e for e in self.axis.elements if isinstance(e, PayloadChange))
-
-    @cached_property
-    def is_timed(self) -> bool:
-        """Whether anything depends on the time, which then is a state."""
-        return bool(self.changes) or any(NOW in law.free_symbols for law in self.laws)
-
-    @property
-    def clock(self) -> str:
-        """C expression of the time."""
-        return f"x[{self.first + len(self.remembering)}]"
+    drive: tuple[tuple[DriveImperfection, Memory | None], ...]
+    joints: tuple[JointForce, ...]
+    memories: tuple[Memory, ...]
+    delay: float
+    changes: tuple[PayloadChange, ...]
+    clock: str
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states that the imperfections add."""
-        return (*(memory.name for memory in self.remembering), *(("t",) if self.is_timed else ()))
+        return (*(memory.name for memory in self.memories), *(("t",) if self.clock else ()))
 
-    @cached_property
-    def laws(self) -> tuple[sp.Expr, ...]:
-        """Forces in joints, in q, v, `ACTING`, `NOW` and the states of memories."""
-        memories = self.memories[len(self.drive) :]
-        return tuple(self._law(e, memory) for e, memory in zip(self.in_joints, memories, strict=True))
 
-    def _law(self, element: JointImperfection, memory: Memory | None) -> sp.Expr:
-        law = imperfection_law(element)
+def imperfections_of(axis: Axis, first: int) -> Imperfect:
+    """The imperfections of an axis as expressions; `first` is the place in the state of the first memory."""
+    memories: list[Memory] = []
+
+    def remembered(element: Imperfection) -> Memory | None:
+        if not element.rate:
+            return None
+        rate = sp.expand(imperfection_rate(element).xreplace({FORCE: ACTING}))
+        decay, symbol = -rate.coeff(MEMORY), sp.Symbol(f"x[{first + len(memories)}]")
+        place = joint_label(element.at) if isinstance(element, JointImperfection) else "drive"
+        memories.append(Memory(f"z_{place}", symbol, sp.expand(rate + decay * MEMORY), decay))
+        return memories[-1]
+
+    def force(element: JointImperfection) -> JointForce:
+        law, memory = imperfection_law(element), remembered(element)
         if isinstance(element, PreslidingFriction):  # at most the level that is declared
-            levels = [w for w in self.axis.laws if isinstance(w, CoulombFriction) and w.at == element.at]
+            levels = [w for w in axis.laws if isinstance(w, CoulombFriction) and w.at == element.at]
             declared = sp.Add(*(parameter_symbol(w.named("level")) for w in levels))
             law = law / element.level * sp.Min(element.level, declared)
         known = {FORCE: ACTING, TIME: NOW} | ({MEMORY: memory.symbol} if memory else {})
-        return law.xreplace(known)
+        return JointForce(element, law.xreplace(known), memory)
+
+    passed = in_order(e for e in axis.elements if isinstance(e, DriveImperfection))
+    drive = tuple((e, remembered(e)) for e in passed if not isinstance(e, ActuatorDelay))
+    joints = tuple(force(e) for e in axis.elements if isinstance(e, JointImperfection))
+    changes = tuple(e for e in axis.elements if isinstance(e, PayloadChange))
+    is_timed = bool(changes) or any(NOW in joint.law.free_symbols for joint in joints)
+    return Imperfect(
+        drive=drive,
+        joints=joints,
+        memories=tuple(memories),
+        delay=sum(e.seconds for e in passed if isinstance(e, ActuatorDelay)),
+        changes=changes,
+        clock=f"x[{first + len(memories)}]" if is_timed else "",
+    )
 
 
 def of_force(element: Imperfection) -> bool:
@@ -143,10 +143,3 @@ def sent(element: DriveImperfection) -> sp.Expr:
 def added(change: PayloadChange) -> sp.Symbol:
     """Increase of a mass."""
     return sp.Symbol(f"added_{change.body.inertial}_")
-
-
-def _memory(element: Imperfection, symbol: sp.Symbol) -> Memory:
-    rate = sp.expand(imperfection_rate(element).xreplace({FORCE: ACTING}))
-    decay = -rate.coeff(MEMORY)
-    place = joint_label(element.at) if isinstance(element, JointImperfection) else "drive"
-    return Memory(f"z_{place}", symbol, sp.expand(rate + decay * MEMORY), decay)
