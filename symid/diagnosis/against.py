@@ -114,7 +114,7 @@ def diagnose_against(
     start = Fit(with_effects(state, weighting, _same(state, base)), weighting)
     steps = forward_selection(base, library, start if len(data.record.dynamics.bodies) > 1 else None)
     steps = backward_elimination(steps, library)
-    fits = fits_of(base, steps)
+    fits = fits_of(steps[0].before, steps)
     comparison = compared(data.validation, model.state, fits, data.held_out)
     found = concluded(comparison, steps, fits, model.parameters, (log, validation))
     simulator = _described(model, fits[-1] if found.effects else base, found.parameters, simulated.source)

@@ -210,6 +210,7 @@ def _diagnosed(
         return _with_hold(axis, runs, nominal, recorded, library)
     before = Fit(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
     steps: Sequence[SelectionStep] = backward_elimination(forward_selection(base, library, before), library)
+    base = steps[0].before
     if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
         return _with_hold(axis, runs, nominal, recorded, library)
     declared = state if nominal else None

@@ -55,6 +55,9 @@ class Thresholds:
     hardly_more : float
         Share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
         their model showed 2 % more for presliding friction, whose reach the log determined badly.
+    hardly_falls : float
+        Stribeck velocity, relative to the top speed, beyond which Stribeck friction without Coulomb friction is that
+        (machines without Coulomb friction in their model: 0.4 to 0.9; where drawn cases have it, below 0.2).
     varies : float
         Relative variation of a friction level along the stroke below which it is constant.
     refined : float
@@ -92,6 +95,9 @@ class Thresholds:
         Share of the mean square up to which a fit from another stiffness is the better one: it found the resonance.
     ran_away : float
         Factor by which a mass or a stiffness that is fitted has left where it began.
+    astray : float
+        Share of the mean square up to which a fit from the values found with an effect, but without it, takes the place
+        of the first one.
     half_sample : float
         Samples by which a delay may differ from half a sample and count as a held force.
     falls : float
@@ -160,6 +166,7 @@ class Thresholds:
     tie: float = 2.0
     spoiled: float = 1.5
     hardly_more: float = 0.03
+    hardly_falls: float = 0.3
     varies: float = 0.4
     refined: float = 0.05
     stands_in: float = 0.5
@@ -177,6 +184,7 @@ class Thresholds:
     fit_of_noise: float = 1.5
     other_stiffness: float = 0.1
     ran_away: float = 5.0
+    astray: float = 0.5
     half_sample: float = 0.12
     falls: float = 0.995
     no_excess: float = 0.05

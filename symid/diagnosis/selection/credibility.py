@@ -37,7 +37,7 @@ def is_credible(fit: Fit, found: Fit, blocks: Blocks, beside: Sequence[Placed] =
         return False
     if item.effect.name in _DIFFERS and friction_drives(found.state, item.at, beside):
         return False
-    if _is_a_gain(found):
+    if _is_a_gain(found) or _is_coulomb_friction(found.state, beside):
         return False
     if _springs_ran_away(fit, found) or force_share(found) > THRESHOLDS.largest_force:
         return False
@@ -82,6 +82,18 @@ def friction_drives(state: State, at: str, beside: Sequence[Placed] = ()) -> boo
             force = force + item.amplitudes[0] * along[item.at] * np.sign(v)
     pushing = force * np.sign(v) < -THRESHOLDS.pushes * np.sqrt(np.mean(force**2))
     return bool(np.mean(pushing) > THRESHOLDS.pushed)
+
+
+def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
+    """Whether Stribeck friction that hardly falls with the speed stands for Coulomb friction, which its joint lacks."""
+    *others, item = state.placed
+    if item.effect.name != "stribeck_friction":
+        return False
+    joint, along = state.prediction.joints[item.at], moving_along(state.prediction, item.at)
+    declared = (law.at for law in state.prediction.axis.laws if isinstance(law, CoulombFriction))
+    dry = {getattr(at, "name", "") for at in declared}
+    dry |= {other.at for other in (*others, *beside) if other.effect.name in _DRY}
+    return dry.isdisjoint(along) and item.shape[0] > THRESHOLDS.hardly_falls * joint.top_speed
 
 
 def _same_inertia(fit: Fit, found: Fit, blocks: Blocks) -> bool:

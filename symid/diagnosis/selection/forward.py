@@ -8,9 +8,9 @@ from dataclasses import replace
 from itertools import islice
 
 from symid.diagnosis.effects import Effect, Key, Placed
-from symid.diagnosis.fitting.fit import Fit, refitted, settled
+from symid.diagnosis.fitting.fit import Fit, fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
-from symid.diagnosis.fitting.state import can_integrate
+from symid.diagnosis.fitting.state import can_integrate, with_effects
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.selection.confirmation import confirmed_from, prefer_coulomb, ranked
 from symid.diagnosis.selection.screening import Candidate, screened
@@ -19,6 +19,8 @@ from symid.diagnosis.thresholds import THRESHOLDS
 
 _INTEGRATED = 2
 _OTHER_PLACES = 3
+_AGAIN = 3
+"""Candidates that explain nearly all and are fitted from the nominal values too."""
 _ALWAYS = 3
 """Candidates fitted where there is a gap, whatever a projection says."""
 
@@ -36,9 +38,26 @@ def forward_selection(
     # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
     # their end, and the better prediction of blocks left out decides.
     first = _selection_step(fit, library, nominal).with_acceptable()
+    if nominal is not None and (better := _restarted(first)) is not None:
+        return forward_selection(better, library, nominal)
     begun = (first, *first.other_timing(), *first.whole_before_part())
     branches = [_continued(fit, step, library) for step in begun]
     return max(branches, key=lambda steps: _predicts(steps, fit.weighting))
+
+
+def _restarted(step: SelectionStep) -> Fit | None:
+    """The model of a step fitted from the values found with the best candidate; None if this leaves hardly less.
+
+    A fit that went astray takes any effect that sets its values right for the cause.
+    """
+    if not step.accepts:
+        return None
+    fit = step.before
+    state = with_effects(step.confirmed[0].fit.state, fit.weighting, fit.state.placed)
+    again = fitted(replace(state, bounds=fit.state.bounds), fit.weighting)
+    if not again.mean_square < THRESHOLDS.astray * fit.mean_square:
+        return None
+    return refitted(settled(again)).after(fit)
 
 
 def _continued(fit: Fit, first: SelectionStep, library: Sequence[Effect]) -> tuple[SelectionStep, ...]:
@@ -132,6 +151,8 @@ def _stages(
             for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
         ]
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
+        best = sorted(confirmed.values(), key=lambda c: -c.penalised_gain) if nominal else []
+        yield [Start.of(nominal, c.placed) for c in best[:_AGAIN] if nominal]  # values may still be far off
         return
     if nominal is None:
         joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)

@@ -1,0 +1,127 @@
+"""Models that lack a law of the machine: python -m benchmarks.diagnosis.lacking [--seed N] [--cases N] [--worldly]
+
+The machines of `benchmarks.diagnosis.machines`, diagnosed by a model without the Coulomb friction, the viscous friction
+or the weight of the driven body, as real machines are by a first model. Nominal values are up to 15 % off; a smaller
+run is the validation log. `--worldly` adds two small effects and a force noise that wanders.
+
+A law counts if the re-identified model without it errs at least twice as much as the complete one, and as the noise.
+Right is the law named first, or a stated tie; its value is right within 5 % or three of its deviations. Effects named
+with a probability of at least a half that are not there are counted.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import count, islice
+
+import numpy as np
+
+from benchmarks.diagnosis.drawn_effects import EFFECTS
+from benchmarks.diagnosis.drawn_machines import Machine, drawn_logs, drawn_machine, drawn_small
+from benchmarks.diagnosis.machines import CLEAR, names
+from symid import Axis, CoulombFriction, Law, Log, ViscousFriction
+from symid.axis import PendulumWeight
+from symid.diagnosis import Diagnosis, FoundEffect, diagnose
+
+_LAWS: dict[type[Law], tuple[str, str]] = {
+    CoulombFriction: ("coulomb_friction", "Fs"),
+    ViscousFriction: ("viscous_friction", "Fv"),
+    PendulumWeight: ("weight", "mgl"),
+}
+"""Laws that a model may lack: their effect, and the machine's value."""
+_SHARE = 0.2
+"""Of the force, to which small effects are relative."""
+_CLOSE, _DEVIATIONS = 0.05, 3.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A machine, its logs, and a model without one of its laws."""
+
+    machine: Machine
+    lacks: str
+    value: float
+    small: tuple[str, ...]
+    logs: tuple[Log, ...]
+    model: Axis
+    nominal: dict[str, float]
+
+
+def drawn(seed: int, *, worldly: bool) -> Case | None:
+    """A case; None where the controller drawn suits no machine."""
+    rng = np.random.default_rng(seed)
+    machine = drawn_machine(rng)
+    laws = [law for law in machine.axis.laws if type(law) in _LAWS and law.at == machine.scale.body]
+    law = laws[rng.integers(len(laws))]
+    effect, name = _LAWS[type(law)]
+    small = tuple(map(str, rng.permutation(EFFECTS)[:2])) if worldly else ()
+    logs = drawn_logs(machine, drawn_small(machine, small, _SHARE, rng), seed, rng, wanders=worldly)
+    if logs is None:
+        return None
+    model = machine.axis.without(law)
+    known = {name: x for name, x in machine.values.items() if name in model.physical_parameters}
+    nominal = {name: x * float(rng.uniform(0.85, 1.15)) for name, x in known.items()}
+    return Case(machine, effect, machine.values[name], small, logs, model, nominal)
+
+
+def error(case: Case, axis: Axis) -> float:
+    """Error of an axis, re-identified, in multiples of the floor."""
+    log, other = case.logs
+    values = {name: x for name, x in case.machine.values.items() if name in axis.physical_parameters}
+    gap = diagnose(axis, log, validation=other, nominal=values, library=()).gap
+    return gap.reidentified.rms / gap.noise_floor.rms
+
+
+def is_close(case: Case, effects: tuple[FoundEffect, ...]) -> bool:
+    """Whether the law is found with the machine's value."""
+    found = [next(iter(own.parameters.values())) for own in effects if own.effect == case.lacks]
+    return any(abs(p.value - case.value) < max(_CLOSE * case.value, _DEVIATIONS * p.std) for p in found)
+
+
+def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[bool, bool, bool, int, str]]:
+    """Whether the law counts, is right and has its value; effects that are not there; and a line for each case."""
+    cases = ((seed, case) for seed in count(first) if (case := drawn(seed, worldly=worldly)) is not None)
+    for seed, case in islice(cases, number):
+        found: Diagnosis = diagnose(case.model, case.logs[0], validation=case.logs[1], nominal=case.nominal)
+        complete, without = error(case, case.machine.axis), error(case, case.model)
+        clear = without > CLEAR * max(complete, 1.0)
+        right = any(case.lacks in names(effect) for effect in found.effects[:1])
+        close = is_close(case, found.effects)
+        there = {case.lacks, *case.small}
+        false = sum(own.probability >= 0.5 and not names(own) & there for own in found.effects)
+        named = ", ".join(f"{own.effect} ({own.probability:.2f})" for own in found.effects)
+        line = f"{seed:6} {case.machine.kind:12} lacks {case.lacks}, {without:.1f} floors, complete {complete:.1f}"
+        remarks = [
+            ("below the floor", not clear),
+            ("WRONG", clear and not right),
+            ("VALUE", right and not close),
+        ]
+        said = " ".join(remark for remark, applies in (*remarks, ("FALSE", bool(false))) if applies)
+        yield clear, right, close, false, f"{line} -> {found.verdict:11} {named} {said}"
+
+
+def main() -> None:
+    """Print each case, then how many are right."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cases", type=int, default=40)
+    parser.add_argument("--worldly", action="store_true")
+    given = parser.parse_args()
+    found = []
+    for clear, right, close, false, line in rows(given.seed, given.cases, worldly=given.worldly):
+        print(line, flush=True)
+        found.append((clear, right, close, false))
+    seen = [row for row in found if row[0]]
+    print(
+        f"the law lacking is named first in {sum(row[1] for row in seen)} of {len(seen)} cases in which it counts"
+    )
+    print(f"its value is right in {sum(row[1] and row[2] for row in seen)} of these")
+    print(f"named with a probability of at least a half, but not there: {sum(row[3] for row in found)}")
+
+
+if __name__ == "__main__":
+    main()
