@@ -33,6 +33,8 @@ _TURNED = np.geomspace(1e-5, 1e-2, 12)
 _SAMPLES = 2.0
 """Distances that a sample passes after a reversal, below which a reach is none: the instant at which the friction jumps
 is known to a fraction of a sample."""
+_ONE_WAY = 0.02
+"""Share of the motion backward below which a joint moves one way only: its friction builds up once."""
 _WARM_UPS = (0.08, 0.2, 0.5, 2.0)
 _SLOWEST_WARM_UP = 3.0
 """Time constants of a drift, relative to the log: of slower ones the log shows the rate alone."""
@@ -62,9 +64,12 @@ class PreslidingFriction(JointEffect):
         return [(float(x),) for x in reaches]
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """Samples show how the friction builds up."""
+        """Samples show how the friction builds up, in both directions."""
         joint, record = prediction.joints[placed.at], prediction.record
         moving = np.flatnonzero(joint.moving)
+        forward = float(np.mean(joint.v[moving] > 0)) if moving.size else 0.0
+        if not _ONE_WAY < forward < 1 - _ONE_WAY:
+            return False
         begins = moving[1:][np.diff(np.sign(joint.v[moving])) != 0]
         ahead = max(1, round(record.log.sampling_period / record.fine_time[1]))
         begins = begins[begins + ahead < joint.q.size]

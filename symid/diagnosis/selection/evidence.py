@@ -176,7 +176,7 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
     if not np.isfinite([errors.reidentified, errors.explained]).all():
         return Outcome(0.0, 0.0, 0.0, 1.0)
     there = is_there(steps[0]) if steps else 0.0
-    if not upheld or errors.largest <= THRESHOLDS.noise_alone:
+    if not upheld or errors.largest <= THRESHOLDS.noise_alone or not _is_likeliest(steps, upheld):
         there = min(there, THRESHOLDS.unlikely)
     if errors.largest < (THRESHOLDS.coloured if errors.stationary else THRESHOLDS.white):
         there *= _covers(errors)  # of noise, and of instants of reversals, some effect explains a part
@@ -198,6 +198,12 @@ def outcome(steps: Sequence[SelectionStep], upheld: int, errors: Errors) -> Outc
         unexplained=holds - causes + (1 - holds) * (1 - fits),
         holds=holds > _HALF,
     )
+
+
+def _is_likeliest(steps: Sequence[SelectionStep], upheld: int) -> bool:
+    """Whether the first effect found is indistinguishable from the most probable candidate, or that itself."""
+    first, *others = [step.confirmed[0].key for step in steps if step.accepts][:upheld]
+    return probabilities(steps[0], others)[first] >= THRESHOLDS.indistinguishable
 
 
 def _covers(errors: Errors) -> float:
