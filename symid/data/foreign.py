@@ -51,6 +51,9 @@ _TRAILING: Final = re.compile(
     r"(?P<name>.*?\S)[ _/](?:in )?(?P<unit>%|mm/s\^?2?|mm|um|µm|ms|us|deg|kN|Nm|rpm|A|V|N|s|m)"
 )
 _PLAUSIBLE_PERIODS: Final = (2e-5, 0.05)
+_SIGN_BITS: Final = (10, 11, 15)
+_MOST_OF_BIT, _CHANGES = 0.75, 3
+"""Of what a sign bit stands for, that the magnitude must not exceed, and changes of sign that must be seen."""
 _CLOCKS: Final = ("s", "ms", "us", "ns")
 _LONGEST_STROKE: Final = 10.0
 
@@ -73,6 +76,8 @@ class ForeignColumn:
         Reason for the guess.
     stated : bool
         Whether the unit stands in the file; otherwise it is guessed, or unknown.
+    doubt : str
+        What the values seem to be other than numbers of a quantity; empty without such evidence.
     """
 
     header: str
@@ -81,6 +86,7 @@ class ForeignColumn:
     setpoint: bool
     reason: str
     stated: bool
+    doubt: str = ""
 
 
 def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
@@ -94,7 +100,9 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     require_room(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
     return tuple(
-        _of_stamps(header) if i in table.stamps else _guessed(header, column)
+        _of_stamps(header)
+        if i in table.stamps
+        else replace(_guessed(header, column), doubt=_sign_and_magnitude(column))
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
     )
@@ -138,6 +146,32 @@ def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
         to_si(unit)
         raise LogError(f"unit {unit!r} measures no signal of an axis: give one such as ms, mm, rpm, N or A")
     return replace(column, quantity=quantity, unit=read, reason="its unit is given", stated=True)
+
+
+def _sign_and_magnitude(values: FloatArray) -> str:
+    """Whether a register holds the sign in a bit of its own, as those of bus servos do, in words.
+
+    Examples
+    --------
+    >>> load = np.tile([0, 12, 250, 387, 25, 0, 1061, 1299, 1361, 1111], 3)
+    >>> _sign_and_magnitude(load)
+    '0 to 387 and 1024 to 1361 look like sign and magnitude with the sign in bit 10: write negative numbers'
+    >>> _sign_and_magnitude(np.arange(0.0, 2000.0, 50.0))
+    ''
+    """
+    if not values.size or np.any(values % 1 != 0) or values.min() < 0:
+        return ""
+    for bit in _SIGN_BITS:
+        sign = values >= 2**bit
+        sizes = np.where(sign, values - 2**bit, values)
+        largest = [float(sizes[own].max(initial=0.0)) for own in (sign, ~sign)]
+        changes = np.count_nonzero(np.diff(sign))
+        if min(largest) > 0.3 * max(largest) and max(largest) < _MOST_OF_BIT * 2**bit and changes >= _CHANGES:
+            return (
+                f"0 to {largest[1]:.0f} and {2**bit} to {2**bit + largest[0]:.0f} look like sign and magnitude "
+                f"with the sign in bit {bit}: write negative numbers"
+            )
+    return ""
 
 
 def _rises_evenly(values: FloatArray) -> bool:

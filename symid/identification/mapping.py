@@ -265,6 +265,8 @@ class _Guess:
         written = unit or column.unit
         if written:
             self.units[signal] = written
+        if column.doubt:
+            self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
         if signal not in self.named or not column.stated:
             what = f"{signal} is column {column.header!r}{f' in {column.unit}' if column.unit else ''}"
             lacking = column.quantity is None and signal in self.named

@@ -270,7 +270,10 @@ def test_moments_are_seconds_and_a_number_in_brackets_is_a_channel(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A servo on a serial bus at 10 Hz: times of day, positions in counts, the motor in brackets."""
-    rows = [f"2025-11-09T09:27:{k / 10:06.3f}Z,{2000 + k},{1990 + k * k % 7},{k % 5}" for k in range(100)]
+    load = [0, 12, 250, 387, 25, 1061, 1299, 1361, 1111, 1024]
+    rows = [
+        f"2025-11-09T09:27:{k / 10:06.3f}Z,{2000 + k},{1990 + k * k % 7},{load[k % 10]}" for k in range(100)
+    ]
     (folder / "bus.csv").write_text("\n".join(["timestamp,goal pos (4),pos (4),load (4)", *rows]))
     options = ("--column", "F=load (4)", "--column", "q=pos (4)", "--unit", "q=100 counts/mm")
     options += ("--column", "reference=goal pos (4)", "--unit", "reference=100 counts/mm")
@@ -278,6 +281,9 @@ def test_moments_are_seconds_and_a_number_in_brackets_is_a_channel(
     shown = capsys.readouterr().out
     assert "read in seconds" in shown
     assert "its unit '4'" not in shown
+    assert (
+        "F is column 'load (4)', whose values 0 to 387 and 1024 to 1361 look like sign and magnitude" in shown
+    )
     mapping = json.loads((folder / "map.json").read_text())
     assert mapping["units"]["t"] == "s"
     names = {"columns": mapping["columns"], "units": mapping["units"]}
