@@ -18,7 +18,7 @@ import numpy as np
 from symid.axis import Axis
 from symid.data import Log
 from symid.diagnosis.diagnose import Recorded, data_of, fits_of
-from symid.diagnosis.effects import LIBRARY, Effect, Placed
+from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.conclusion import concluded, effect_values
 from symid.diagnosis.findings.result import (
@@ -157,7 +157,7 @@ def _simulator(record: Record, library: Sequence[Effect]) -> Fit:
 def _machine(state: State, weighting: Weighting) -> Fit:
     """The simulator's model identified from the machine's log, without the effects that this log does not ask for."""
     model = converged(state, weighting)
-    for item in model.state.placed:
+    for item in model.state.placed[len(declared_effects(state.prediction)) :]:
         others = tuple(other for other in model.state.placed if other.key != item.key)
         without = fitted(with_effects(model.state, model.weighting, others), model.weighting, ITERATIONS)
         gain = model.predicted - without.predicted

@@ -18,7 +18,7 @@ from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_of
 from symid.diagnosis.in_motion.replayed import fastest, simulated_positions
 from symid.errors import SettingError
 from symid.report.diagnosis import diagnosis_record
-from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids
+from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids, tuned_cascade
 
 LOOP = Cascade("q", position_gain=40.0, velocity_gain=6000.0, integral_gain=8.0)
 DECLARED = load_axis("rigid_1m")
@@ -182,3 +182,22 @@ def test_an_axis_too_stiff_for_the_log_is_not_simulated(logs) -> None:
     stiff = ExplainedAxis(axis, values | {"Ks": 4e16}, ())
     with pytest.raises(SettingError, match="too fast for the log's samples"):
         simulated_positions(stiff, [SimpleNamespace(log=log)], [])
+
+
+def test_an_effect_of_machine_and_simulator_is_no_difference() -> None:
+    """The force of both is held from sample to sample, so that it acts half a sample late."""
+    axis, values = load_axis("rigid_1m"), {"M": 100.0, "Fv": 120.0, "Fs": 30.0}
+    noisy = axis.with_signal("q", noise=1e-7).with_signal("F", noise=1.0)
+    reference = trapezoids(0.1, [0.1, 0.2, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3)
+    loop = tuned_cascade(plant_of(axis, values), "q")
+    machine, simulator = (
+        simulate(noisy, values | {"Fs": level}, reference, loop, seed=seed).log
+        for seed, level in enumerate((36.0, 30.0))
+    )
+    found = diagnose_against(axis, machine, simulator)
+    assert found.verdict == "parameters"
+    assert found.simulated is not None
+    (late,) = found.simulated.effects
+    assert late.effect in ("delay", "actuator_lag")
+    assert late.machine is not None
+    assert not late.differs

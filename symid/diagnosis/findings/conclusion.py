@@ -233,10 +233,10 @@ def _parameters(fits: Sequence[Fit], nominal: Mapping[str, float] | None) -> tup
         )
         for i, name in enumerate(base.parameters)
     ]
-    known = len(base.state.placed)
     declared = declared_effects(base.state.prediction)
+    known = [effect_values(fit)[: len(declared)] for fit in (base, last)]
     seen = Counter[str]()
-    for item, olds, news in zip(declared, effect_values(base), effect_values(last)[:known], strict=True):
+    for item, olds, news in zip(declared, *known, strict=True):
         effect = item.effect.name
         seen[effect] += 1
         label = effect if seen[effect] == 1 else f"{effect}_{seen[effect]}"
