@@ -91,6 +91,10 @@ def inspect_spans(
             stuck = _left_behind(x, long, [y for other, y in moving.items() if other != name])
         else:
             clipped = clipped.only(x[clipped.start] != 0.0)  # 0 is the value of a drive at rest and no limit
+            if places := [y for other, y in signals.items() if other in positions]:
+                clipped = clipped.only(
+                    _moves(clipped, places)
+                )  # nor is what a controller gives between two counts
             if np.sum(clipped.length) < max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size):
                 clipped = clipped.none
             mostly = 2 * np.sum(long.length) > x.size  # then the channel repeats values by nature
@@ -163,6 +167,12 @@ def _others_travel(runs: _Runs, others: list[FloatArray]) -> npt.NDArray[np.bool
         ],
         dtype=np.bool_,
     )
+
+
+def _moves(runs: _Runs, positions: list[FloatArray]) -> npt.NDArray[np.bool_]:
+    """Whether a position changes in each run."""
+    spans = [slice(start, start + length) for start, length in zip(runs.start, runs.length, strict=True)]
+    return np.array([any(np.ptp(y[span]) > 0.0 for y in positions) for span in spans], dtype=np.bool_)
 
 
 def _spans(time: FloatArray, runs: _Runs) -> str:

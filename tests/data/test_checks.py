@@ -65,6 +65,12 @@ def test_a_clipped_force_is_noted():
     assert "'F' is clipped at the end of its range" in note
 
 
+def test_a_force_held_by_an_axis_at_rest_is_not_clipped():
+    """A proportional controller gives one value as long as a coarse encoder reads one."""
+    q = np.round(100 * np.exp(-np.arange(1000) / 250) * np.sin(np.arange(1000) / 90))
+    assert inspect_spans(TIME[:1000], {"q": q, "F": -3.0 * q}, ["q"]) == ()
+
+
 def test_a_clipped_position_is_noted():
     signals = machine(encoder_step=1e-7)
     signals["q"] = np.minimum(signals["q"], 0.12)
