@@ -85,8 +85,8 @@ def analyse_rank(R: FloatArray, rows: int) -> RankAnalysis:
         root = np.asarray(np.linalg.solve(R, np.eye(rank)))
         return _frozen(rank, values, root, (), np.zeros((rank, 0)), np.zeros((0, rank)))
     # a direction of the null space is known to about (what rounding leaves) / (smallest value that is not 0)
-    noise = max(1e-8, 10.0 * tolerance * float(values[0] / values[rank - 1])) if rank else 1e-8
-    undetermined, null_space, combinations = _dependencies(Vt[rank:].T, scales, noise)
+    noise = np.clip(10.0 * tolerance * values[0] / values[rank - 1], 1e-8, 0.1) if rank else 1e-8
+    undetermined, null_space, combinations = _dependencies(Vt[rank:].T, scales, float(noise))
     root = (Vt[:rank].T / values[:rank]) / scales[:, None]
     return _frozen(rank, values, root, undetermined, null_space, combinations)
 
@@ -95,8 +95,8 @@ def _dependencies(
     basis: FloatArray, scales: FloatArray, noise: float
 ) -> tuple[tuple[int, ...], FloatArray, FloatArray]:
     """Undetermined parameters, their null space and determined combinations, from its orthonormal basis."""
-    undetermined = np.flatnonzero(np.linalg.norm(basis, axis=1) > noise)
     dependent = _dependent_parameters(basis)
+    undetermined = np.union1d(np.flatnonzero(np.linalg.norm(basis, axis=1) > noise), dependent)
     reduced = np.asarray(np.linalg.solve(basis[dependent].T, basis.T).T, dtype=np.float64)
     reduced[np.abs(reduced) <= noise] = 0.0
     independent = np.setdiff1d(undetermined, dependent)

@@ -90,3 +90,12 @@ def test_combination_deviation_is_that_of_the_grouped_parameter():
     assert np.allclose(tied.combination_values, grouped.parameters[0])
     assert np.allclose(tied.combination_covariance, grouped.covariance[0, 0])
     assert np.isclose(tied.standard_deviations[1], grouped.standard_deviations[1])
+
+
+def test_a_direction_at_the_limit_of_rounding_leaves_no_rank_without_undetermined_parameters():
+    """Beside a singular value just above the tolerance the null space is known to nothing; that is not "ok"."""
+    U, _, V = np.linalg.svd(columns(5, 90, 4), full_matrices=False)
+    for least in np.geomspace(1e-13, 3e-14, 8):
+        fit = fit_of(U * [1.0, 0.5, least, 1e-17] @ V, columns(6, 90, 1)[:, 0])
+        assert (fit.status == "ok") == (fit.rank.rank == 4)
+        assert len(fit.undetermined) >= 4 - fit.rank.rank
