@@ -185,7 +185,7 @@ def plausible_parameters(
         cutoff = min(first * factor, 0.4 * log.sampling_frequency)
         decimation = settings.decimation if factor == 1.0 else None
         chosen = replace(settings, cutoff_hz=cutoff, decimation=decimation)
-        found = identify(model, log, preparation=chosen, nominal=nominal, examine=False)
+        found = identify(model, log, preparation=chosen, nominal=nominal)
         parameters = found.physical_parameters
         if parameters and all(parameters[name] > 0.0 for name in positive):
             return {
