@@ -123,8 +123,7 @@ class NoiseBias:
 def _noise_shown(model: GeneratedModel, part: Excerpt, X: FloatArray) -> FloatArray:
     """Covariance of the noise of a row, that of each signal no larger than the residual of the rows shows it."""
     seen, error, found = part.observation, np.append(X, -1.0), []
-    rows = np.maximum(seen.valid.sum(axis=1), 1)
-    shown = np.sum(np.where(seen.valid, seen.y - seen.W @ X, 0.0) ** 2, axis=1) / rows
+    shown = seen.squares(X) / np.maximum(seen.valid.sum(axis=1), 1)
     for name, level in part.levels.items():
         own = noise_of_rows(model, part.log, seen.preparation, {name: level})
         expected = np.einsum("a,jab,b->j", error, own, error)

@@ -40,7 +40,11 @@ _LOCAL_SHARE = 0.5
 
 def misfit_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Contradiction to the parameters, all determined, in a part of the logs, in words; empty without one."""
-    return _cut(model, parts) or _clipped(model, parts, fit) or _local(parts, fit)
+    return (
+        _cut(model, parts)
+        or next(filter(None, (_clipped(force, parts, fit) for force in model.forces)), "")
+        or next(filter(None, (_stands_out(parts, fit, j) for j in range(len(model.output_names)))), "")
+    )
 
 
 def noiseless_misfit(
@@ -90,12 +94,8 @@ def _cut(model: GeneratedModel, parts: Sequence[Excerpt]) -> str:
     return ""
 
 
-def _clipped(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
+def _clipped(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     """Whether the estimate changes without rows at the end of a force's range: it does not under a true limit."""
-    return next(filter(None, (_clipped_force(force, parts, fit) for force in model.forces)), "")
-
-
-def _clipped_force(force: str, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
     limits = [_at_limit(part.log[force]) for part in parts]
     share = float(np.mean(np.concatenate(limits)))
     if share < _CLIPPED_SHARE or all(is_switched(part.log[force]) for part in parts):
@@ -141,13 +141,8 @@ def _rows_near(part: Excerpt, samples: BoolArray) -> BoolArray:
     return np.asarray(count[stop] > count[first])
 
 
-def _local(parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether one window stands out with a residual as large as its output."""
-    equations = range(parts[0].observation.y.shape[0])
-    return next(filter(None, (_stands_out(parts, fit, equation) for equation in equations)), "")
-
-
 def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> str:
+    """Whether one window of an equation stands out with a residual as large as its output."""
     found = np.concatenate([_windows(part, fit, equation) for part in parts])
     if len(found) < _LEAST_WINDOWS:
         return ""

@@ -256,7 +256,7 @@ def _refined(
         return None
     correlated = corrected_covariance_of_blocks(lambda: blocks, found)
     equations = len(parts[0].observation.y)
-    before = np.sum([_squares(part.observation, fit.solution) for part in parts], axis=0)
+    before = np.sum([part.observation.squares(fit.solution) for part in parts], axis=0)
     after = np.sum(np.reshape(found.residual_norm**2, (-1, equations)), axis=0)
     # each equation has its own unit: the mean of what is left of each
     remaining = float(np.sqrt(np.mean(after / np.maximum(before, np.finfo(float).tiny))))
@@ -300,9 +300,3 @@ class _Shifting:
             W, y = W + changed[0], y + changed[1]
         tangent = self._slope[0] @ X - self._slope[1]
         return replace(self.observation, W=np.concatenate([W, tangent[..., None]], axis=2), y=y)
-
-
-def _squares(observation: Observation, X: FloatArray) -> FloatArray:
-    """Sum of squares of the residual of each equation."""
-    rest = observation.y - observation.W @ X
-    return np.asarray(np.sum(np.where(observation.valid, rest, 0.0) ** 2, axis=1))
