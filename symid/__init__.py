@@ -39,10 +39,10 @@ if TYPE_CHECKING:
     from symid.identification import Identification, Preparation, predict
     from symid.symbolic import DerivedModel
     from symid.tuning import Tuning
-    from symid.verbs.diagnose import diagnose
-    from symid.verbs.identify import identify
+    from symid.verbs.diagnose_any import diagnose
+    from symid.verbs.identify_any import identify
     from symid.verbs.logs import read_axis_log
-    from symid.verbs.simulate import derive, simulate, tune
+    from symid.verbs.simulate_any import derive, simulate, tune
 
 __version__ = "0.1.0"
 
@@ -50,12 +50,12 @@ _LAZY = {
     "Batch": "symid.fleet",
     "BatchSettings": "symid.fleet",
     "compiled": "symid.codegen.generate",
-    "derive": "symid.verbs.simulate",
+    "derive": "symid.verbs.simulate_any",
     "DerivedModel": "symid.symbolic",
-    "diagnose": "symid.verbs.diagnose",
+    "diagnose": "symid.verbs.diagnose_any",
     "Diagnosis": "symid.diagnosis",
     "generate": "symid.codegen.generate",
-    "identify": "symid.verbs.identify",
+    "identify": "symid.verbs.identify_any",
     "identify_batch": "symid.fleet",
     "Identification": "symid.identification",
     "load_generated": "symid.codegen.store",
@@ -64,8 +64,8 @@ _LAZY = {
     "Preparation": "symid.identification",
     "read_axis_log": "symid.verbs.logs",
     "read_log": "symid.data",
-    "simulate": "symid.verbs.simulate",
-    "tune": "symid.verbs.simulate",
+    "simulate": "symid.verbs.simulate_any",
+    "tune": "symid.verbs.simulate_any",
     "Tuning": "symid.tuning",
 }
 """Packages that load sympy or scipy, imported when a name is used: declaring an axis needs neither."""

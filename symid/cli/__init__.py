@@ -1,4 +1,4 @@
-"""The command line: one module for each command, loaded when it is called."""
+"""The command line: a module NAME_command for each command, loaded when it is called."""
 
 from __future__ import annotations
 
@@ -32,9 +32,6 @@ COMMANDS = {
 _TRACE = "SYMID_TRACE"
 """Variable of the environment by which a fault of symid itself shows its trace."""
 
-_MODULES = {"import": "importing"}
-"""Commands whose names cannot be those of modules."""
-
 
 class _Commands(click.Group):
     """A group that imports a command when it is needed: `--help` and typing errors need no sympy."""
@@ -49,7 +46,7 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command = import_module(f"symid.cli.{_MODULES.get(cmd_name, cmd_name)}").command
+        command = import_module(f"symid.cli.{cmd_name}_command").command
         assert isinstance(command, click.Command)
         return command
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-import click
+from click import option
 
 from symid.axis import Axis
 from symid.cli.options import assignments, number, shared
@@ -16,20 +16,20 @@ from symid.units import Unit, to_si
 _QUANTITY = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*")
 
 knowledge_options = shared(
-    click.option(
+    option(
         "--fix",
         "fixed",
         multiple=True,
         metavar="NAME=VALUE",
         help="Value of a parameter that is known, such as M=95 or M=95kg.",
     ),
-    click.option(
+    option(
         "--bounds",
         multiple=True,
         metavar="NAME=LOW..HIGH",
         help="Range of a parameter, such as Fv=0..300 or Ml=2..; 'physical': no negative masses, springs or frictions.",
     ),
-    click.option(
+    option(
         "--prior",
         metavar="P.json",
         help='Means and deviations known beforehand, {"M": [95, 2]} in SI, or what identify --json wrote.',
@@ -37,7 +37,7 @@ knowledge_options = shared(
 )
 
 
-known_option = click.option(
+known_option = option(
     "--known",
     multiple=True,
     metavar="NAME=VALUE,...",

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import Any
 
-import click
+from click import Choice, option
 
 from symid.axis import Axis
 from symid.cli.number_types import COUNT, ORDER, RATE
@@ -29,21 +29,17 @@ from symid.identification.mapping import require_known
 from symid.identification.scheme import DIFFERENCE_ORDER
 
 log_options = shared(
-    click.option(
-        "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."
-    ),
-    click.option(
-        "--unit", multiple=True, metavar="SIGNAL=UNIT", help="Unit of a signal's column, such as q2=mm."
-    ),
-    click.option(
+    option("--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal (t is the time)."),
+    option("--unit", multiple=True, metavar="SIGNAL=UNIT", help="Unit of a signal's column, such as q2=mm."),
+    option(
         "--gain", multiple=True, metavar="SIGNAL=FACTOR", help="Factor applied to a signal, such as ql=-1."
     ),
-    click.option(
+    option(
         "--mapping",
         metavar="FILE.json",
         help="Columns, units, gains and layout of a foreign file, from symid import; other options override it.",
     ),
-    click.option(
+    option(
         "--resample",
         type=RATE,
         metavar="HZ|own",
@@ -52,33 +48,33 @@ log_options = shared(
 )
 
 preparation_options = shared(
-    click.option(
+    option(
         "--cutoff",
         metavar="HZ",
         help="Cutoff frequency of the zero-phase Butterworth filter [chosen from the log].",
     ),
-    click.option("--order", type=ORDER, default=4, help="Order of one pass of the filter."),
-    click.option(
+    option("--order", type=ORDER, default=4, help="Order of one pass of the filter."),
+    option(
         "--filter",
         "filtered",
-        type=click.Choice(["all", "motion"]),
+        type=Choice(["all", "motion"]),
         default="all",
         help="Whether the force passes the filter too.",
     ),
-    click.option(
+    option(
         "--decimation", type=COUNT, metavar="N", help="One row for every N samples [chosen from the cutoff]."
     ),
-    click.option(
+    option(
         "--differences",
         type=int,
         default=DIFFERENCE_ORDER,
         metavar="ORDER",
         help="Order of accuracy of differences, an even number; 2 is the paper's.",
     ),
-    click.option(
+    option(
         "--trim", metavar="N or BEGIN,END", help="Samples left out at the ends [three periods of the cutoff]."
     ),
-    click.option(
+    option(
         "--standstill",
         metavar="SPEED",
         help="Speed below which rows do not enter friction equations; 0 keeps all [1 % of the highest].",

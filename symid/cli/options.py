@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 from typing import Any
 
-import click
+from click import option
 
 from symid.axis import Axis
 from symid.cli.number_types import POSITIVE
@@ -19,28 +19,28 @@ from symid.errors import SettingError
 from symid.files import is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si
 
-json_option = click.option(
+json_option = option(
     "--json",
     "json_file",
     metavar="FILE",
     type=Output("json"),
     help="Write the result as JSON (- for standard output).",
 )
-dark_option = click.option("--dark", is_flag=True, help="Draw on a dark background.")
-held_option = click.option(
+dark_option = option("--dark", is_flag=True, help="Draw on a dark background.")
+held_option = option(
     "--held",
     multiple=True,
     metavar="SIGNAL",
     help="A force that is held from sample to sample, so that it acts half a sample late.",
 )
-late_option = click.option(
+late_option = option(
     "--late",
     multiple=True,
     metavar="SIGNAL=TIME",
     help="Time by which a signal was recorded late, such as q2=125us.",
 )
-measured_option = click.option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
-gain_option = click.option(
+measured_option = option("--measured", metavar="SIGNALS", help="Sensors to use, such as q2,ddq1.")
+gain_option = option(
     "--controller-gain",
     "gains",
     multiple=True,
@@ -48,10 +48,10 @@ gain_option = click.option(
     help="Kpp, Kpv, Kiv of the cascade (Kpp=0: a velocity loop), Kfa and Kfv of its feed-forward.",
 )
 
-report_option = click.option(
+report_option = option(
     "--report", metavar="OUT.html", type=Output("html"), help="Write a page that can be passed on."
 )
-bandwidth_option = click.option(
+bandwidth_option = option(
     "--bandwidth",
     type=POSITIVE,
     default=20.0,
@@ -73,14 +73,12 @@ _CASCADE = {
 
 def plot_option(what: str) -> Callable[[Any], Any]:
     """Option ``--plot`` of a command that draws something."""
-    return click.option(
-        "--plot", metavar="FILE", type=Output("picture"), help=f"Draw {what} (png, svg or pdf)."
-    )
+    return option("--plot", metavar="FILE", type=Output("picture"), help=f"Draw {what} (png, svg or pdf).")
 
 
 def parameter_option(what: str) -> Callable[[Any], Any]:
     """Option ``--parameters`` of a command that needs the physical parameters."""
-    return click.option("--parameters", "file", required=True, metavar="P.json", help=what)
+    return option("--parameters", "file", required=True, metavar="P.json", help=what)
 
 
 def page_of(file: str | None) -> Path | None:
@@ -275,8 +273,8 @@ def shared(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """Apply several option decorators, the first one shown first in the help."""
 
     def decorate(function: Any) -> Any:
-        for option in reversed(options):
-            function = option(function)
+        for decorated in reversed(options):
+            function = decorated(function)
         return function
 
     return decorate

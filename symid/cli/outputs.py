@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import click
+from click import option
 
 from symid.axis import axis_file
 from symid.errors import SettingError, SymidError
@@ -52,7 +53,7 @@ _LOOK: Final = 4096
 _AXES: Final = ("axis", "axes", "also", "declared")
 """Parameters of commands that name axes."""
 
-overwrite_option = click.option(
+overwrite_option = option(
     "--overwrite", is_flag=True, help="Replace a log that is there under the name of the one to be written."
 )
 

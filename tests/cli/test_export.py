@@ -13,7 +13,7 @@ from command_line import run
 from export.compiler import STRICT, compiler
 from hand_made import rigid_log
 
-from symid.cli.simulate import write_log
+from symid.cli.simulate_command import write_log
 
 PARAMETERS = ("--parameters", "rigid_1m.json")
 

@@ -10,7 +10,7 @@ from command_line import run
 from fleet_logs import TRUE
 
 import symid
-from symid.cli.simulate import write_log
+from symid.cli.simulate_command import write_log
 from symid.errors import EliminationError, SettingError
 from symid.fleet import BatchSettings, identify_batch, read_rows
 from symid.simulation import Cascade, simulate, trapezoids

@@ -159,7 +159,7 @@ def test_curves_are_told_apart_without_colour() -> None:
 
 
 def test_the_command_draws_on_a_dark_background(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from symid.cli.simulate import write_log
+    from symid.cli.simulate_command import write_log
 
     monkeypatch.chdir(tmp_path)
     write_log(identified()[1], Path("run.csv"))

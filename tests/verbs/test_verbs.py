@@ -74,7 +74,7 @@ def test_a_stale_module_is_not_used(folder: Path) -> None:
 def test_diagnose_takes_names_and_frames(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[object] = []
     monkeypatch.setattr(
-        "symid.verbs.diagnose.diagnose_axis", lambda *given, **settings: seen.append((given, settings))
+        "symid.verbs.diagnose_any.diagnose_axis", lambda *given, **settings: seen.append((given, settings))
     )
     symid.diagnose("rigid_1m", pd.read_csv("a.csv"), validation="a.csv", nominal=TRUE)
     symid.diagnose(own("Fdiag"), ["a.csv", "a.csv"])

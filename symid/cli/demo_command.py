@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import click
+from click import option
 
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
@@ -24,7 +25,7 @@ PUBLISHED_RECIPE = Preparation(
 
 
 @click.command("demo", cls=SafeCommand, epilog="Example: symid demo --report emps_report.html")
-@click.option(
+@option(
     "--report",
     metavar="OUT.html",
     type=Output("html"),

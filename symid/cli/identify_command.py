@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 import click
+from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.knowledge import (
@@ -64,25 +65,25 @@ from symid.report.identification import (
     print_shared,
     shared_record,
 )
-from symid.verbs.identify import identify
+from symid.verbs.identify_any import identify
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification
 
 loop_options = shared(
     gain_option,
-    click.option("--rate", type=POSITIVE, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
+    option("--rate", type=POSITIVE, metavar="HZ", help="Rate of the controller [at least 1 kHz]."),
 )
 
 
 @click.command(
     "identify", cls=SafeCommand, epilog="Example: symid identify emps data/emps/DATA_EMPS.mat --column q=qm"
 )
-@click.argument("axis")
-@click.argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
-@click.option(
+@argument("axis")
+@argument("logs", nargs=-1, required=True, metavar="LOG [LOG ...]")
+@option(
     "--method",
-    type=click.Choice(["wls", "ols", "iv", "oe"]),
+    type=Choice(["wls", "ols", "iv", "oe"]),
     default="wls",
     help="Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood).",
 )
@@ -92,23 +93,23 @@ loop_options = shared(
 @knowledge_options
 @known_option
 @loop_options
-@click.option(
+@option(
     "--ddof",
-    type=click.IntRange(0, 10**6),
+    type=IntRange(0, 10**6),
     help="Subtracted from the rows in the residual's deviation [the number of parameters].",
 )
-@click.option(
+@option(
     "--nominal",
     metavar="P.json",
     help="Nominal parameters, a start where the inverse map has no closed form.",
 )
-@click.option(
+@option(
     "--memory",
     default="1GB",
     metavar="SIZE",
     help="Memory for a log; a longer CSV or Parquet file is identified in blocks (wls and ols).",
 )
-@click.option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
+@option("--validation", metavar="LOG", help="Apply the parameters to another log too.")
 @plot_option("model and measurement, residual, frequency response and confidence ellipses")
 @report_option
 @dark_option

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import click
+from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.log_options import late_of, log_options, read_log_of
@@ -26,7 +27,7 @@ from symid.cli.options import (
 )
 from symid.cli.outputs import SafeCommand
 from symid.cli.progress import tracked
-from symid.cli.simulate import band_of, cascades_of, controller_options, runs_of, trajectory_options
+from symid.cli.simulate_command import band_of, cascades_of, controller_options, runs_of, trajectory_options
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of
@@ -62,51 +63,49 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     context_settings={"default_map": _DEFAULTS},
     epilog="Example: symid tune direct_2m1s --parameters P.json --measured q2,ddq1 --plot tuning.png",
 )
-@click.argument("axis")
+@argument("axis")
 @parameter_option("A priori values of the parameters, SI.")
 @measured_option
-@click.option(
+@option(
     "--max-lowpass-error",
     type=POSITIVE,
     default=0.01,
     help="Largest error that the low-pass filter may make [35], in percent.",
 )
-@click.option(
+@option(
     "--max-sampling-error",
     type=POSITIVE,
     default=1.0,
     help="Largest error that differences may make [37], in percent.",
 )
-@click.option("--order", type=ORDER, default=4, help="Order of one pass of the filter.")
-@click.option(
+@option("--order", type=ORDER, default=4, help="Order of one pass of the filter.")
+@option(
     "--errors-of",
     "kind",
-    type=click.Choice(["physical", "minimal"]),
+    type=Choice(["physical", "minimal"]),
     default="physical",
     help="Parameters whose errors are bounded in [37].",
 )
-@click.option(
+@option(
     "--keep-jumps",
     is_flag=True,
     help="Keep Coulomb friction and other laws that jump at standstill; the paper leaves them out.",
 )
 @trajectory_options
 @controller_options
-@click.option(
+@option(
     "--noise-from",
     metavar="LOG",
     help="Minimise the total error of bias and noise, with the motion, the noise and the parameters of a log.",
 )
-@click.option(
+@option(
     "--noise",
     multiple=True,
     metavar="SIGNAL=STD",
     help="As --noise-from, with white noise of this standard deviation, SI; of each signal without a log.",
 )
-@click.option(
-    "--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the log to be, in Hz."
-)
-@click.option(
+@option("--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the log to be, in Hz.")
+@option(
     "--held",
     multiple=True,
     metavar="SIGNAL",

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import Choice, argument, option
 
 from symid.axis import load_axis
 from symid.cli.options import give_result, json_option, page_of, report_option, signal_list
@@ -28,37 +29,37 @@ from symid.signals import is_signal_name
 
 
 @click.command("fleet", cls=SafeCommand, epilog="Example: symid fleet results.parquet --report fleet.html")
-@click.argument("results", metavar="RESULTS.parquet")
-@click.option(
+@argument("results", metavar="RESULTS.parquet")
+@option(
     "--by",
-    type=click.Choice(["axis", "folder"]),
+    type=Choice(["axis", "folder"]),
     default="axis",
     help="Logs of one machine: all logs of an axis, or those in one folder.",
 )
-@click.option(
+@option(
     "--order",
-    type=click.Choice(["recorded", "name"]),
+    type=Choice(["recorded", "name"]),
     default="recorded",
     help="Order of the charts: the times of the files, or the names of the logs where copying has lost the times.",
 )
-@click.option(
+@option(
     "--status",
     "statuses",
     default="ok",
     metavar="NAMES",
     help="Logs whose parameters enter, by status, such as ok,biased.",
 )
-@click.option(
+@option(
     "--without",
     metavar="NAMES",
     help="Parameters that differ from log to log by their nature, such as an unknown zero.",
 )
-@click.option(
+@option(
     "--joint",
     is_flag=True,
     help="Join the logs of each axis into one estimate, from the factors that symid batch --joint has kept.",
 )
-@click.option(
+@option(
     "--axis",
     "declared",
     multiple=True,

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
@@ -39,23 +40,21 @@ class ForeignFile:
     cls=SafeCommand,
     epilog="Example: symid import trace.csv --axis rigid_1m --rated 850 -o mapping.json",
 )
-@click.argument("log")
-@click.option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
-@click.option(
+@argument("log")
+@option("--axis", metavar="AXIS", help="Guess which column is which signal of this axis.")
+@option(
     "--column", multiple=True, metavar="SIGNAL=COLUMN", help="Column of a signal that is not guessed right."
 )
-@click.option(
+@option(
     "--unit",
     multiple=True,
     metavar="SIGNAL=UNIT",
     help="Unit of a signal's column, such as q='5000 counts/mm'.",
 )
-@click.option(
-    "--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time."
-)
-@click.option("--gain", type=Number(-math.inf), help="Force per unit of the drive's column, such as N per A.")
-@click.option("--rated", type=POSITIVE, help="Force or torque that 100 % stands for.")
-@click.option(
+@option("--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time.")
+@option("--gain", type=Number(-math.inf), help="Force per unit of the drive's column, such as N per A.")
+@option("--rated", type=POSITIVE, help="Force or torque that 100 % stands for.")
+@option(
     "-o",
     "--output",
     metavar="FILE.json",
@@ -63,7 +62,7 @@ class ForeignFile:
     help="Write the mapping, for --mapping of other commands.",
 )
 @plot_option("the columns over time")
-@click.option(
+@option(
     "--ask/--no-ask",
     default=None,
     help="Ask for what the file does not say [where standard input is a terminal].",
@@ -72,9 +71,9 @@ class ForeignFile:
 @json_option
 def command(log: str, **options: Any) -> None:
     """Look at the foreign LOG: guess its layout, columns, units and sampling, and say why. Nothing is used unseen."""
-    for option in ("output", "column", "unit", "ask"):
-        if options[option] and not options["axis"]:
-            said = "-o" if option == "output" else f"--{option}"
+    for name in ("output", "column", "unit", "ask"):
+        if options[name] and not options["axis"]:
+            said = "-o" if name == "output" else f"--{name}"
             raise SettingError(f"{said} needs --axis: a mapping names the signals of an axis")
     declared = load_axis(options["axis"]) if options["axis"] else None
     look = _look(Path(log))

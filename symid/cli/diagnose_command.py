@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import argument, option
 
 from symid.axis import load_axis, write_axis
 from symid.cli.log_options import known_late, log_options, read_log_of
@@ -44,15 +45,15 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
     epilog="Example: symid diagnose emps data/emps/DATA_EMPS.mat --column q=qm "
     "--validation data/emps/DATA_EMPS_PULSES.mat --report emps.html",
 )
-@click.argument("axis")
-@click.argument("logs", metavar="LOG...", nargs=-1, required=True)
-@click.option(
+@argument("axis")
+@argument("logs", metavar="LOG...", nargs=-1, required=True)
+@option(
     "--validation",
     metavar="LOG",
     help="Log on which the gap is measured [the last of several LOGs, every third part of one].",
 )
-@click.option("--nominal", metavar="P.json", help="Parameter values of the simulation [identified].")
-@click.option(
+@option("--nominal", metavar="P.json", help="Parameter values of the simulation [identified].")
+@option(
     "--simulated",
     metavar="SIM",
     help="Log of your own simulator under the same reference, against which the machine is diagnosed.",
@@ -62,14 +63,14 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
 @held_option
 @late_option
 @gain_option
-@click.option(
+@option(
     "--next-experiment",
     "experiment",
     metavar="FILE.csv",
     type=Output("log"),
     help="Write the reference that best distinguishes the cause found from its strongest rival.",
 )
-@click.option(
+@option(
     "--limit",
     "limits",
     multiple=True,
@@ -77,7 +78,7 @@ _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "secon
     help="Limit of the next experiment, SI: lowest, highest (position), speed, acceleration, jerk, force, "
     "seconds [those seen in LOG].",
 )
-@click.option(
+@option(
     "--write-axis",
     metavar="FILE.py",
     type=Output("axis"),

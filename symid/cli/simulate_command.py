@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 import numpy as np
+from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.number_types import LIMIT, NOT_NEGATIVE, POSITIVE
@@ -57,52 +58,52 @@ _FADES = 10
 """A multisine is faded in and out in a tenth of its time each."""
 
 trajectory_options = shared(
-    click.option(
+    option(
         "--trajectory",
         default="trapezoids",
         metavar="KIND",
         help="trapezoids, chirp, multisine, or a log whose reference is followed.",
     ),
-    click.option("--seconds", type=POSITIVE, default=10.0, help="Duration of a chirp or multisine."),
-    click.option("--band", default="0.5,20", metavar="HZ,HZ", help="Frequencies of a chirp or multisine."),
-    click.option(
+    option("--seconds", type=POSITIVE, default=10.0, help="Duration of a chirp or multisine."),
+    option("--band", default="0.5,20", metavar="HZ,HZ", help="Frequencies of a chirp or multisine."),
+    option(
         "--amplitude-of",
-        type=click.Choice(["position", "velocity", "acceleration"]),
+        type=Choice(["position", "velocity", "acceleration"]),
         default="velocity",
         help="Quantity of constant amplitude in a chirp; acceleration travels farthest, position least.",
     ),
-    click.option(
+    option(
         "--travel",
         type=POSITIVE,
         default=0.2,
         help="Longest move, or travel of a chirp or multisine, in m or rad.",
     ),
-    click.option(
+    option(
         "--speed",
         type=POSITIVE,
         default=0.5,
         help="Highest speed; trapezoids also run at a half and a fifth of it.",
     ),
-    click.option("--acceleration", type=POSITIVE, default=5.0, help="Highest acceleration."),
-    click.option("--jerk", type=POSITIVE, default=500.0, help="Highest jerk of trapezoids."),
-    click.option("--dwell", type=NOT_NEGATIVE, default=0.2, help="Rest between trapezoids, in seconds."),
+    option("--acceleration", type=POSITIVE, default=5.0, help="Highest acceleration."),
+    option("--jerk", type=POSITIVE, default=500.0, help="Highest jerk of trapezoids."),
+    option("--dwell", type=NOT_NEGATIVE, default=0.2, help="Rest between trapezoids, in seconds."),
 )
 
 controller_options = shared(
-    click.option("--rate", type=POSITIVE, default=8000.0, help="Rate of the controller, in Hz."),
+    option("--rate", type=POSITIVE, default=8000.0, help="Rate of the controller, in Hz."),
     bandwidth_option,
     gain_option,
-    click.option("--force-limit", type=LIMIT, default=math.inf, help="Largest force."),
-    click.option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
+    option("--force-limit", type=LIMIT, default=math.inf, help="Largest force."),
+    option("--open-loop", metavar="LOG", help="Apply the force of a log instead of controlling."),
 )
 
 
 @click.command(
     "simulate", cls=SafeCommand, epilog="Example: symid simulate rigid_1m --parameters P.json -o run.csv"
 )
-@click.argument("axis")
+@argument("axis")
 @parameter_option("Values of the physical parameters, SI.")
-@click.option(
+@option(
     "-o",
     "--output",
     required=True,
@@ -113,13 +114,11 @@ controller_options = shared(
 @overwrite_option
 @trajectory_options
 @controller_options
-@click.option("--log-rate", type=POSITIVE, help="Rate of the log, in Hz [that of the controller].")
-@click.option("--noise", multiple=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
-@click.option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
-@click.option(
-    "--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us."
-)
-@click.option("--seed", type=click.IntRange(0, 2**63), default=0, help="Of the noise.")
+@option("--log-rate", type=POSITIVE, help="Rate of the log, in Hz [that of the controller].")
+@option("--noise", multiple=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
+@option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
+@option("--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us.")
+@option("--seed", type=IntRange(0, 2**63), default=0, help="Of the noise.")
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""

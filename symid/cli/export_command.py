@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.options import (
@@ -32,22 +33,22 @@ FORMATS = ("c", "mjcf", "urdf", "fmu", "st", "json")
     cls=SafeCommand,
     epilog="Example: symid export direct_2m1s --parameters P.json --to c --measured q2,ddq1 -o axis.c",
 )
-@click.argument("axis")
-@click.option(
+@argument("axis")
+@option(
     "--parameters",
     required=True,
     metavar="P.json",
     help="Physical parameters, or what `symid identify --json` or `symid diagnose --write-axis` wrote.",
 )
-@click.option(
+@option(
     "--to",
-    type=click.Choice(FORMATS),
+    type=Choice(FORMATS),
     required=True,
     help="C99, MuJoCo, URDF, unit for co-simulation (FMI), feed-forward in Structured Text, or JSON.",
 )
-@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", help="With --to fmu: FMI 2.0 or 3.0.")
+@option("--fmi", type=Choice(["2", "3"]), default="2", help="With --to fmu: FMI 2.0 or 3.0.")
 @measured_option
-@click.option(
+@option(
     "-o",
     "--output",
     metavar="FILE",

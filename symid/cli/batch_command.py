@@ -6,10 +6,11 @@ import sys
 from typing import Any
 
 import click
+from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
-from symid.cli.fleet import write_page
-from symid.cli.identify import loop_options
+from symid.cli.fleet_command import write_page
+from symid.cli.identify_command import loop_options
 from symid.cli.knowledge import bounds_of, fixed_values, knowledge_options, priors_of
 from symid.cli.log_options import (
     foreign_columns,
@@ -40,7 +41,7 @@ from symid.fleet.worker_limits import LONGEST
 from symid.report.batch_tables import print_batch
 
 batch_options = shared(
-    click.option(
+    option(
         "-o",
         "--output",
         required=True,
@@ -49,59 +50,53 @@ batch_options = shared(
         type=Output("results"),
         help="Table to write, .parquet or .csv; give it twice for both.",
     ),
-    click.option(
+    option(
         "--also",
         multiple=True,
         metavar="AXIS",
         help="Another axis; a log is of the first whose signals it has.",
     ),
-    click.option(
-        "--jobs", type=click.IntRange(max=4096), metavar="N", help="Processes [as many as there are cores]."
-    ),
-    click.option(
+    option("--jobs", type=IntRange(max=4096), metavar="N", help="Processes [as many as there are cores]."),
+    option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler of a cluster, such as tcp://10.0.0.1:8786."
     ),
-    click.option(
+    option(
         "--memory",
         default="1GB",
         metavar="SIZE",
         help="Memory for a log in each process; a longer CSV or Parquet file is identified in blocks (wls and ols).",
     ),
-    click.option(
+    option(
         "--timeout",
         type=POSITIVE,
         default=LONGEST,
         metavar="SECONDS",
         help="Longest time for a log; a worker that takes longer is ended. A cluster has its own limits.",
     ),
-    click.option(
+    option(
         "--joint",
         is_flag=True,
         help="Keep what symid fleet --joint needs to join the logs of an axis, some hundred numbers each.",
     ),
-    click.option(
-        "--report", metavar="OUT.html", type=Output("html"), help="Write the page of symid fleet too."
-    ),
-    click.option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
+    option("--report", metavar="OUT.html", type=Output("html"), help="Write the page of symid fleet too."),
+    option("--diagnose", is_flag=True, help="Diagnose each log too, which takes seconds a log."),
 )
 
 
 @click.command(
     "batch", cls=SafeCommand, epilog="Example: symid batch emps logs/ -o results.parquet --column q=qm"
 )
-@click.argument("axis")
-@click.argument("logs", nargs=-1, required=True, metavar="LOG ...")
+@argument("axis")
+@argument("logs", nargs=-1, required=True, metavar="LOG ...")
 @batch_options
-@click.option("--method", type=click.Choice(METHODS), default="wls", help="As in symid identify.")
+@option("--method", type=Choice(METHODS), default="wls", help="As in symid identify.")
 @measured_option
 @log_options
 @preparation_options
 @knowledge_options
 @loop_options
-@click.option("--ddof", type=click.IntRange(0, 10**6), help="As in symid identify.")
-@click.option(
-    "--nominal", metavar="P.json", help="Nominal parameters: a start, and the simulation to diagnose."
-)
+@option("--ddof", type=IntRange(0, 10**6), help="As in symid identify.")
+@option("--nominal", metavar="P.json", help="Nominal parameters: a start, and the simulation to diagnose.")
 @json_option
 def command(axis: str, logs: tuple[str, ...], json_file: str | None, **options: Any) -> None:
     """Identify AXIS from each LOG alone, in parallel: one row a log.

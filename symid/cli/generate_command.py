@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 import click
+from click import argument, option
 
 from symid.cli.options import json_option, measured_option, signal_list, write_json
 from symid.cli.outputs import SafeCommand
@@ -15,11 +16,9 @@ from symid.codegen.store import write
 
 
 @click.command("generate", cls=SafeCommand, epilog="Example: symid generate direct_2m1s")
-@click.argument("axes", nargs=-1, metavar="[AXIS ...]")
+@argument("axes", nargs=-1, metavar="[AXIS ...]")
 @measured_option
-@click.option(
-    "--check", is_flag=True, help="Write nothing; exit with 1 and print a diff if anything is stale."
-)
+@option("--check", is_flag=True, help="Write nothing; exit with 1 and print a diff if anything is stale.")
 @json_option
 def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file: str | None) -> None:
     """Write the generated modules of each AXIS (of all axes in models/ by default).

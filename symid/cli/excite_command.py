@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 import numpy as np
+from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.knowledge import quantity
@@ -29,7 +30,7 @@ from symid.cli.options import (
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
 from symid.cli.progress import tracked
 from symid.cli.saying import say
-from symid.cli.simulate import cascades_of, with_imperfections
+from symid.cli.simulate_command import cascades_of, with_imperfections
 from symid.codegen import model_of
 from symid.data import REFERENCE, Log, write_log
 from symid.errors import SettingError
@@ -42,19 +43,17 @@ _LIMITS = ("travel", "speed", "acceleration", "jerk")
 _REQUIRED = ("travel", "speed", "acceleration")
 
 _run_options = shared(
-    click.option("--seconds", type=POSITIVE, default=10.0, help="Duration."),
-    click.option("--rate", type=POSITIVE, default=4000.0, help="Rate of controller and log, in Hz."),
+    option("--seconds", type=POSITIVE, default=10.0, help="Duration."),
+    option("--rate", type=POSITIVE, default=4000.0, help="Rate of controller and log, in Hz."),
     bandwidth_option,
     gain_option,
-    click.option(
+    option(
         "--method",
-        type=click.Choice(["wls", "iv"]),
+        type=Choice(["wls", "iv"]),
         default="wls",
         help="How the log will be identified: iv is free of the bias of encoder noise and takes several times as long.",
     ),
-    click.option(
-        "--seeds", type=click.IntRange(0, 100), default=2, help="Multisines with random phases for each band."
-    ),
+    option("--seeds", type=IntRange(0, 100), default=2, help="Multisines with random phases for each band."),
 )
 
 
@@ -64,12 +63,10 @@ _run_options = shared(
     epilog="Example: symid excite rigid_1m --parameters P.json --noise q=1e-7 --noise F=1 "
     "--limits travel=0.4m,speed=1m/s,acceleration=8m/s^2,force=2kN -o reference.csv",
 )
-@click.argument("axis")
+@argument("axis")
 @parameter_option("Rough values of the parameters, SI.")
-@click.option(
-    "--noise", multiple=True, required=True, metavar="SIGNAL=STD", help="White noise of a signal, SI."
-)
-@click.option(
+@option("--noise", multiple=True, required=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
+@option(
     "--limits",
     "limits_text",
     required=True,
@@ -79,9 +76,7 @@ _run_options = shared(
 )
 @measured_option
 @_run_options
-@click.option(
-    "-o", "--output", required=True, metavar="LOG", type=Output("log"), help="Reference to write (.csv)."
-)
+@option("-o", "--output", required=True, metavar="LOG", type=Output("log"), help="Reference to write (.csv).")
 @overwrite_option
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:

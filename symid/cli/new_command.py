@@ -6,6 +6,7 @@ from keyword import iskeyword
 from pathlib import Path
 
 import click
+from click import IntRange, argument, option
 
 from symid.axis import load_axis, sketch, sketch_source
 from symid.cli.options import give_result, json_option
@@ -20,27 +21,23 @@ from symid.signals import is_signal_name
     cls=SafeCommand,
     epilog="Example: symid new my_axis --bodies 3 --structure --accelerometer structure",
 )
-@click.argument("axis")
-@click.option(
-    "--bodies", type=click.IntRange(max=100), default=2, help="Bodies in a row, the structure included."
-)
-@click.option(
-    "--springs", type=click.IntRange(max=100), help="Springs: one less than bodies, or as many [one less]."
-)
-@click.option(
+@argument("axis")
+@option("--bodies", type=IntRange(max=100), default=2, help="Bodies in a row, the structure included.")
+@option("--springs", type=IntRange(max=100), help="Springs: one less than bodies, or as many [one less].")
+@option(
     "--structure/--no-structure", default=False, help="Whether the first body is a structure that yields."
 )
-@click.option("--rotary/--linear", default=False, help="Whether bodies turn.")
-@click.option("--coulomb/--no-coulomb", default=True, help="Whether the motor has Coulomb friction.")
-@click.option(
+@option("--rotary/--linear", default=False, help="Whether bodies turn.")
+@option("--coulomb/--no-coulomb", default=True, help="Whether the motor has Coulomb friction.")
+@option(
     "--encoder", "encoders", multiple=True, metavar="BODY", help="A body with an encoder besides the motor."
 )
-@click.option(
+@option(
     "--accelerometer", "accelerometers", multiple=True, metavar="BODY", help="A body with an accelerometer."
 )
-@click.option(
+@option(
     "--drives",
-    type=click.IntRange(1, 20),
+    type=IntRange(1, 20),
     default=1,
     help="Drives, each with a motor and its encoder: 2 for a gantry.",
 )
