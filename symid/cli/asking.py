@@ -49,10 +49,7 @@ class Known:
 
 
 def asked(
-    axis: Axis,
-    columns: Sequence[ForeignColumn],
-    guess: Callable[[Known], LogMapping],
-    known: Known,
+    axis: Axis, columns: Sequence[ForeignColumn], guess: Callable[[Known], LogMapping], known: Known
 ) -> Known:
     """Ask for the column and unit of each signal, the factor of the drive and the rate that options left open.
 

@@ -10,14 +10,7 @@ import click
 from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
-from symid.cli.options import (
-    as_json,
-    json_option,
-    measured_option,
-    parameter_file,
-    signal_list,
-    write_json,
-)
+from symid.cli.options import as_json, json_option, measured_option, parameter_file, signal_list, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.cli.saying import say
 from symid.errors import EliminationError, SettingError

@@ -16,14 +16,7 @@ from symid.cli.outputs import SafeCommand
 from symid.cli.progress import working
 from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
-from symid.fleet import (
-    FleetReview,
-    JointIdentification,
-    join_results,
-    read_results,
-    review_fleet,
-    units_in,
-)
+from symid.fleet import FleetReview, JointIdentification, join_results, read_results, review_fleet, units_in
 from symid.report.fleet_tables import fleet_record, print_fleet
 from symid.signals import is_signal_name
 

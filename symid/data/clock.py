@@ -51,12 +51,7 @@ class _Rate:
     change: int | None
 
 
-def inspect_clock(
-    time: FloatArray,
-    *,
-    minimum: int = MINIMUM_SAMPLES,
-    before: int = 0,
-) -> Clock:
+def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: int = 0) -> Clock:
     """Find the sampling period and the faults of the times of a log.
 
     The rounding of the written times is allowed for: 1.5 ms written with three decimals, or 32 bit numbers, do
@@ -276,10 +271,7 @@ def _gaps(
 
 
 def _jitter(
-    time: FloatArray,
-    late: FloatArray,
-    forward: npt.NDArray[np.bool_],
-    period: float,
+    time: FloatArray, late: FloatArray, forward: npt.NDArray[np.bool_], period: float
 ) -> tuple[list[str], list[str]]:
     """Fault and note about intervals that are neither gaps nor regular."""
     deviation = np.where(forward, np.abs(late), 0.0) / period

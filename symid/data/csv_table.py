@@ -15,15 +15,7 @@ import numpy as np
 import polars as pl
 
 from symid.arrays import FloatArray
-from symid.data.layout import (
-    Layout,
-    fields,
-    first_lines,
-    is_number,
-    layout_of_text,
-    lines_of,
-    uncommented,
-)
+from symid.data.layout import Layout, fields, first_lines, is_number, layout_of_text, lines_of, uncommented
 from symid.data.memory import free_memory
 from symid.data.table import POLARS_FAILURES, Slices, Table, damaged, parsing, source_of, values_of
 from symid.data.time_stamps import is_stamp, seconds_of_stamps

@@ -52,9 +52,7 @@ class _Runs:
 
 @np.errstate(over="ignore", invalid="ignore")  # damaged numbers may be near the end of the range
 def inspect_spans(
-    time: FloatArray,
-    signals: Mapping[str, FloatArray],
-    positions: Collection[str],
+    time: FloatArray, signals: Mapping[str, FloatArray], positions: Collection[str]
 ) -> tuple[str, ...]:
     """Notes on spans in which a channel is stuck at a value or clipped at the end of its range.
 

@@ -19,15 +19,7 @@ from symid.errors import LogError, SettingError
 from symid.excitation.references import scaled
 from symid.identification import Preparation, identify
 from symid.instrumental import identify_by_instruments
-from symid.simulation import (
-    ClosedLoop,
-    Controller,
-    Limits,
-    Simulation,
-    Trajectory,
-    plant_of,
-    simulate,
-)
+from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Trajectory, plant_of, simulate
 
 _TRIES = 4
 _MARGIN = 0.99

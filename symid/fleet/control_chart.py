@@ -26,7 +26,7 @@ import scipy
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.errors import SettingError
-from symid.fleet.segments import TrendChange, TrendSegment, cut, fitted_segment, places_of_step
+from symid.fleet.segments import Series, TrendChange, TrendSegment, cut, places_of_step
 from symid.fleet.spread import variance_where_zero
 
 LEAST_RUNS = 8
@@ -141,10 +141,11 @@ def _charted(
     time = np.array(days, dtype=np.float64)
     outlying, segments, between = _segmented(time, x, variance)
     weights = np.where(outlying, 0.0, 1 / (variance + between))
-    segments = tuple(fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments)
-    centre = np.concatenate([s.level + s.slope * (time[s.first : s.end] - s.middle) for s in segments] or [x])
+    series = Series(time, x, weights)
+    segments = series.refitted(segments)
+    centre = np.concatenate([series.fit(s) for s in segments] or [x])
     limit = _LIMIT * np.sqrt(variance + between)
-    found = list(_shifts(time, x, weights, segments))
+    found = list(_shifts(series, segments))
     freedom = max(int(np.count_nonzero(weights)) - sum(1 + s.drifts for s in segments), 1)
     factor = float(scipy.special.stdtrit(freedom, 0.975))
     return ControlChart(
@@ -194,21 +195,20 @@ class _Shift:
         return self.after - self.before
 
 
-def _shifts(
-    time: FloatArray, x: FloatArray, weights: FloatArray, segments: Sequence[TrendSegment]
-) -> Iterator[_Shift]:
+def _shifts(series: Series, segments: Sequence[TrendSegment]) -> Iterator[_Shift]:
     """Steps between the segments and drifts within them; a drift may begin or end without a step."""
     for i, segment in enumerate(segments):
         first, last = segment.first, segment.end - 1
-        (begin, variance), (end, _) = segment.at(float(time[first])), segment.at(float(time[last]))
+        start, stop = float(series.time[first]), float(series.time[last])
+        (begin, variance), (end, _) = segment.at(start), segment.at(stop)
         if i:
-            old, old_variance = segments[i - 1].at(float(time[first]))
+            old, old_variance = segments[i - 1].at(start)
             std = math.sqrt(old_variance + variance)
             if abs(begin - old) >= _LEAST_STEP * std:
-                earliest, latest = places_of_step(time, x, weights, segments[i - 1], segment)
+                earliest, latest = places_of_step(series, segments[i - 1], segment)
                 yield _Shift("step", first, earliest - 1, latest, old, begin, std)
         if segment.drifts:
-            std = math.sqrt(segment.slope_variance) * float(time[last] - time[first])
+            std = math.sqrt(segment.slope_variance) * (stop - start)
             yield _Shift("drift", first, first, last, begin, end, std)
 
 
@@ -221,7 +221,7 @@ def _segmented(
     if not x.size:
         return outlying, segments, 0.0
     if x.size < LEAST_RUNS:
-        segments = (fitted_segment(time, x, 1 / variance, 0, x.size, sloping=False),)
+        segments = (Series(time, x, 1 / variance).segment(0, x.size, sloping=False),)
         return outlying, segments, _variance_within(x, variance, time, segments, ~outlying)
     # The three depend on each other: they are found in turn until the segments no longer change.
     # At first from the median of successive differences: their squares over what they may be.
@@ -233,7 +233,7 @@ def _segmented(
     for _ in range(_ROUNDS):
         outlying, before = _stand_off(x, variance + between), segments
         weights = np.where(outlying, 0.0, 1 / (variance + between))
-        segments = cut(time, x, weights, slope_penalty(x.size))
+        segments = cut(Series(time, x, weights), slope_penalty(x.size))
         between = _variance_within(x, variance, time, segments, ~outlying)
         if [(s.first, s.end, s.drifts) for s in segments] == [(s.first, s.end, s.drifts) for s in before]:
             break
@@ -267,11 +267,7 @@ def _variance_within(
         return 0.0
 
     def excess(tau2: float) -> float:
-        weights = np.where(used, 1 / (variance + tau2), 0.0)
-        fits = [fitted_segment(time, x, weights, s.first, s.end, sloping=s.drifts) for s in segments]
-        residual = np.concatenate(
-            [x[s.first : s.end] - s.level - s.slope * (time[s.first : s.end] - s.middle) for s in fits]
-        )
-        return float(weights @ residual**2) - freedom
+        series = Series(time, x, np.where(used, 1 / (variance + tau2), 0.0))
+        return series.squared_error(*((s.first, s.end, s.drifts) for s in segments)) - freedom
 
     return variance_where_zero(excess, (excess(0.0) + freedom) / freedom * float(variance.max()))

@@ -12,6 +12,7 @@ which counts that the place of a change is searched for. The minimum over all cu
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Literal
@@ -77,6 +78,57 @@ class TrendSegment:
         return self.slope != 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Values in order of time.
+
+    Parameters
+    ----------
+    time, values : array of shape (n,)
+        Times and values.
+    weights : array of shape (n,)
+        Inverse variances of the values; 0 leaves one out.
+
+    Examples
+    --------
+    >>> Series(np.arange(3.0), np.array([1.0, 3.0, 5.0]), np.ones(3)).segment(0, 3, sloping=True).slope
+    2.0
+    """
+
+    time: FloatArray
+    values: FloatArray
+    weights: FloatArray
+
+    def segment(self, first: int, end: int, *, sloping: bool) -> TrendSegment:
+        """Level, or sloping line, through the values from `first` to before `end`."""
+        t, x, w = self.time[first:end], self.values[first:end], self.weights[first:end]
+        if not w.any():
+            w = np.ones_like(w)
+        middle = float(w @ t / w.sum())
+        level = float(w @ x / w.sum())
+        spread = float(w @ (t - middle) ** 2)
+        if not sloping or spread == 0:
+            return TrendSegment(first, end, middle, level, 0.0, float(1 / w.sum()), 0.0)
+        slope = float(w @ ((t - middle) * x)) / spread
+        return TrendSegment(first, end, middle, level, slope, float(1 / w.sum()), 1 / spread)
+
+    def refitted(self, segments: Iterable[TrendSegment]) -> tuple[TrendSegment, ...]:
+        """The same segments with the lines of these values."""
+        return tuple(self.segment(s.first, s.end, sloping=s.drifts) for s in segments)
+
+    def fit(self, line: TrendSegment) -> FloatArray:
+        """Values of a line at the times of its segment."""
+        return line.level + line.slope * (self.time[line.first : line.end] - line.middle)
+
+    def squared_error(self, *sides: tuple[int, int, bool]) -> float:
+        """Weighted squared distance from the lines of segments, each given by its ends and whether it has a slope."""
+        total = 0.0
+        for first, end, sloping in sides:
+            away = self.values[first:end] - self.fit(self.segment(first, end, sloping=sloping))
+            total += float(self.weights[first:end] @ away**2)
+        return total
+
+
 @dataclass(frozen=True)
 class TrendChange:
     """A step between two runs, or a drift over several.
@@ -117,39 +169,34 @@ class TrendChange:
         return self.size / abs(self.before) if self.before else math.nan
 
 
-def cut(
-    time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
-) -> tuple[TrendSegment, ...]:
-    """Segments of least cost, each slope penalised, of a series of shape (n,) in order of time.
-
-    A weight is the inverse variance of a value, 0 for one that is left out.
+def cut(series: Series, slope_penalty: float) -> tuple[TrendSegment, ...]:
+    """Segments of least cost, each slope penalised.
 
     Examples
     --------
     >>> time = np.arange(40.0)
     >>> values = np.where(time < 25, 1.0, 2.0) + 0.1 * np.random.default_rng(0).standard_normal(40)
-    >>> [(s.first, s.end, round(s.level, 1), s.slope) for s in cut(time, values, np.full(40, 100.0), 9.0)]
+    >>> series = Series(time, values, np.full(40, 100.0))
+    >>> [(s.first, s.end, round(s.level, 1), s.slope) for s in cut(series, slope_penalty=9.0)]
     [(0, 25, 1.0, 0.0), (25, 40, 2.0, 0.0)]
     """
-    count = time.size
+    count = series.time.size
     if count < 2 * LEAST_LEVEL:
-        return (fitted_segment(time, values, weights, 0, count, sloping=False),)
-    ends, sloping = _best_cut(time, values, weights, slope_penalty)
+        return (series.segment(0, count, sloping=False),)
+    ends, sloping = _best_cut(series, slope_penalty)
     for i in range(len(ends) - 2):
-        ends[i + 1] = _refined(time, values, weights, ends[i : i + 3], sloping[i : i + 2])
+        ends[i + 1] = _refined(series, ends[i : i + 3], sloping[i : i + 2])
     return tuple(
-        fitted_segment(time, values, weights, first, end, sloping=slopes)
+        series.segment(first, end, sloping=slopes)
         for first, end, slopes in zip(ends[:-1], ends[1:], sloping, strict=True)
     )
 
 
-def _best_cut(
-    time: FloatArray, values: FloatArray, weights: FloatArray, slope_penalty: float
-) -> tuple[list[int], list[bool]]:
+def _best_cut(series: Series, slope_penalty: float) -> tuple[list[int], list[bool]]:
     """Ends of the best segments, 0 first, and which have a slope; of a long series cuts are at every few places."""
-    count = time.size
+    count = series.time.size
     places = np.append(np.arange(0, count, -(-count // _MOST_PLACES)), count)
-    sums = _Sums.of(time, values, weights, places)
+    sums = _Sums.of(series, places)
     step = 3 * math.log(count) * (1 + _SHORT / count)
     best, came_from = np.full(places.size, np.inf), np.zeros(places.size, dtype=int)
     with_slope = np.zeros(places.size, dtype=bool)
@@ -175,68 +222,33 @@ def _best_cut(
     return ends[::-1], sloping[::-1]
 
 
-def _refined(
-    time: FloatArray, values: FloatArray, weights: FloatArray, ends: list[int], sloping: list[bool]
-) -> int:
+def _refined(series: Series, ends: list[int], sloping: list[bool]) -> int:
     """Best place of the middle one of three ends, of those that the cut has left out around it."""
-    reach = -(-time.size // _MOST_PLACES) - 1
+    reach = -(-series.time.size // _MOST_PLACES) - 1
     first, middle, last = ends
     places = range(max(middle - reach, first + LEAST_LEVEL), min(middle + reach, last - LEAST_LEVEL) + 1)
 
     def error(place: int) -> float:
-        sides = ((first, place, sloping[0]), (place, last, sloping[1]))
-        return sum(_squared_error(time, values, weights, *side) for side in sides)
+        return series.squared_error((first, place, sloping[0]), (place, last, sloping[1]))
 
     return min(places, key=error) if reach else middle
 
 
-def fitted_segment(
-    time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, *, sloping: bool
-) -> TrendSegment:
-    """Level, or sloping line, through the values from `first` to before `end` of a series of shape (n,).
-
-    Examples
-    --------
-    >>> fitted_segment(np.arange(3.0), np.array([1.0, 3.0, 5.0]), np.ones(3), 0, 3, sloping=True).slope
-    2.0
-    """
-    t, x, w = time[first:end], values[first:end], weights[first:end]
-    if not w.any():
-        w = np.ones_like(w)
-    middle = float(w @ t / w.sum())
-    level = float(w @ x / w.sum())
-    spread = float(w @ (t - middle) ** 2)
-    if not sloping or spread == 0:
-        return TrendSegment(first, end, middle, level, 0.0, float(1 / w.sum()), 0.0)
-    slope = float(w @ ((t - middle) * x)) / spread
-    return TrendSegment(first, end, middle, level, slope, float(1 / w.sum()), 1 / spread)
-
-
-def places_of_step(
-    time: FloatArray, values: FloatArray, weights: FloatArray, before: TrendSegment, after: TrendSegment
-) -> tuple[int, int]:
+def places_of_step(series: Series, before: TrendSegment, after: TrendSegment) -> tuple[int, int]:
     """First and last place at which a step between two segments of a series may lie, with 95 % probability.
 
     All places are equally likely a priori.
     """
     places = np.arange(before.first + 1, after.end)
-    costs = []
-    for place in places:
-        sides = ((before.first, int(place), before.drifts), (int(place), after.end, after.drifts))
-        costs.append(sum(_squared_error(time, values, weights, *side) for side in sides))
+    costs = [
+        series.squared_error((before.first, place, before.drifts), (place, after.end, after.drifts))
+        for place in places.tolist()
+    ]
     likelihood = np.exp(-0.5 * (np.array(costs) - min(costs)))
     order = np.argsort(-likelihood)
     needed = int(np.searchsorted(np.cumsum(likelihood[order]), _CREDIBLE * likelihood.sum())) + 1
     kept = places[order[:needed]]
     return int(kept.min()), int(kept.max())
-
-
-def _squared_error(
-    time: FloatArray, values: FloatArray, weights: FloatArray, first: int, end: int, sloping: bool
-) -> float:
-    line = fitted_segment(time, values, weights, first, end, sloping=sloping)
-    fit = line.level + line.slope * (time[first:end] - line.middle)
-    return float(weights[first:end] @ (values[first:end] - fit) ** 2)
 
 
 @dataclass(frozen=True)
@@ -246,15 +258,11 @@ class _Sums:
     rows: FloatArray
 
     @classmethod
-    def of(
-        cls, time: FloatArray, values: FloatArray, weights: FloatArray, places: npt.NDArray[np.int64]
-    ) -> _Sums:
+    def of(cls, series: Series, places: npt.NDArray[np.int64]) -> _Sums:
         """Sums of a series up to each place, centred and scaled so that differences of sums keep their digits."""
-        t = (time - time.mean()) / (np.ptp(time) or 1.0)
-        x = values - np.median(values)
-        terms = np.stack(
-            [weights, weights * t, weights * t * t, weights * x, weights * x * t, weights * x * x]
-        )
+        w, t = series.weights, (series.time - series.time.mean()) / (np.ptp(series.time) or 1.0)
+        x = series.values - np.median(series.values)
+        terms = np.stack([w, w * t, w * t * t, w * x, w * x * t, w * x * x])
         return cls(np.concatenate([np.zeros((6, 1)), np.cumsum(terms, axis=1)], axis=1)[:, places])
 
     def costs(self, end: int) -> tuple[FloatArray, FloatArray]:

@@ -143,11 +143,7 @@ def identify(
     """
     given = cast("Sequence[Recorded]", logs) if are_several(logs) else (cast("Recorded", logs),)
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
-    settings: dict[str, Any] = {
-        "preparation": preparation,
-        "nominal": nominal,
-        "examine": examine,
-    }
+    settings: dict[str, Any] = {"preparation": preparation, "nominal": nominal, "examine": examine}
     if known is not None:
         if bounds or prior or ddof is not None:
             raise SettingError("known= does not go with bounds=, prior= or ddof=: leave these out")

@@ -7,7 +7,7 @@ import pytest
 
 from symid.errors import SettingError
 from symid.fleet import ControlChart, control_chart
-from symid.fleet.segments import LEAST_LEVEL, cut
+from symid.fleet.segments import LEAST_LEVEL, Series, cut
 
 
 def series(runs: int, between: float, seed: int) -> tuple[np.ndarray, np.ndarray, float]:
@@ -111,7 +111,7 @@ def test_the_cut_is_the_best_of_all_cuts() -> None:
     draw = np.random.default_rng(4)
     for _ in range(20):
         x = draw.normal(0, 1, 12) + np.where(np.arange(12) >= draw.integers(3, 10), draw.normal(0, 4), 0)
-        found = cut(np.arange(12.0), x, np.ones(12), slope_penalty=1e9)
+        found = cut(Series(np.arange(12.0), x, np.ones(12)), slope_penalty=1e9)
         assert cost([s.first for s in found], x) == pytest.approx(min(cost(c, x) for c in every_cut(12)))
 
 

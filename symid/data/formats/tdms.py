@@ -25,12 +25,7 @@ def open_tdms(path: Path, memory: int | None = None) -> Table:
     LogError if it is damaged, or npTDMS is not installed.
     """
     nptdms = required("nptdms", path)
-    with (
-        parsing(path, "TDMS"),
-        _silent(),
-        path.open("rb") as stream,
-        nptdms.TdmsFile.open(stream) as file,
-    ):
+    with parsing(path, "TDMS"), _silent(), path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
         channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
         require_room(sum(len(channel) for channel in channels), memory)
         names = short_names([(channel.group_name, channel.name) for channel in channels])
