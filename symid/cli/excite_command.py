@@ -93,9 +93,8 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
     limits, force, apart = _limits(options["limits_text"], declared)
     controllers = cascades_of(declared, plant_of(declared, parameters), {**options, "force_limit": math.inf})
     model = model_of(axis, signal_list(options["measured"]))
-    experiment = IdentificationTrial(
-        declared, model, parameters, controllers, limits, force, apart, options["method"]
-    )
+    method = options["method"]
+    experiment = IdentificationTrial(declared, model, parameters, controllers, limits, force, apart, method)
     found = design(
         experiment,
         options["seconds"],
@@ -138,9 +137,8 @@ def _limits(text: str, axis: Axis) -> tuple[Limits, float, float | None]:
         if not value > 0.0:
             raise SettingError(f"--limits {name} is {value:g}: it must be positive")
     travel = values["travel"]
-    limits = Limits(
-        (-travel / 2, travel / 2), values["speed"], values["acceleration"], values.get("jerk", math.inf)
-    )
+    jerk = values.get("jerk", math.inf)
+    limits = Limits((-travel / 2, travel / 2), values["speed"], values["acceleration"], jerk)
     return limits, values.get("force", math.inf), values.get("apart")
 
 

@@ -121,10 +121,8 @@ def mapping_of(options: dict[str, Any]) -> LogMapping:
     """The mapping of ``--mapping``, an empty one without it."""
     if not options.get("mapping"):
         return LogMapping()
-    columns, gains = (
-        [entry.partition("=")[0].strip() for entry in options.get(name, ())] for name in ("column", "gain")
-    )
-    return read_mapping(options["mapping"], columns, gains)
+    given = ([entry.partition("=")[0].strip() for entry in options.get(n, ())] for n in ("column", "gain"))
+    return read_mapping(options["mapping"], *given)
 
 
 def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:

@@ -83,17 +83,6 @@ def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
     return tuple(sources)
 
 
-def names_of(headers: Collection[str]) -> frozenset[str]:
-    """Names by which columns may be meant: headers with and without their units.
-
-    Examples
-    --------
-    >>> sorted(names_of(["q [mm]"]))
-    ['q', 'q [mm]']
-    """
-    return frozenset(headers) | {split_unit(header)[0] for header in headers}
-
-
 def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
     column = given.columns.get(signal, signal)
     position = _position(given.headers, column)

@@ -70,9 +70,8 @@ def segment_spectra(x: FloatArray, segment: int) -> ComplexArray:
     The samples are stretches of time, one a row, of at least a segment each; the segments of all rows follow each other
     in the result, of shape (n_segments, segment // 2 + 1).
     """
-    segments = np.lib.stride_tricks.sliding_window_view(x, segment, axis=-1)[
-        ..., :: segment - segment // 2, :
-    ]
+    windows = np.lib.stride_tricks.sliding_window_view(x, segment, axis=-1)
+    segments = windows[..., :: segment - segment // 2, :]
     level = segments - segments.mean(axis=-1, keepdims=True)
     level *= _hann(segment)
     return np.asarray(np.fft.rfft(level, axis=-1).reshape(-1, segment // 2 + 1))

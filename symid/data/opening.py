@@ -10,7 +10,7 @@ from typing import Final, TypedDict, Unpack, cast
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.data.columns import TIME, Assignment, names_of, references_of, sources_of
+from symid.data.columns import TIME, Assignment, references_of, sources_of, split_unit
 from symid.data.formats import open_table
 from symid.data.frames import SOURCE, Frame, table_of
 from symid.data.layout import Layout
@@ -158,7 +158,8 @@ def columns_in(path: str | os.PathLike[str], layout: Layout | None = None) -> fr
     path, layout
         As in `read_log`.
     """
-    return names_of(open_table(Path(path), layout).headers)
+    headers = open_table(Path(path), layout).headers
+    return frozenset(headers) | {split_unit(header)[0] for header in headers}
 
 
 def _with_clock(table: Table, sampling_period: float) -> Table:

@@ -71,9 +71,8 @@ def said_of(file: Path) -> Iterator[None]:
         yield
     except LogError as error:
         message = str(error)
-        raise (
-            error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
-        ) from error.__cause__
+        said = error if message.startswith(f"{file}: ") else LogError(f"{file}: {message}")
+        raise said from error.__cause__
 
 
 def source_of(path: Path) -> Path | io.BytesIO:

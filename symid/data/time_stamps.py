@@ -49,9 +49,8 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
     zones = written.str.extract(_ZONE, 1)
     if zones.n_unique() > 1:
         return None
-    plain = (
-        written.str.replace(_ZONE, "").str.replace(",", ".", literal=True).str.replace(" ", "T", literal=True)
-    )
+    plain = written.str.replace(_ZONE, "").str.replace(",", ".", literal=True)
+    plain = plain.str.replace(" ", "T", literal=True)
     of_day = "T" not in str(plain[0])
     if of_day:
         plain = "1970-01-01T" + plain

@@ -26,9 +26,7 @@ _MOST_REACH: Final = 16  # length of a piece in multiples of the reach on either
 _FEW: Final = 8  # distance of kept samples from which products of blocks are faster than filtering all
 _LENGTH: Final = 2048  # samples of a block
 _MOST_KEPT: Final = 16  # of them
-_SLOWEST: Final = (
-    1.0 - 1e-12
-)  # modulus of a pole: rounding puts those of a cutoff near zero beyond the circle
+_SLOWEST: Final = 1.0 - 1e-12  # modulus of a pole; of a cutoff near zero it is rounded beyond the circle
 _FORGOTTEN: Final = 1e-19  # of a state; far below rounding, since the modes of a filter add up
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import product
+from typing import Literal
 
 import numpy as np
 
@@ -29,6 +30,7 @@ _FADE = 0.1
 _LINES = 21
 _LONGEST_PERIOD = 500_000
 _CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
+_SWEEP: Literal["logarithmic"] = "logarithmic"
 _Maker = Callable[[float], Trajectory]
 
 
@@ -161,9 +163,8 @@ def _repeated(once: Trajectory, times: int) -> Trajectory:
     def tiled(part: FloatArray) -> FloatArray:
         return np.append(np.tile(part[:-1], times), part[-1])
 
-    return once.with_motion(
-        position=tiled(once.position), velocity=tiled(once.velocity), acceleration=tiled(once.acceleration)
-    )
+    parts = {name: tiled(getattr(once, name)) for name in ("position", "velocity", "acceleration")}
+    return once.with_motion(**parts)
 
 
 def _vibrations(
@@ -174,9 +175,7 @@ def _vibrations(
     tops = sorted({_BAND[1], 5.0, top})
     bands = [(max(0.2, 2 / seconds), high) for high in tops]
     for (low, high), quantity in product(dict.fromkeys([_BAND, *bands]), _CONSTANT):
-        made = partial(
-            chirp, *(low, high, seconds), sampling_period=1 / rate, quantity=quantity, sweep="logarithmic"
-        )
+        made = partial(chirp, low, high, seconds, sampling_period=1 / rate, quantity=quantity, sweep=_SWEEP)
         name = f"chirp of constant {quantity}, {low:g} to {high:.3g} Hz"
         yield replace(_largest(limits, made), name=name)
     for (low, high), seed in product(bands, [None, *range(seeds)]):

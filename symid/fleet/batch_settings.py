@@ -146,9 +146,8 @@ class BatchSettings:
                 f"held signal {unknown[0]!r} is not a force of an axis: give {', '.join(forces)}"
             )
         for axis in axes:
-            missing = [
-                n for n in axis.physical_parameters if self.nominal is not None and n not in self.nominal
-            ]
+            given = axis.physical_parameters if self.nominal is None else self.nominal
+            missing = [name for name in axis.physical_parameters if name not in given]
             if missing:
                 raise SettingError(
                     f"nominal values lack {', '.join(missing)} of axis {axis.name!r}: give them"

@@ -202,12 +202,10 @@ def identify_jointly(
         physical: tuple[PhysicalEstimate, ...] = ()
         if fit.status == "ok":
             physical = physical_estimates(model, fit.parameters, covariance, nominal)
-        status, message = verdict(model, fit, physical)
+        judged = verdict(model, fit, physical)
         disagreement, freedom = _disagreement(logs, fit)
     names = tuple(log.log for log in logs)
-    return JointIdentification(
-        model, names, fit, covariance, physical, status, message, disagreement, freedom
-    )
+    return JointIdentification(model, names, fit, covariance, physical, *judged, disagreement, freedom)
 
 
 def _check(model: GeneratedModel, logs: Sequence[LogFactors]) -> None:
@@ -256,8 +254,7 @@ def _disagreement(logs: Sequence[LogFactors], fit: LeastSquares) -> tuple[float,
     scale = np.where(scale > 0, scale, 1.0)
     precisions = [np.linalg.pinv(C / np.outer(scale, scale), hermitian=True) for _, C in alone]
     values = [X / scale for X, _ in alone]
-    mean = np.linalg.solve(
-        sum(precisions), np.sum([P @ X for P, X in zip(precisions, values, strict=True)], axis=0)
-    )
+    weighted = [P @ X for P, X in zip(precisions, values, strict=True)]
+    mean = np.linalg.solve(sum(precisions), np.sum(weighted, axis=0))
     total = sum(float((X - mean) @ P @ (X - mean)) for P, X in zip(precisions, values, strict=True))
     return total, (len(alone) - 1) * len(mean)

@@ -68,9 +68,8 @@ class FleetAxis:
 
         forces = {drive.signal for drive in self.axis.drives}
         made = {force for force in forces & alternatives.keys() if has(alternatives[force][0])}
-        return all(map(has, forces - made)) and any(
-            has(signal) for signal in expected if signal not in forces
-        )
+        sensors = (signal for signal in expected if signal not in forces)
+        return all(map(has, forces - made)) and any(map(has, sensors))
 
 
 @lru_cache(maxsize=256)

@@ -146,9 +146,7 @@ def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
     logs = table["log"].cast(pl.String).fill_null("")
     folders = pl.Series([str(Path(log).parent) if by_folder else "" for log in logs], dtype=pl.String)
     keyed = _filled(table.with_columns(_FOLDER=folders, _SENSORS=_sensors(table)))
-    several = (
-        keyed.group_by("_AXIS").agg(pl.col("_SENSORS").unique()).filter(pl.col("_SENSORS").list.len() > 1)
-    )
+    several = keyed.group_by("_AXIS").agg(pl.col("_SENSORS").n_unique()).filter(pl.col("_SENSORS") > 1)
     found = []
     parts = keyed.partition_by("_AXIS", "_SENSORS", "_FOLDER", maintain_order=True, as_dict=True)
     for (axis, sensors, folder), rows in parts.items():

@@ -7,7 +7,6 @@ that killed the process that worked on it, twice.
 from __future__ import annotations
 
 import math
-import os
 import signal
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -220,9 +219,4 @@ def scheduler_of(jobs: int | None, address: str | None, n_tasks: int, seconds: f
     if address is not None:
         _distributed()
         return Cluster(address)
-    return Processes(max(1, min(jobs or cores(), n_tasks)), seconds)
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return int(joblib.cpu_count()) or os.cpu_count() or 1
+    return Processes(max(1, min(jobs or joblib.cpu_count() or 1, n_tasks)), seconds)

@@ -272,7 +272,6 @@ class _Sums:
         level = np.maximum(wxx - wx * wx / w, 0.0)
         spread = wtt - wt * wt / w
         together = wxt - wt * wx / w
-        gained = np.divide(
-            together**2, spread, out=np.zeros_like(spread), where=spread > 1e-12 * wtt + 1e-300
-        )
+        determined = spread > 1e-12 * wtt + 1e-300
+        gained = np.divide(together**2, spread, out=np.zeros_like(spread), where=determined)
         return level, np.maximum(level - gained, 0.0)

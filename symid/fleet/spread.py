@@ -155,9 +155,8 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
     unit = float(np.exp(np.mean(np.log(s))))
     x, variance = x / unit, (s / unit) ** 2
     tau2 = variance_at(x, variance, freedom)
-    ends = [
-        variance_at(x, variance, float(scipy.special.chdtri(freedom, tail))) for tail in (_TAIL, 1 - _TAIL)
-    ]
+    tails = [float(scipy.special.chdtri(freedom, tail)) for tail in (_TAIL, 1 - _TAIL)]
+    ends = [variance_at(x, variance, quantile) for quantile in tails]
     low, high = (math.sqrt(end) * unit for end in ends)
     weights = 1 / (variance + tau2)
     mean = float(weights @ x / weights.sum())
@@ -241,9 +240,8 @@ def judge_spread(spreads: Mapping[str, Spread], level: float = 0.01) -> SpreadVe
     known = {name: one for name, one in spreads.items() if math.isfinite(one.probability)}
     if not known:
         most = max((one.runs for one in spreads.values()), default=0)
-        return SpreadVerdict(
-            False, (), f"not known: {most} runs with intervals; {LEAST_RUNS} are required", {}
-        )
+        sentence = f"not known: {most} runs with intervals; {LEAST_RUNS} are required"
+        return SpreadVerdict(False, (), sentence, {})
     adjusted = dict(zip(known, _holm([one.probability for one in known.values()]), strict=True))
     differing = [n for n in known if adjusted[n] < level and known[n].exceeds_tolerance]
     differing.sort(key=lambda name: -known[name].share)

@@ -41,9 +41,8 @@ def summary_of(batch: Batch) -> dict[str, Any]:
         "former_table": str(batch.replaced) if batch.replaced else None,
     }
     if batch.diagnosed:
-        record["verdicts"] = dict(
-            Counter(row["verdict"] for row in batch.rows if row.get("verdict")).most_common()
-        )
+        verdicts = Counter(row["verdict"] for row in batch.rows if row.get("verdict"))
+        record["verdicts"] = dict(verdicts.most_common())
         found = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
         record["effects"] = [asdict(one) for one in count_effects(found)]
     return record
@@ -53,14 +52,12 @@ def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
     """Each parameter over the logs of an axis with the same sensors."""
     found = []
     for measured, units in batch.units[axis].items():
-        rows = [
-            r for r in batch.rows if (r.get("axis"), r.get("measured"), r["status"]) == (axis, measured, "ok")
-        ]
+        wanted = {"axis": axis, "measured": measured, "status": "ok"}.items()
+        rows = [r for r in batch.rows if wanted <= r.items()]
         for name, unit in units.items():
             values = np.array([r[name] for r in rows if r.get(name) is not None], dtype=float)
-            deviations = np.array(
-                [r[f"{name}_std"] for r in rows if r.get(f"{name}_std") is not None], dtype=float
-            )
+            found_stds = [r[f"{name}_std"] for r in rows if r.get(f"{name}_std") is not None]
+            deviations = np.array(found_stds, dtype=float)
             if not values.size:
                 continue
             found.append(

@@ -9,6 +9,7 @@ import os
 import time
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from polars.exceptions import PanicException
@@ -230,9 +231,8 @@ def _by_output_error(axis: FleetAxis, model: GeneratedModel, log: Log) -> dict[s
     loop = None
     if settings.controller:
         loop = ClosedLoop.with_gains(declared, settings.controller, settings.rate_hz)
-    found = identify_output_error(
-        declared, model, log, loop=loop, preparation=settings.preparation, nominal=settings.nominal
-    )
+    given: Any = {"preparation": settings.preparation, "nominal": settings.nominal}
+    found = identify_output_error(declared, model, log, loop=loop, **given)
     row: dict[str, Value] = {"status": found.status, "message": found.message, "decimation": 1}
     row["notes"] = "; ".join(found.notes) or None
     if found.fit is None:

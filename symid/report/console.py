@@ -55,9 +55,8 @@ class TextTable(Table):
     """
 
     def __init__(self, title: str, *headings: str, right: Sequence[str] = ()) -> None:
-        super().__init__(
-            title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False
-        )
+        shown = plain(title) if title else None
+        super().__init__(title=shown, title_justify="left", box=None, pad_edge=False)
         for heading in headings:
             self.add_column(heading, justify="right" if heading in right else "left")
 

@@ -135,9 +135,8 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
     """Print the record of `diagnosis_record`, the verdict first."""
     console = console or report_console()
     console.print(plain(record["sentence"], style="bold"))
-    console.print(
-        f"{record['axis']} from {', '.join(record['measured'])}: {', '.join(record['logs'])}", markup=False
-    )
+    logs = ", ".join(record["logs"])
+    console.print(f"{record['axis']} from {', '.join(record['measured'])}: {logs}", markup=False)
     for fault in record["faults"]:
         console.print(f"fault of the recording: {fault}", markup=False)
     gap = record["gap"]
@@ -262,9 +261,8 @@ def removes(removed: Mapping[str, float]) -> str:
 
 
 def _alternatives_table(record: dict[str, Any]) -> TextTable:
-    title = "Considered: " + ", ".join(
-        f"{words(name)} {probability(value)}" for name, value in record["probabilities"].items()
-    )
+    considered = (f"{words(name)} {probability(value)}" for name, value in record["probabilities"].items())
+    title = f"Considered: {', '.join(considered)}"
     numbers = ("probability", "gain in log-likelihood", f"leaves [{record['gap']['unit']}]")
     table = TextTable(title, "effect", "at", *numbers, right=numbers)
     for other in record["alternatives"][:_MOST_ALTERNATIVES]:
@@ -292,9 +290,7 @@ def _simulated_table(record: dict[str, Any]) -> TextTable:
     own = record.get("simulated", {"log": "", "parameters": {}, "effects": []})
     numbers = ("simulator", "machine")
     table = TextTable(f"The simulator ({own['log']})", "", *numbers, "unit", "remark", right=numbers)
-    rows = [
-        (name, p["simulated"], p["machine"], p["unit"], p["differs"]) for name, p in own["parameters"].items()
-    ]
+    rows = [(n, p["simulated"], p["machine"], p["unit"], p["differs"]) for n, p in own["parameters"].items()]
     for found in own["effects"]:
         place = f"{words(found['effect'])} at {found['at']}: "
         for name, p in found["simulated"].items():

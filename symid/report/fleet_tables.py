@@ -91,9 +91,7 @@ def _parameter(one: ParameterReview, axis: AxisReview) -> dict[str, Any]:
         "differs": one.name in axis.verdict.parameters,
         "changes": [change_record(change) for change in one.chart.changes],
         "outliers": [{"log": far.log, "value": far.value, "z": far.z} for far in one.outliers],
-        "outside_limits": [
-            one.logs[place] for place, out in zip(one.chart.order, one.chart.outside, strict=True) if out
-        ],
+        "outside_limits": [one.logs[place] for place in one.chart.order[one.chart.outside]],
     }
 
 

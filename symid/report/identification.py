@@ -168,13 +168,12 @@ def print_identification(record: dict[str, Any], console: Console | None = None)
         console.print(_parameter_table("Minimal parameters", record["minimal"]))
     console.print(_residual_table("Residual", record["residual"]))
     if "validation" in record:
-        console.print(
-            _residual_table(f"Residual on {record['validation']['log']}", record["validation"]["residual"])
-        )
-        kept = min(output["rows"] for output in record["validation"]["residual"].values())
+        log, residual = record["validation"]["log"], record["validation"]["residual"]
+        console.print(_residual_table(f"Residual on {log}", residual))
+        kept = min(output["rows"] for output in residual.values())
         if kept <= len(record["minimal"]):
             console.print(
-                f"note: {kept} rows of {record['validation']['log']} are left by filter, decimation and reversals, "
+                f"note: {kept} rows of {log} are left by filter, decimation and reversals, "
                 f"no more than the {len(record['minimal'])} parameters: take a longer log to judge the prediction",
                 markup=False,
             )

@@ -54,9 +54,7 @@ def write_identification_html(
         correlations=_correlations(found),
         fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
         remembered=_svg(correlation_figure(found), "memory-plot"),
-        whiteness=[
-            (title, own.outside, across.outside) for title, own, across in residual_correlations(found)
-        ],
+        whiteness=[(name, own.outside, across.outside) for name, own, across in residual_correlations(found)],
         made=_made(found, validation, command),
         version=__version__,
     )

@@ -72,9 +72,8 @@ def plots_of(found: Diagnosis) -> Plots:
     script, places = components({**fixed, **others, **bode_plots(found)})
     responses = {name: place for name, place in places.items() if name not in {**fixed, **others}}
     drawn = {name: places[name] for name in fixed}
-    return Plots(
-        library, script, **drawn, responses=responses, others={name: places[name] for name in others}
-    )
+    further = {name: places[name] for name in others}
+    return Plots(library, script, **drawn, responses=responses, others=further)
 
 
 def _over_time(found: Diagnosis) -> GridPlot:
@@ -84,9 +83,8 @@ def _over_time(found: Diagnosis) -> GridPlot:
     force = new_plot("force", f"{gap.signal} [{gap.unit}]", 320, window_axis="x")
     draw_curves(force, source, curves)
     error = new_plot("error", f"error [{gap.unit}]", 210, force, window_axis="x")
-    draw_curves(
-        error, source, [replace(curve, column=f"error_{curve.column}") for curve in _compared(curves)]
-    )
+    errors = [replace(curve, column=f"error_{curve.column}") for curve in _compared(curves)]
+    draw_curves(error, source, errors)
     error.add_layout(noise_band(2 * gap.noise_floor.rms))
     position = new_plot("position", f"position [{length}]", 130, force, window_axis="x")
     draw_curves(position, source, [Curve("position", "", NOISE)])

@@ -62,7 +62,6 @@ def motion_line(motion: dict[str, Any]) -> str:
     if motion["tracking_rms"] == motion["tracking_rms"]:
         size = significant(_MICRO * motion["tracking_rms"], 3)
         line += f"; measured tracking error {size} u{motion['unit']} rms"
-    messages = [
-        error["message"] for error in (motion["reidentified"], motion["explained"]) if error["message"]
-    ]
+    errors = (motion["reidentified"], motion["explained"])
+    messages = [error["message"] for error in errors if error["message"]]
     return "; ".join([line, *dict.fromkeys(messages)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from bokeh.models.annotations.geometry import Span
@@ -82,18 +83,14 @@ def _bode(one: _Beside) -> GridPlot:
     source, sizes = _columns(one)
     label = f"{of.quantity} / {of.force} [{of.unit}]"
     seen = (float(sizes.min()) / 2, float(sizes.max()) * 2)
-    magnitude = new_plot(
-        f"response of {of.signal}", label, 300, x_axis_type="log", y_axis_type="log", y_range=seen
-    )
+    along: Any = {"x_axis_type": "log"}
+    magnitude = new_plot(f"response of {of.signal}", label, 300, y_axis_type="log", y_range=seen, **along)
     draw_curves(magnitude, source, _curves("magnitude", one), "frequency")
-    phase = new_plot(
-        f"phase of {of.signal}", "phase [°]", 150, magnitude, x_axis_type="log", y_range=(-190, 190)
-    )
+    phase = new_plot(f"phase of {of.signal}", "phase [°]", 150, magnitude, y_range=(-190, 190), **along)
     draw_curves(phase, source, [replace(curve, label="") for curve in _curves("phase", one)], "frequency")
     phase.yaxis.ticker = FixedTicker(ticks=[-180, -90, 0, 90, 180])
-    coherence = new_plot(
-        f"coherence of {of.signal}", "coherence", 150, magnitude, x_axis_type="log", y_range=(0, 1.03)
-    )
+    name = f"coherence of {of.signal}"
+    coherence = new_plot(name, "coherence", 150, magnitude, y_range=(0, 1.03), **along)
     draw_curves(coherence, source, [Curve("coherence", "", NOISE)], "frequency")
     coherence.add_layout(Span(location=COHERENT, dimension="width", line_color=INK, line_dash="dashed"))
     coherence.yaxis.ticker = FixedTicker(ticks=[0, 0.5, 1])

@@ -41,9 +41,8 @@ def draw_panel(place: Any, panel: Panel, palette: Palette) -> None:
     top.set_title(panel.title, loc="left")
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
     top.tick_params(labelbottom=False)
-    draw_over_time(
-        below, panel.time, {"residual": (error, palette.residual, 0.7)}, f"residual [{panel.unit}]"
-    )
+    residual = {"residual": (error, palette.residual, 0.7)}
+    draw_over_time(below, panel.time, residual, f"residual [{panel.unit}]")
     below.axhline(0.0, color=palette.ink, linewidth=0.6)
     below.set_xlabel("time [s]")
     _against(against, panel.measured[used], panel.predicted[used], panel, palette)
@@ -116,9 +115,8 @@ def _densities(axes: Axes, panel: Panel, error: FloatArray, palette: Palette) ->
     )
     for values, colour, width, style, name in curves:
         frequency, power = scipy.signal.welch(np.nan_to_num(values), fs=rate, nperseg=min(1024, values.size))
-        axes.loglog(
-            frequency[1:], np.sqrt(power[1:]), color=colour, linewidth=width, linestyle=style, label=name
-        )
+        look = {"color": colour, "linewidth": width, "linestyle": style, "label": name}
+        axes.loglog(frequency[1:], np.sqrt(power[1:]), **look)
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"{panel.output} [{panel.unit}/√Hz]")
     axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.85)

@@ -84,9 +84,8 @@ def identification_figure(
                 draw_ellipse(axes, pair, values, covariance, units, palette)
             for axes in grid[len(pairs) :]:
                 axes.axis("off")
-            places[-1].legend(
-                *grid[0].get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False
-            )
+            handles, labels = grid[0].get_legend_handles_labels()
+            places[-1].legend(handles, labels, loc="outside upper right", ncols=3, frameon=False)
     return figure
 
 

@@ -61,9 +61,8 @@ def values_of(record: object, source: str) -> Values:
     """
     if not isinstance(record, dict):
         raise SettingError(f"{source} holds {shortened(record)}: give what symid identify --json wrote")
-    found = next(
-        (record[name] for name in ("physical", "parameters") if isinstance(record.get(name), dict)), None
-    )
+    named = (record.get(name) for name in ("physical", "parameters"))
+    found = next((one for one in named if isinstance(one, dict)), None)
     known = record.get("known")
     entries = record if found is None else {**found, **(known if isinstance(known, dict) else {})}
     values, deviations, units = {}, {}, {}
@@ -116,9 +115,8 @@ def comparison_record(first: Values, second: Values) -> dict[str, Any]:
 def print_comparison(record: dict[str, Any], console: Console | None = None) -> None:
     """Print the record of `comparison_record`."""
     console = console or report_console()
-    for which, file, axis, status in zip(
-        "AB", record["files"], record["axis"], record["status"], strict=True
-    ):
+    files = zip("AB", record["files"], record["axis"], record["status"], strict=True)
+    for which, file, axis, status in files:
         console.print(plain(f"{which}: {file}" + "".join(f", {word}" for word in (axis, status) if word)))
     numbers = ("A", "B", "B - A", "of A", "deviations")
     table = TextTable("", "", *numbers, "unit", right=numbers)
@@ -151,9 +149,8 @@ def _entry(entry: object) -> tuple[Any, float, str]:
         if isinstance(inner, dict) and is_finite_number(inner.get("value")):
             entry = inner
             break
-    std = next(
-        (entry[name] for name in ("std_corrected", "std") if is_finite_number(entry.get(name))), math.nan
-    )
+    stds = [entry[name] for name in ("std_corrected", "std") if is_finite_number(entry.get(name))]
+    std = stds[0] if stds else math.nan
     return entry.get("value"), float(std), unit if isinstance(unit, str) else ""
 
 

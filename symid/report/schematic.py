@@ -230,15 +230,13 @@ class _Drawing:
         low = self.boxes[GROUND.name].height / 2 if isinstance(reference, Ground) else self._half
         for x, foot in ((start, low), (end, self._half)):
             self.axes.plot([x, x], [foot, y + 0.08], color=colour, linewidth=0.7, zorder=1)
-        self.axes.plot(
-            [start, end], [y, y], color=colour, linewidth=1.4, linestyle=style, gid=f"sensor {sensor.signal}"
-        )
+        look: Any = {"color": colour, "linewidth": 1.4, "linestyle": style, "gid": f"sensor {sensor.signal}"}
+        self.axes.plot([start, end], [y, y], **look)
         arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 0, "shrinkA": 0, "shrinkB": 0}
         side = np.sign(end - start)
         self.axes.annotate("", (end, y), (end - 0.2 * side, y), arrowprops=arrow)
-        ripples = (
-            e for e in self.axis.imperfections if isinstance(e, EncoderRipple) and e.signal == sensor.signal
-        )
+        own = [e for e in self.axis.imperfections if isinstance(e, EncoderRipple)]
+        ripples = [e for e in own if e.signal == sensor.signal]
         label = marked(sensor.signal, marks_of(self.axis, *ripples))
         self._text(end - 0.45 * side, y + 0.2, label, color=colour)
 

@@ -20,6 +20,10 @@ _LENGTH = 0.62
 LINE = 1.3
 
 
+Points = Sequence[tuple[float, float]]
+"""Points along and across a line."""
+
+
 @dataclass(frozen=True)
 class Line:
     """A straight line between two elements on which a sign is drawn."""
@@ -32,7 +36,7 @@ class Line:
         """Distance between its ends."""
         return float(np.hypot(*np.subtract(self.end, self.begin)))
 
-    def points(self, local: Sequence[tuple[float, float]]) -> FloatArray:
+    def points(self, local: Points) -> FloatArray:
         """Points given along and across the line, from its middle."""
         along = np.subtract(self.end, self.begin) / self.length
         across = np.array([-along[1], along[0]])
@@ -43,25 +47,19 @@ class Line:
 Sign = Callable[[Axes, Line, Palette, str], None]
 
 
-def _stroke(
-    axes: Axes, line: Line, palette: Palette, name: str, *parts: Sequence[tuple[float, float]]
-) -> None:
+def _stroke(axes: Axes, line: Line, palette: Palette, name: str, *parts: Points) -> None:
     for points in parts:
         x, y = line.points(points).T
         axes.plot(x, y, color=palette.ink, linewidth=LINE, gid=name, solid_capstyle="butt", zorder=2)
 
 
-def _leads(
-    line: Line, half: float = _LENGTH / 2
-) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
+def _leads(line: Line, half: float = _LENGTH / 2) -> tuple[Points, Points]:
     """The straight parts on both sides of a sign."""
     end = line.length / 2
     return [(-end, 0.0), (-half, 0.0)], [(half, 0.0), (end, 0.0)]
 
 
-def _filled(
-    axes: Axes, line: Line, palette: Palette, name: str, corners: Sequence[tuple[float, float]]
-) -> None:
+def _filled(axes: Axes, line: Line, palette: Palette, name: str, corners: Points) -> None:
     look: Any = {
         "facecolor": palette.fill,
         "edgecolor": palette.ink,

@@ -100,9 +100,8 @@ def as_html(found: object) -> str:
 
 def _console() -> Console:
     # In a notebook rich would display each line itself, beside what it is asked for.
-    return ReportConsole(
-        file=io.StringIO(), record=True, width=_WIDTH, highlight=False, soft_wrap=True, force_jupyter=False
-    )
+    text: Any = {"file": io.StringIO(), "record": True, "width": _WIDTH, "soft_wrap": True}
+    return ReportConsole(**text, highlight=False, force_jupyter=False)
 
 
 @singledispatch

@@ -27,24 +27,13 @@ class Stage:
 
     @property
     def multiple(self) -> float:
-        """Error in multiples of the noise floor; nan without an error."""
-        return multiple_of_floor(self.level, self.floor)
+        """Error in multiples of the noise floor; nan where there is no error or no floor."""
+        return self.level.rms / self.floor.rms if self.level and self.floor.rms > 0 else math.nan
 
     @property
     def removed_multiple(self) -> float:
         """Removed error in multiples of the noise floor; nan for the first model."""
         return self.removed / self.floor.rms if self.floor.rms > 0 else math.nan
-
-
-def multiple_of_floor(level: Level | None, floor: Level) -> float:
-    """An error in multiples of the noise floor; nan where there is no error or no floor.
-
-    Examples
-    --------
-    >>> multiple_of_floor(Level(6.0, 0.3), Level(2.0, 0.1))
-    3.0
-    """
-    return math.nan if level is None or not floor.rms > 0 else level.rms / floor.rms
 
 
 def waterfall(found: Diagnosis) -> tuple[Stage, ...]:

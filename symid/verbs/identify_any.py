@@ -22,7 +22,7 @@ from symid.identification import (
 from symid.identification import identify as identify_model
 from symid.identification.axis_logs import require_changing
 from symid.verbs.axes import AnyAxis, axis_of
-from symid.verbs.logs import Recorded, are_several, log_of
+from symid.verbs.logs import Recorded, each_of, log_of
 
 if TYPE_CHECKING:
     from symid.output_error import OutputErrorIdentification
@@ -141,7 +141,7 @@ def identify(
     >>> list(known.physical_parameters), known.status
     (['Fv', 'Fs'], 'ok')
     """
-    given = cast("Sequence[Recorded]", logs) if are_several(logs) else (cast("Recorded", logs),)
+    given = each_of(logs)
     _require_possible(method, {"bounds": bounds, "prior": prior, "ddof": ddof, "known": known, "loop": loop})
     settings: dict[str, Any] = {"preparation": preparation, "nominal": nominal, "examine": examine}
     if known is not None:
@@ -237,9 +237,9 @@ def _with_fixed(
     """Identify the parameters that are not known, and compare with the estimate of all parameters."""
     declared = axis_of(axis)
     runs = [log_of(declared, log, measured, **columns) for log in logs]
-    signals = (
-        measured if measured is not None or isinstance(axis, (Axis, str)) else as_generated(axis).measured
-    )
+    signals = measured
+    if measured is None and not isinstance(axis, (Axis, str)):
+        signals = as_generated(axis).measured
     known, loop = declared.with_known(fixed), settings["loop"]
     settings["loop"] = loop and replace(loop, axis=known)
     if settings["method"] == "oe":

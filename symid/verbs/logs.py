@@ -22,17 +22,16 @@ def log_of(axis: Axis, given: Recorded, measured: Sequence[str] | None = None, *
     return files.read_axis_log(axis, given, measured=measured, **columns)
 
 
-def are_several(given: Recorded | Sequence[Recorded]) -> bool:
-    """Whether these are logs in a list or tuple."""
-    return isinstance(given, (list, tuple))
+def each_of(given: Recorded | Sequence[Recorded]) -> Sequence[Recorded]:
+    """Logs that are given alone, or in a list or tuple."""
+    return cast("Sequence[Recorded]", given if isinstance(given, (list, tuple)) else (given,))
 
 
 def logs_of(
     axis: Axis, given: Recorded | Sequence[Recorded], measured: Sequence[str] | None = None, **columns: Any
 ) -> list[Log]:
     """One or several logs of an axis, whole in memory."""
-    several = cast("Sequence[Recorded]", given) if are_several(given) else (cast("Recorded", given),)
-    runs = [log_of(axis, each, measured, **columns) for each in several]
+    runs = [log_of(axis, each, measured, **columns) for each in each_of(given)]
     return [run.window(0, run.n_samples) for run in runs]
 
 

@@ -78,7 +78,7 @@ def _columns(value: object, names: tuple[str, ...]) -> Iterator[tuple[tuple[str,
 def _are_rows(rows: Any, width: int) -> bool:
     """Whether these are rows of a table, as pandas writes them beside the names of its columns."""
     return (
-        isinstance(rows, list) and bool(rows) and all(isinstance(r, list) and len(r) == width for r in rows)
+        isinstance(rows, list) and rows != [] and all(isinstance(r, list) and len(r) == width for r in rows)
     )
 
 

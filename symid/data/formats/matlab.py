@@ -51,9 +51,8 @@ def _arrays(value: object, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
     if len(names) > _DEEPEST:
         return
     if isinstance(value, Mapping):
-        own = next(
-            (str(value[key]) for key in _NAMES if isinstance(value.get(key), str) and value[key]), None
-        )
+        labels = (value[key] for key in _NAMES if isinstance(value.get(key), str) and value[key])
+        own = next(labels, None)
         for key, inner in value.items():
             labelled = own is not None and key in _VALUES
             yield from _arrays(inner, (*names, str(own)) if labelled else (*names, str(key)))

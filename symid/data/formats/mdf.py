@@ -34,10 +34,9 @@ def open_mdf(path: Path, memory: int | None = None) -> Table:
     with tempfile.TemporaryDirectory() as folder:
         written = Path(folder) / "channels.npz"
         command = [sys.executable, "-m", "symid.data.formats.mdf", str(path.absolute()), str(written)]
+        command.append(str(memory or ""))
         try:
-            done = subprocess.run(
-                [*command, str(memory or "")], capture_output=True, timeout=_LONGEST, check=False
-            )
+            done = subprocess.run(command, capture_output=True, timeout=_LONGEST, check=False)
         except subprocess.TimeoutExpired as error:
             raise damaged(path, "MDF", error) from error
         if done.returncode or not written.exists():
@@ -53,9 +52,8 @@ def open_mdf(path: Path, memory: int | None = None) -> Table:
 def _write(path: Path, file: Path, memory: int | None) -> None:
     """Write the channels of an MDF file as arrays."""
     with import_module("asammdf").MDF(path) as whole:
-        require_room(
-            sum(int(group.channel_group.cycles_nr) * len(group.channels) for group in whole.groups), memory
-        )
+        values = sum(int(group.channel_group.cycles_nr) * len(group.channels) for group in whole.groups)
+        require_room(values, memory)
         signals = [
             (group, whole.get(group=group, index=index))
             for group, one in enumerate(whole.groups)

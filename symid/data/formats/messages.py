@@ -116,9 +116,8 @@ def table_of_messages(messages: Iterable[tuple[str, int, object]]) -> Table:
     names = short_names([path[:1] if path[0] in topics else path for path in samples])
     for name, (path, (rows, values)) in zip(names, samples.items(), strict=True):
         clock = seconds[path[0]]
-        channels.append(
-            Channel(name, "", clock if len(rows) == clock.size else clock[rows], np.array(values))
-        )
+        when = clock if len(rows) == clock.size else clock[rows]
+        channels.append(Channel(name, "", when, np.array(values)))
     return table_of_channels(channels)
 
 

@@ -67,9 +67,7 @@ READERS: Final[Mapping[str, Reader]] = MappingProxyType(
 
 SUFFIXES: Final = tuple(READERS)
 """Suffixes of files that can be read."""
-FOLDER_SUFFIXES: Final = tuple(
-    suffix for suffix in SUFFIXES if suffix not in (".json", ".npz", ".xls", ".ods")
-)
+FOLDER_SUFFIXES: Final = tuple(s for s in SUFFIXES if s not in (".json", ".npz", ".xls", ".ods"))
 """Suffixes that count as logs in a folder; other files often hold results and settings."""
 
 
