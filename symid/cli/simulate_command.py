@@ -43,19 +43,17 @@ from symid.simulation import (
     Trajectory,
     chirp,
     from_log,
-    multisine,
     plant_of,
     simulate,
     trapezoids,
     tuned_cascades,
+    whole_periods,
 )
 
 _UNIT = 1e-3
 """Amplitude of a trial trajectory, SI."""
-_LONGEST_PERIOD = 500_000
-"""Samples of a multisine's period; longer periods need frequencies that are not short fractions."""
-_FADES = 10
-"""A multisine is faded in and out in a tenth of its time each."""
+_LINES = 21
+"""Lines of a multisine."""
 
 trajectory_options = shared(
     option(
@@ -219,26 +217,11 @@ def _trajectory(options: dict[str, Any]) -> Trajectory:
         swept = {"quantity": options["amplitude_of"], "sweep": "logarithmic"}
         return _within(options, partial(chirp, low, high, seconds, sampling_period=period, **swept))
     if kind == "multisine":
-        return _within(options, partial(_multisine, (low, high), seconds, options["rate"]))
+        lines, rate = np.linspace(low, high, _LINES), options["rate"]
+        accelerated = {"seconds": seconds, "rate": rate, "quantity": "acceleration"}
+        return _within(options, partial(whole_periods, lines, **accelerated))
     raise SettingError(
         f"trajectory {kind!r} is not known: use trapezoids, chirp, multisine or the path of a log"
-    )
-
-
-def _multisine(band: tuple[float, float], seconds: float, rate: float, size: float) -> Trajectory:
-    """Up to 21 lines of equal acceleration in whole periods, faded in and out within the time."""
-    total = round(seconds * rate)
-    periods = -(-total // _LONGEST_PERIOD)
-    period = max((total - 2 * (total // _FADES)) // periods, 1)
-    cycles = np.unique(np.round(np.linspace(*band, 21) * period / rate).clip(1))
-    fade = (total - periods * period) // 2
-    return multisine(
-        cycles * rate / period,
-        size,
-        sampling_period=1.0 / rate,
-        quantity="acceleration",
-        seconds=periods * period / rate,
-        fade=fade / rate,
     )
 
 

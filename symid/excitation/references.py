@@ -12,7 +12,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.errors import SettingError
-from symid.simulation import Limits, Trajectory, chirp, multisine, trapezoids
+from symid.simulation import Limits, Trajectory, chirp, trapezoids, whole_periods
 from symid.simulation.multisine import Quantity
 
 DEFAULTS = ("default trapezoids", "default chirp")
@@ -26,9 +26,7 @@ _WAYS = (1.0, 0.3, 0.1, 0.03)
 _SPEEDS = ((1.0,), (0.05, 0.3, 1.0))
 _JERK_TIME = 0.01
 """Seconds in which acceleration builds up where no jerk is given."""
-_FADE = 0.1
 _LINES = 21
-_LONGEST_PERIOD = 500_000
 _CONSTANT: tuple[Quantity, ...] = ("velocity", "acceleration")
 _SWEEP: Literal["logarithmic"] = "logarithmic"
 _Maker = Callable[[float], Trajectory]
@@ -187,19 +185,9 @@ def _vibrations(
 def _multisine(
     band: tuple[float, float], seconds: float, rate: float, seed: int | None, size: float
 ) -> Trajectory:
-    """Lines of equal velocity, more of them at low frequencies, in whole periods between two fades."""
-    total = round(seconds * rate)
-    periods = -(-total // _LONGEST_PERIOD)
-    period = (total - 2 * round(_FADE * total)) // periods
-    cycles = np.unique(np.round(np.geomspace(*band, _LINES) * period / rate).clip(1))
-    return multisine(
-        cycles * rate / period,
-        size,
-        sampling_period=1 / rate,
-        seconds=periods * period / rate,
-        fade=(total - periods * period) // 2 / rate,
-        rng=None if seed is None else np.random.default_rng(seed),
-    )
+    """Lines of equal velocity, more of them at low frequencies."""
+    rng = None if seed is None else np.random.default_rng(seed)
+    return whole_periods(np.geomspace(*band, _LINES), size, seconds, rate, rng=rng)
 
 
 def _largest(limits: Limits, made: _Maker) -> Trajectory:

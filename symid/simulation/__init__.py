@@ -24,7 +24,7 @@ from symid.simulation.excitation import chirp, from_log, steps
 from symid.simulation.forward_dynamics import ForwardDynamics, forward_dynamics, plant_of
 from symid.simulation.limits import Extremes, Limits
 from symid.simulation.moves import MoveProfile, move, trapezoids
-from symid.simulation.multisine import Multisine, frequency_lines, multisine
+from symid.simulation.multisine import Multisine, frequency_lines, multisine, whole_periods
 from symid.simulation.plant import Plant, SensorRow
 from symid.simulation.reference_loop import ClosedLoop
 from symid.simulation.trajectory import Trajectory
@@ -59,4 +59,5 @@ __all__ = [
     "trapezoids",
     "tuned_cascade",
     "tuned_cascades",
+    "whole_periods",
 ]

@@ -21,6 +21,8 @@ Quantity = Literal["position", "velocity", "acceleration"]
 
 DERIVATIVE_ORDER: Final[dict[str, int]] = {"position": 0, "velocity": 1, "acceleration": 2}
 _FINEST: Final = 1_000_000  # largest denominator of a frequency in Hz
+_LONGEST_PERIOD: Final = 500_000  # samples
+_FADES: Final = 10
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -163,6 +165,40 @@ def multisine(
         period=period,
         steady=(n_fade, n_fade + n_steady),
     ).checked(limits)
+
+
+def whole_periods(
+    frequencies: FloatArray,
+    amplitude: float,
+    seconds: float,
+    rate: float,
+    *,
+    quantity: Quantity = "velocity",
+    rng: np.random.Generator | None = None,
+) -> Multisine:
+    """Multisine of about these frequencies in a given time: whole periods between fades of a tenth of it each.
+
+    Lines are rounded to whole cycles of a period that is short enough for them to be short fractions of 1 Hz.
+
+    Examples
+    --------
+    >>> shaking = whole_periods(np.array([0.9, 2.6]), 0.01, 5.0, 1000.0)
+    >>> shaking.frequencies.tolist(), shaking.duration
+    ([1.0, 2.5], 5.0)
+    """
+    total = round(seconds * rate)
+    periods = -(-total // _LONGEST_PERIOD)
+    period = max((total - 2 * (total // _FADES)) // periods, 1)
+    cycles = np.unique(np.round(frequencies * period / rate).clip(1))
+    return multisine(
+        cycles * rate / period,
+        amplitude,
+        sampling_period=1.0 / rate,
+        quantity=quantity,
+        seconds=periods * period / rate,
+        fade=(total - periods * period) // 2 / rate,
+        rng=rng,
+    )
 
 
 def _lines(
