@@ -8,7 +8,7 @@ from importlib import import_module
 
 import click
 
-from symid.cli.saying import fail, finish_output, prepare_streams, say
+from symid.cli.terminal import fail, finish_output, prepare_streams, say
 from symid.errors import SymidError
 
 COMMANDS = {

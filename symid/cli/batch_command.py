@@ -20,8 +20,8 @@ from symid.cli.log_options import (
     preparation_options,
     said_guesses,
 )
-from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
+    POSITIVE,
     bytes_of,
     cascade_gains,
     give_result,
@@ -33,12 +33,11 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import Output, SafeCommand
-from symid.cli.progress import tracked, working
-from symid.cli.saying import say
+from symid.cli.terminal import say, tracked, working
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.fleet.batch_settings import METHODS
 from symid.fleet.worker_limits import LONGEST
-from symid.report.batch_tables import print_batch
+from symid.report.fleet_tables import print_batch
 
 batch_options = shared(
     option(

@@ -28,8 +28,7 @@ from symid.cli.options import (
     write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
-from symid.cli.progress import working
-from symid.cli.saying import say
+from symid.cli.terminal import say, working
 from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError

@@ -13,8 +13,8 @@ from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.knowledge import quantity
-from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
+    POSITIVE,
     assignments,
     bandwidth_option,
     gain_option,
@@ -28,9 +28,8 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
-from symid.cli.progress import tracked
-from symid.cli.saying import say
 from symid.cli.simulate_command import cascades_of, with_imperfections
+from symid.cli.terminal import say, tracked
 from symid.codegen import model_of
 from symid.data import REFERENCE, Log, write_log
 from symid.errors import SettingError

@@ -12,7 +12,7 @@ from click import Choice, argument, option
 from symid.axis import Axis, load_axis
 from symid.cli.options import as_json, json_option, measured_option, parameter_file, signal_list, write_json
 from symid.cli.outputs import Output, SafeCommand
-from symid.cli.saying import say
+from symid.cli.terminal import say
 from symid.errors import EliminationError, SettingError
 from symid.export import Exported, c_source, mjcf, parameter_record, structured_text, urdf, write_fmu
 from symid.files import is_finite_number, read_json, write_whole

@@ -13,7 +13,7 @@ from click import Choice, argument, option
 from symid.axis import load_axis
 from symid.cli.options import give_result, json_option, page_of, report_option, signal_list
 from symid.cli.outputs import SafeCommand
-from symid.cli.progress import working
+from symid.cli.terminal import working
 from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
 from symid.fleet import FleetReview, JointIdentification, join_results, read_results, review_fleet, units_in

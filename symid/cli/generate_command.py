@@ -9,8 +9,7 @@ from click import argument, option
 
 from symid.cli.options import json_option, measured_option, signal_list, write_json
 from symid.cli.outputs import SafeCommand
-from symid.cli.progress import tracked
-from symid.cli.saying import say
+from symid.cli.terminal import say, tracked
 from symid.codegen.generate import plan
 from symid.codegen.store import write
 

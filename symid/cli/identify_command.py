@@ -30,8 +30,8 @@ from symid.cli.log_options import (
     read_log_of,
     said_guesses,
 )
-from symid.cli.number_types import POSITIVE
 from symid.cli.options import (
+    POSITIVE,
     bytes_of,
     cascade_gains,
     dark_option,
@@ -48,7 +48,7 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import SafeCommand
-from symid.cli.progress import tracked, working
+from symid.cli.terminal import tracked, working
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.identification import (

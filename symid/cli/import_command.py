@@ -13,8 +13,7 @@ from click import argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
-from symid.cli.number_types import POSITIVE, Number
-from symid.cli.options import dark_option, give_result, json_option, plot_option, write_json
+from symid.cli.options import POSITIVE, Number, dark_option, give_result, json_option, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of

@@ -9,8 +9,10 @@ from typing import Any
 from click import Choice, option
 
 from symid.axis import Axis
-from symid.cli.number_types import COUNT, ORDER, RATE
 from symid.cli.options import (
+    COUNT,
+    ORDER,
+    RATE,
     assignments,
     held_option,
     late_option,
@@ -21,7 +23,7 @@ from symid.cli.options import (
     shared,
     signal_list,
 )
-from symid.cli.saying import say
+from symid.cli.terminal import say
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import LogMapping, Preparation, read_axis_log, read_mapping

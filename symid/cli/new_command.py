@@ -11,7 +11,7 @@ from click import IntRange, argument, option
 from symid.axis import load_axis, sketch, sketch_source
 from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
-from symid.cli.saying import say
+from symid.cli.terminal import say
 from symid.errors import SettingError
 from symid.signals import is_signal_name
 

@@ -13,8 +13,10 @@ import numpy as np
 from click import Choice, IntRange, argument, option
 
 from symid.axis import Axis, load_axis
-from symid.cli.number_types import LIMIT, NOT_NEGATIVE, POSITIVE
 from symid.cli.options import (
+    LIMIT,
+    NOT_NEGATIVE,
+    POSITIVE,
     assignments,
     bandwidth_option,
     cascade_gains,
@@ -30,8 +32,7 @@ from symid.cli.options import (
     shared,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
-from symid.cli.progress import tracked
-from symid.cli.saying import say
+from symid.cli.terminal import say, tracked
 from symid.data import read_log, write_log
 from symid.errors import SettingError
 from symid.identification import read_axis_log

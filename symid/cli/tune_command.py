@@ -11,8 +11,9 @@ from click import Choice, argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.log_options import late_of, log_options, read_log_of
-from symid.cli.number_types import ORDER, POSITIVE
 from symid.cli.options import (
+    ORDER,
+    POSITIVE,
     dark_option,
     give_result,
     held_force,
@@ -26,8 +27,8 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import SafeCommand
-from symid.cli.progress import tracked
 from symid.cli.simulate_command import band_of, cascades_of, controller_options, runs_of, trajectory_options
+from symid.cli.terminal import tracked
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
 from symid.report.colours import palette_of

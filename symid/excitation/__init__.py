@@ -1,7 +1,6 @@
 """Design of the reference for an identification: the motion within limits that determines the parameters best."""
 
-from symid.excitation.best_reference import Design, design
-from symid.excitation.expectation import Expectation, IdentificationTrial
+from symid.excitation.best_reference import Design, Expectation, IdentificationTrial, design
 from symid.excitation.references import references
 
 __all__ = ["Design", "Expectation", "IdentificationTrial", "design", "references"]

@@ -1,20 +1,190 @@
-"""`design`: the reference of a few dozen that promises the smallest worst relative deviation."""
+"""The reference for an identification: of a few dozen, the one with the smallest expected worst relative deviation.
+
+Along each reference the axis is simulated and identified, and its limits are verified. The inverse of the covariance of
+the estimate is the information that the log holds for it, at the filter and differences that `identify` chooses. The
+truth is known here, so that a systematic error is seen as well.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
-from symid.errors import SettingError
-from symid.excitation.expectation import Expectation, IdentificationTrial
-from symid.excitation.references import DEFAULTS, references, references_apart
-from symid.simulation import Trajectory, plant_of
+import numpy as np
+
+from symid.axis import Axis
+from symid.codegen import GeneratedModel
+from symid.errors import LogError, SettingError
+from symid.excitation.references import DEFAULTS, references, references_apart, scaled
+from symid.identification import Preparation, identify
+from symid.instrumental import identify_by_instruments
+from symid.simulation import ClosedLoop, Controller, Limits, Simulation, Trajectory, plant_of, simulate
 
 Paths: TypeAlias = tuple[Trajectory, ...]
 """Reference of each drive."""
 _FINALISTS, _RUNS = 6, 4
 """Simulated runs that judge the best candidates and the defaults; one run shows little of systematic errors."""
+_TRIES = 4
+_MARGIN = 0.99
+_CHANCE = 2.0
+"""Deviations of a mean up to which its difference from the truth is chance."""
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """Deviations that are expected of an identification, and what the axis reached on the way.
+
+    Parameters
+    ----------
+    references : tuple of Trajectory
+        The reference of each drive, at the size at which the axis keeps its limits.
+    deviations : dict of str to float
+        Standard deviations of the physical parameters, SI.
+    relative : dict of str to float
+        The same relative to the values, with the systematic error beyond two deviations of its mean added in
+        squares; of parameters that are not zero.
+    reached : dict of str to float
+        Largest travel, speed, acceleration and force of a drive of the simulated axis, jerk of a reference, and how
+        far drives are apart if that has a limit, SI.
+    """
+
+    references: tuple[Trajectory, ...]
+    deviations: dict[str, float]
+    relative: dict[str, float]
+    reached: dict[str, float]
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """Reference of the first drive."""
+        return self.references[0]
+
+    @property
+    def worst(self) -> float:
+        """Largest relative deviation."""
+        return max(self.relative.values(), default=math.inf)
+
+
+@dataclass(frozen=True)
+class IdentificationTrial:
+    """An axis as it will be identified.
+
+    Parameters
+    ----------
+    axis : Axis
+        With the noise of its signals.
+    model : GeneratedModel
+        For the sensors to use.
+    parameters : mapping of str to float
+        Values assumed of the physical parameters, SI.
+    controller : Controller or sequence of Controller
+        Controllers, one for each drive.
+    limits : Limits
+        Length of the travel, speed, acceleration and jerk.
+    force : float
+        Largest force of a drive, SI.
+    apart : float, optional
+        Most by which the positions of several drives may differ, SI. Only with it drives get references that differ.
+    method : {"wls", "iv"}
+        Least squares, or instrumental variables: reference and controller are known here, and noise of an encoder in
+        the regressor biases least squares.
+    """
+
+    axis: Axis
+    model: GeneratedModel
+    parameters: Mapping[str, float]
+    controller: Controller | Sequence[Controller]
+    limits: Limits
+    force: float = math.inf
+    apart: float | None = None
+    method: Literal["wls", "iv"] = "wls"
+
+    def within_limits(
+        self, paths: Sequence[Trajectory], seed: int = 0
+    ) -> tuple[tuple[Trajectory, ...], Simulation] | None:
+        """The references, smaller if they must be, and their simulation; None if it stays beyond the limits."""
+        for _ in range(_TRIES):
+            run = simulate(self.axis, self.parameters, paths, self.controller, seed=seed)
+            reached, allowed = self.reached(paths, run), self.allowed
+            excess = max(reached[name] / allowed[name] for name in allowed)
+            if excess <= 1.0:
+                return tuple(paths), run
+            paths = [scaled(path, _MARGIN / excess) for path in paths]
+        return None
+
+    @property
+    def allowed(self) -> dict[str, float]:
+        """Limits of travel, speed, acceleration, jerk and force by name, and how far drives may be apart."""
+        low, high = self.limits.travel
+        rates = {name: getattr(self.limits, name) for name in ("speed", "acceleration", "jerk")}
+        apart = {} if self.apart is None else {"apart": self.apart}
+        return {"travel": high - low, **rates, "force": self.force, **apart}
+
+    def reached(self, paths: Sequence[Trajectory], run: Simulation) -> dict[str, float]:
+        """Extremes of a simulated axis at the position sensor of each drive; the jerk is that of the references."""
+        plant = plant_of(self.axis, self.parameters)
+        rows = np.stack([plant.sensors[signal].row for signal in self.axis.controlled_signals])
+        n = rows.shape[1]
+        position, velocity = run.states[:, :n] @ rows.T, run.states[:, n:] @ rows.T
+        found = {
+            "travel": float(np.ptp(position, axis=0).max()),
+            "speed": float(np.abs(velocity).max()),
+            "acceleration": float(np.abs(np.diff(velocity, axis=0)).max() / paths[0].sampling_period),
+            "jerk": max(path.extremes.jerk for path in paths),
+            "force": float(np.abs(run.forces).max()),
+        }
+        return found if self.apart is None else {**found, "apart": float(np.ptp(position, axis=1).max())}
+
+    def identified(self, run: Simulation) -> tuple[dict[str, float], dict[str, float]] | None:
+        """Physical parameters and their deviations from a simulated log; None if they are not determined."""
+        settings = Preparation(held=True)
+        try:
+            if self.method == "wls":
+                found = identify(self.model, run.log, preparation=settings, nominal=self.parameters)
+            else:
+                found = identify_by_instruments(
+                    self.model,
+                    run.log,
+                    ClosedLoop(self.axis, self.controller, run.log.sampling_frequency),
+                    preparation=settings,
+                    nominal=self.parameters,
+                )
+        except (SettingError, LogError):
+            return None
+        if found.fit.status != "ok" or found.status == "weak_instruments" or not found.physical:
+            return None
+        values = found.physical_parameters
+        return values, dict(zip(values, map(float, found.physical_deviations), strict=True))
+
+    def expectation(self, paths: Sequence[Trajectory], runs: int = 1) -> Expectation | None:
+        """Expectation along a reference for each drive; None beyond limits, or where the parameters are not determined.
+
+        References are made smaller if the axis goes beyond its limits. Each of the runs has other noise: the more, the
+        smaller a systematic error that is seen.
+        """
+        kept = self.within_limits(paths)
+        if kept is None:
+            return None
+        motion = kept[0]
+        every = [kept[1]]
+        every += [
+            simulate(self.axis, self.parameters, motion, self.controller, seed=seed)
+            for seed in range(1, runs)
+        ]
+        found = [one for run in every if (one := self.identified(run))]
+        if len(found) < runs:
+            return None
+        deviations = {name: math.sqrt(sum(one[1][name] ** 2 for one in found) / runs) for name in found[0][0]}
+        relative = {}
+        for name, deviation in deviations.items():
+            truth = self.parameters[name]
+            # The mean of several runs differs from the truth by chance up to two of its deviations; the rest is bias.
+            if truth and math.isfinite(deviation):
+                error = abs(sum(one[0][name] for one in found) / runs - truth)
+                beyond = max(error - _CHANCE * deviation / math.sqrt(runs), 0.0)
+                relative[name] = math.hypot(deviation, beyond) / abs(truth)
+        return Expectation(motion, deviations, relative, self.reached(*kept))
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Many logs: each identified alone into one table, what several share, how they spread, and a fleet's review."""
 
-from symid.fleet.batch import Batch, Interrupted, identify_batch
+from symid.fleet.batch import Batch, Interrupted, identify_batch, summary_of
 from symid.fleet.batch_settings import BatchSettings
 from symid.fleet.control_chart import ControlChart, control_chart
 from symid.fleet.joint_estimate import JointIdentification, LogFactors, identify_jointly, log_factors
@@ -11,7 +11,6 @@ from symid.fleet.results import UNITS, read_results, units_in
 from symid.fleet.review import AxisReview, FleetReview, ParameterReview, review_fleet
 from symid.fleet.segments import TrendChange, TrendSegment
 from symid.fleet.spread import Spread, SpreadVerdict, judge_spread, spread_between
-from symid.fleet.summary import summary_of
 
 __all__ = [
     "UNITS",

@@ -1,4 +1,4 @@
-"""`identify_batch`: from many logs to a table with a row for each."""
+"""`identify_batch`: from many logs to a table with a row for each, and its summary."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ import shutil
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
 
 from symid.axis import Axis
@@ -28,15 +29,17 @@ from symid.fleet.result_table import (
     units_of,
     write_table,
 )
-from symid.fleet.results import Units
+from symid.fleet.results import Units, count_effects
 from symid.fleet.row import Row
 from symid.fleet.schedulers import Scheduler, scheduler_of
+from symid.fleet.spread import robust_deviation
 from symid.fleet.work import Task, killed, work
 from symid.shown import Shown
 from symid.text import visible
 
 Track = Callable[[Iterable[Any], int], Iterable[Any]]
 _BEFORE = ".before"
+_MOST_TROUBLES = 20
 
 
 class Interrupted(KeyboardInterrupt):
@@ -238,3 +241,62 @@ def _former_kept(files: Sequence[Path], dropped: set[str]) -> Path | None:
     except OSError as error:
         raise SymidError(f"{place}: cannot be written ({error.strerror}); {files[0]} is as it was") from error
     return place
+
+
+def summary_of(batch: Batch) -> dict[str, Any]:
+    """Record of `symid batch --json`.
+
+    The spread of a parameter is a standard deviation too, from the median absolute deviation over the logs of status
+    "ok", which stray logs do not move; ``std`` is the median of what the logs promise.
+
+    Parameters
+    ----------
+    batch : Batch
+        Its rows.
+    """
+    troubles = [row for row in batch.rows if row["status"] != "ok"]
+    record: dict[str, Any] = {
+        "logs": len(batch.rows),
+        "reused": batch.reused,
+        "status": batch.statuses,
+        "seconds_of_work": sum(float(row.get("seconds") or 0.0) for row in batch.rows),
+        "parameters": {axis: _parameters(batch, axis) for axis in batch.units},
+        "not_ok": [
+            {name: row.get(name) for name in ("log", "status", "message")}
+            for row in troubles[:_MOST_TROUBLES]
+        ],
+        "output": [str(file) for file in batch.files],
+        "former_table": str(batch.replaced) if batch.replaced else None,
+    }
+    if batch.diagnosed:
+        verdicts = Counter(row["verdict"] for row in batch.rows if row.get("verdict"))
+        record["verdicts"] = dict(verdicts.most_common())
+        found = ((str(row.get("axis")), row.get("effect"), row.get("at")) for row in batch.rows)
+        record["effects"] = [asdict(one) for one in count_effects(found)]
+    return record
+
+
+def _parameters(batch: Batch, axis: str) -> list[dict[str, Any]]:
+    """Each parameter over the logs of an axis with the same sensors."""
+    found = []
+    for measured, units in batch.units[axis].items():
+        wanted = {"axis": axis, "measured": measured, "status": "ok"}.items()
+        rows = [r for r in batch.rows if wanted <= r.items()]
+        for name, unit in units.items():
+            values = np.array([r[name] for r in rows if r.get(name) is not None], dtype=float)
+            found_stds = [r[f"{name}_std"] for r in rows if r.get(f"{name}_std") is not None]
+            deviations = np.array(found_stds, dtype=float)
+            if not values.size:
+                continue
+            found.append(
+                {
+                    "name": name,
+                    "measured": measured,
+                    "logs": values.size,
+                    "median": float(np.median(values)),
+                    "spread": robust_deviation(values),
+                    "std": float(np.median(deviations)) if deviations.size else None,
+                    "unit": unit,
+                }
+            )
+    return found

@@ -18,13 +18,13 @@ from symid.files import write_whole
 from symid.fleet import Batch, review_fleet, summary_of
 from symid.identification import Identification, SharedIdentification
 from symid.output_error import OutputErrorIdentification
-from symid.report.batch_tables import print_batch
 from symid.report.console import ReportConsole
 from symid.report.derivation import print_derivation
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.diagnosis_page import write_html
 from symid.report.drawn import Drawn, svg_of
 from symid.report.fleet_page import write_fleet_html
+from symid.report.fleet_tables import print_batch
 from symid.report.identification import (
     identification_record,
     print_identification,

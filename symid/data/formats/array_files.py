@@ -1,8 +1,10 @@
-"""MATLAB files: vectors, matrices, structs of Simulink and dSPACE; version 7.3 as the HDF5 file that it is."""
+"""Arrays by name: MATLAB files with structs of Simulink and dSPACE, version 7.3 as the HDF5 file that it is; NPZ."""
 
 from __future__ import annotations
 
 import math
+import zipfile
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -71,3 +73,16 @@ def _require_room_for(path: Path, memory: int | None) -> None:
     except Exception:  # noqa: BLE001  what cannot be listed, such as a tf model, may still be loaded
         return
     require_room(sum(math.prod(map(int, shape)) for _, shape, _ in listed), memory)
+
+
+def open_npz(path: Path, memory: int | None = None) -> Table:
+    """Table in an NPZ file; objects in it are not loaded, they could run code.
+
+    LogError if it is damaged, or holds objects.
+    """
+    failures = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError)
+    with parsing(path, "NPZ", *failures):
+        with zipfile.ZipFile(path) as archive:
+            require_room(sum(entry.file_size for entry in archive.infolist()) // 8, memory)
+        with np.load(path, allow_pickle=False) as arrays:
+            return table_of_arrays({name: arrays[name] for name in arrays.files})
