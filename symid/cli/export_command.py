@@ -67,12 +67,8 @@ def command(axis: str, **options: Any) -> None:
 
 
 def _exported(declared: Axis, values: dict[str, float], options: dict[str, Any]) -> Exported:
-    if options["to"] == "mjcf":
-        return mjcf(declared, values)
-    if options["to"] == "urdf":
-        return urdf(declared, values)
-    if options["to"] == "st":
-        return structured_text(declared, values)
+    if write := {"mjcf": mjcf, "urdf": urdf, "st": structured_text}.get(options["to"]):
+        return write(declared, values)
     if options["to"] == "fmu":
         if not options["output"]:
             raise SettingError("a unit is a file: give its name with -o FILE.fmu")
@@ -99,12 +95,9 @@ def _identified(file: str) -> dict[str, Any]:
         measured = None
     if not isinstance(covariance, dict):
         covariance = None
-    found: dict[str, Any] = {}
-    if isinstance(minimal, dict):
-        for name, one in minimal.items():
-            value = one.get("value") if isinstance(one, dict) else one
-            if is_finite_number(value):
-                found[name] = value
+    entries = minimal.items() if isinstance(minimal, dict) else ()
+    values = {name: one.get("value") if isinstance(one, dict) else one for name, one in entries}
+    found = {name: value for name, value in values.items() if is_finite_number(value)}
     return {"measured": measured, "covariance": covariance, "minimal": found or None}
 
 

@@ -113,13 +113,10 @@ def priors_of(file: str | None, axis: Axis) -> dict[str, Any]:
         raise SettingError(f'{file} holds no priors: write {{"NAME": [mean, deviation], ...}} in SI units')
     if isinstance(values.get("physical"), dict):
         found = {name: one for name, one in values["physical"].items() if name in axis.physical_parameters}
-        return {name: _pair_of_result(file, name, one) for name, one in found.items()}
+        for name, one in found.items():
+            if not isinstance(one, dict) or not {"value", "std_corrected"} <= one.keys():
+                raise SettingError(
+                    f"{file}: {name} is {shortened(one)}, a value with its std_corrected is required"
+                )
+        return {name: (one["value"], one["std_corrected"]) for name, one in found.items()}
     return values
-
-
-def _pair_of_result(file: str, name: str, found: object) -> tuple[Any, Any]:
-    if not isinstance(found, dict) or not {"value", "std_corrected"} <= found.keys():
-        raise SettingError(
-            f"{file}: {name} is {shortened(found)}, a value with its std_corrected is required"
-        )
-    return found["value"], found["std_corrected"]

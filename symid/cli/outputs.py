@@ -95,7 +95,12 @@ class SafeCommand(click.Command):
         """Refuse outputs that are inputs, exist as something else, or cannot be written; then do the work."""
         wanted = tuple(_wanted(self, ctx.params))
         if wanted:
-            _require_apart(wanted)
+            seen: dict[str, _Wanted] = {}
+            for output in wanted:
+                if not output.path.exists() or output.path.is_file():
+                    other = seen.setdefault(os.path.realpath(output.path), output)
+                    if other is not output:
+                        raise SettingError(f"{other.said} and {output.said} are one file: give each its own")
             inputs = dict(_inputs(self, ctx.params))
             for output in wanted:
                 _require_writable(output, inputs, overwrite=bool(ctx.params.get("overwrite")))
@@ -148,16 +153,6 @@ def _identity(path: str | Path) -> tuple[int, int] | None:
     except (OSError, ValueError):
         return None
     return status.st_dev, status.st_ino
-
-
-def _require_apart(wanted: tuple[_Wanted, ...]) -> None:
-    """SettingError if two outputs are one file."""
-    seen: dict[str, _Wanted] = {}
-    for output in wanted:
-        if not output.path.exists() or output.path.is_file():
-            other = seen.setdefault(os.path.realpath(output.path), output)
-            if other is not output:
-                raise SettingError(f"{other.said} and {output.said} are one file: give each its own")
 
 
 def _require_writable(output: _Wanted, inputs: Mapping[tuple[int, int], str], *, overwrite: bool) -> None:

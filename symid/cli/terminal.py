@@ -24,14 +24,7 @@ def _is_watched() -> bool:
 
 
 def working(what: str) -> AbstractContextManager[object]:
-    """Show that work of unknown length is going on, if standard error is a terminal.
-
-    Examples
-    --------
-    >>> with working("thinking"):
-    ...     1 + 1
-    2
-    """
+    """Show that work of unknown length is going on, if standard error is a terminal."""
     if not _is_watched():
         return nullcontext()
     from rich.console import Console  # takes 50 ms to load
@@ -43,11 +36,6 @@ def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Itera
     """Pass items on; once their work has taken two seconds, show a bar if standard error is a terminal.
 
     It is labelled `what`; `total` is the number of items if they have no length.
-
-    Examples
-    --------
-    >>> list(tracked(["a", "b"], "letters"))
-    ['a', 'b']
     """
     if not _is_watched():
         yield from items

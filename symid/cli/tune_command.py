@@ -141,7 +141,6 @@ def command(axis: str, file: str, json_file: str | None, **options: Any) -> None
 
 
 def _bounded(declared: Axis, parameters: dict[str, float], options: dict[str, Any]) -> Tuning:
-    """By bounds on systematic errors."""
     simulated = declared if options["keep_jumps"] else without_jumps(declared)
     controller, trajectory = _run_of(declared, plant_of(simulated, parameters), options)
     return tune(

@@ -77,13 +77,7 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
 
 
 def said_range(name: str, lowest: float, highest: float) -> str | None:
-    """Fault of a channel that is constant, or constant up to rounding; None if there is none.
-
-    Examples
-    --------
-    >>> said_range("q", 0.0, 1.0) is None
-    True
-    """
+    """Fault of a channel that is constant, or constant up to rounding; None if there is none."""
     if lowest == highest:
         return (
             f"{name!r} is constant ({lowest:g}) over the whole log: "

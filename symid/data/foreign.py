@@ -126,9 +126,8 @@ def _guessed(header: str, values: FloatArray) -> ForeignColumn:
         if word is None:
             continue
         if quantity == "percent":
-            return ForeignColumn(
-                header, "percent", "%", setpoint, f"{word!r} in percent: of a rated value", True
-            )
+            why = f"{word!r} in percent: of a rated value"
+            return ForeignColumn(header, "percent", "%", setpoint, why, True)
         return _without_unit(header, by_name, word, setpoint, values, written)
     numbered = _match(words, _NUMBERS) is not None
     if numbered and _rises_evenly(values):

@@ -70,7 +70,17 @@ class Log(Shown):
                 f"{self.source}: sampling period {self.sampling_period:g} s is impossible: it must be > 0"
             )
         signals = {name: read_only(values) for name, values in self.signals.items()}
-        _check_lengths(self.source, signals)
+        if not signals:
+            raise LogError(f"{self.source}: there are no signals: a log needs at least one")
+        for name, values in signals.items():
+            if values.ndim != 1 or values.size == 0:
+                shape = f"signal {name!r} has shape {values.shape}"
+                raise LogError(f"{self.source}: {shape}: a vector of samples is required")
+        if len({values.size for values in signals.values()}) > 1:
+            lengths = ", ".join(f"{name} {values.size}" for name, values in signals.items())
+            raise LogError(
+                f"{self.source}: the signals differ in length ({lengths}): give as many samples of each"
+            )
         object.__setattr__(self, "signals", MappingProxyType(signals))
         object.__setattr__(self, "notes", tuple(self.notes))
 
@@ -230,19 +240,6 @@ class Log(Shown):
             signals={name: values[start_index:stop_index] for name, values in self.signals.items()},
             notes=self.notes,
         )
-
-
-def _check_lengths(source: str, signals: Mapping[str, FloatArray]) -> None:
-    if not signals:
-        raise LogError(f"{source}: there are no signals: a log needs at least one")
-    for name, values in signals.items():
-        if values.ndim != 1 or values.size == 0:
-            raise LogError(
-                f"{source}: signal {name!r} has shape {values.shape}: a vector of samples is required"
-            )
-    if len({values.size for values in signals.values()}) > 1:
-        lengths = ", ".join(f"{name} {values.size}" for name, values in signals.items())
-        raise LogError(f"{source}: the signals differ in length ({lengths}): give as many samples of each")
 
 
 def _finite_copy(source: str, name: str, values: npt.ArrayLike) -> FloatArray:

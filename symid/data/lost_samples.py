@@ -48,17 +48,12 @@ def dropped(x: FloatArray) -> BoolArray:
         usual = float(np.median(np.abs(np.diff(x, 2)))) if x.size > 2 else 0.0
         far = max(_FAR * float(np.sqrt(np.mean(x**2))), _NOISE * usual)
         inner = zero[(zero > 0) & (zero < x.size - 1)]
-        before, after = (_next_not_zero(x, inner, step) for step in (-1, 1))
+        before, after = np.zeros((2, inner.size))  # the nearest values other than 0
+        for k in range(_LONGEST, 0, -1):
+            earlier, later = x[np.maximum(inner - k, 0)], x[np.minimum(inner + k, x.size - 1)]
+            before, after = np.where(earlier == 0.0, before, earlier), np.where(later == 0.0, after, later)
         is_lost = (before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > far)
         found[inner[is_lost]] = True
-    return found
-
-
-def _next_not_zero(x: FloatArray, places: np.ndarray, step: int) -> FloatArray:
-    found = np.zeros(places.size)
-    for k in range(1, _LONGEST + 1):
-        there = x[np.clip(places + k * step, 0, x.size - 1)]
-        found = np.where(found == 0.0, there, found)
     return found
 
 

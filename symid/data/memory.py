@@ -12,12 +12,7 @@ _VALUE = 8
 
 
 def require_room(n_values: int, memory: int | None = None) -> None:
-    """Raise LogError if numbers of 64 bit would take more bytes than they may; by default, than this machine has free.
-
-    Examples
-    --------
-    >>> require_room(1000)
-    """
+    """Raise LogError if numbers of 64 bit take more bytes than they may; by default, than this machine has free."""
     needed, room = _VALUE * n_values, free_memory() if memory is None else memory
     if needed > room:
         allowed = "are free" if memory is None else "are allowed (--memory)"

@@ -98,17 +98,9 @@ class ZeroPhaseFilter:
     def reach(self) -> int:
         """Samples after which the filter has forgotten its state."""
         slowest = max(float(np.max(np.abs(np.roots(section[3:])))) for section in self.sections)
-        slowest = min(slowest, _SLOWEST)
-        return (
-            self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(slowest))
-            if slowest > 0.0
-            else self.padding
-        )
-
-    @cached_property
-    def constant_gain(self) -> float:
-        """Gain of both passes for a constant."""
-        return float(np.prod(self.sections[:, :3].sum(axis=1) / self.sections[:, 3:].sum(axis=1))) ** 2
+        if slowest == 0.0:
+            return self.padding
+        return self.padding + math.ceil(math.log(_FORGOTTEN) / math.log(min(slowest, _SLOWEST)))
 
     @cached_property
     def _settled(self) -> FloatArray:
@@ -117,7 +109,8 @@ class ZeroPhaseFilter:
     def apply(self, x: FloatArray) -> FloatArray:
         """Vector, filtered forward and backward."""
         if _is_constant(x):
-            return np.full(x.size, x[0] * self.constant_gain)
+            gain = np.prod(self.sections[:, :3].sum(axis=1) / self.sections[:, 3:].sum(axis=1))
+            return np.full(x.size, x[0] * float(gain) ** 2)
         extended = self._continued(x[None])
         for _ in ("forward", "backward"):
             passed, _ = run(self.sections, extended, self._states(extended[:, 0]))

@@ -89,33 +89,21 @@ def references_apart(
         waves = [_largest(half, partial(_multisine, band, seconds, rate, seed)) for seed in range(drives)]
         base, name = _lasting(scaled(move, 0.5), count), f"{move.name}, halved ({i})"
         name = f"{name}, with a multisine for each drive up to {band[1]:.3g} Hz"
-        found.append(tuple(_together(base, _lasting(wave, count), name) for wave in waves))
+        moved = [_changed(np.add, base, _lasting(wave, count)) for wave in waves]
+        found.append(tuple(replace(one, name=name) for one in moved))
     return found
 
 
-def _together(first: Trajectory, second: Trajectory, name: str) -> Trajectory:
-    return first.with_motion(
-        position=first.position + second.position,
-        velocity=first.velocity + second.velocity,
-        acceleration=first.acceleration + second.acceleration,
-        name=name,
-    )
-
-
 def scaled(trajectory: Trajectory, share: float) -> Trajectory:
-    """The motion with all amplitudes multiplied by a share.
+    """The motion with all amplitudes multiplied by a share."""
+    return _changed(lambda part: share * part, trajectory)
 
-    Examples
-    --------
-    >>> ramp = Trajectory([0.0, 1.0], [1.0, 1.0], [0.0, 0.0], sampling_period=1.0, name="ramp")
-    >>> scaled(ramp, 0.5).position.tolist()
-    [0.0, 0.5]
-    """
-    return trajectory.with_motion(
-        position=share * trajectory.position,
-        velocity=share * trajectory.velocity,
-        acceleration=share * trajectory.acceleration,
-    )
+
+def _changed(change: Callable[..., FloatArray], motion: Trajectory, *others: Trajectory) -> Trajectory:
+    """A motion whose position, velocity and acceleration are a function of those of some motions."""
+    names = ("position", "velocity", "acceleration")
+    parts = {name: change(*(getattr(one, name) for one in (motion, *others))) for name in names}
+    return motion.with_motion(**parts)
 
 
 def _default_moves(limits: Limits, rate: float, seconds: float) -> Trajectory:
@@ -157,12 +145,7 @@ def _trapezoids(limits: Limits, rate: float, way: float, speeds: list[float], dw
 
 def _repeated(once: Trajectory, times: int) -> Trajectory:
     """A motion from rest to rest, repeated."""
-
-    def tiled(part: FloatArray) -> FloatArray:
-        return np.append(np.tile(part[:-1], times), part[-1])
-
-    parts = {name: tiled(getattr(once, name)) for name in ("position", "velocity", "acceleration")}
-    return once.with_motion(**parts)
+    return _changed(lambda part: np.append(np.tile(part[:-1], times), part[-1]), once)
 
 
 def _vibrations(

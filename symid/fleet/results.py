@@ -102,13 +102,7 @@ def units_in(file: str | Path) -> Units:
 
 
 def checked_results(table: pl.DataFrame) -> pl.DataFrame:
-    """The table; SettingError if it lacks a column that all results have.
-
-    Examples
-    --------
-    >>> checked_results(pl.DataFrame({"log": ["a.csv"], "axis": ["emps"], "status": ["ok"]})).height
-    1
-    """
+    """The table; SettingError if it lacks a column that all results have."""
     if missing := [name for name in _NEEDED if name not in table.columns]:
         raise SettingError(
             f"results without column {', '.join(missing)}: {', '.join(_NEEDED)} are required, one row a log"

@@ -14,24 +14,6 @@ from symid.text import one_line
 Value = str | int | float | None
 Row = Mapping[str, Value]
 
-TEXTS = ("log", "content", "key", "axis", "measured", "method", "status", "message")
-FIGURES: Mapping[str, type] = {
-    "samples": int,
-    "cutoff_hz": float,
-    "order": int,
-    "decimation": int,
-    "condition_number": float,
-}
-RESIDUAL: Mapping[str, type] = {"residual_rms": float, "residual_relative": float, "seconds": float}
-EXAMINED: Mapping[str, type] = {
-    "late_signal": str,
-    "late_s": float,
-    "late_std_s": float,
-    "largest_bias": float,
-    "notes": str,
-}
-"""Columns of the examination: the signal that seems late and by how much, the largest expected error of a
-parameter as part of its value, and what the logs' reader and the identification noted."""
 TIMES = ("recorded", "finished")
 DIAGNOSIS: Mapping[str, type] = {
     "verdict": str,
@@ -44,9 +26,25 @@ DIAGNOSIS: Mapping[str, type] = {
     "gap_floor": float,
     "sentence": str,
 }
-BEFORE: Mapping[str, type] = {**dict.fromkeys(TEXTS, str), **FIGURES}
-AFTER: Mapping[str, type] = {**RESIDUAL, **EXAMINED, **dict.fromkeys(TIMES, str)}
-"""Columns before and after those of the parameters."""
+BEFORE: Mapping[str, type] = {
+    **dict.fromkeys(("log", "content", "key", "axis", "measured", "method", "status", "message"), str),
+    "samples": int,
+    "cutoff_hz": float,
+    "order": int,
+    "decimation": int,
+    "condition_number": float,
+}
+AFTER: Mapping[str, type] = {
+    **dict.fromkeys(("residual_rms", "residual_relative", "seconds"), float),
+    "late_signal": str,
+    **dict.fromkeys(("late_s", "late_std_s", "largest_bias"), float),
+    **dict.fromkeys(("notes", *TIMES), str),
+}
+"""Columns before and after those of the parameters.
+
+The signal that seems late and by how much, the largest expected error of a parameter as part of its value, and what the
+reader of the log and the identification noted come from the examination.
+"""
 FACTORS = "factors"
 """Column of the triangular factors of a log."""
 TEXT_COLUMNS = tuple(n for n, kind in {**BEFORE, **AFTER, **DIAGNOSIS, FACTORS: str}.items() if kind is str)
@@ -81,13 +79,7 @@ def with_deviations(values: Mapping[str, float], deviations: FloatArray) -> dict
 
 
 def time_text(seconds: float) -> str:
-    """A time since the epoch as ISO 8601 in UTC.
-
-    Examples
-    --------
-    >>> time_text(0.25)
-    '1970-01-01T00:00:00.250000+00:00'
-    """
+    """A time since the epoch as ISO 8601 in UTC."""
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="microseconds")
 
 

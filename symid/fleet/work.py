@@ -16,7 +16,7 @@ from polars.exceptions import PanicException
 from threadpoolctl import ThreadpoolController
 
 from symid.codegen import GeneratedModel
-from symid.data import AnyLog, Log, columns_in
+from symid.data import AnyLog, ForeignColumns, Log, columns_in
 from symid.errors import LogError
 from symid.files import irregular
 from symid.fleet.batch_settings import ROW_METHODS
@@ -128,18 +128,9 @@ def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:
     """Columns of the identification, and of the diagnosis if there is to be one."""
     settings, declared = axis.settings, axis.axis
     in_blocks = settings.method in ROW_METHODS
+    foreign: Any = {name: getattr(settings, name) for name in ForeignColumns.__annotations__}
     log = open_axis_log(
-        declared,
-        path,
-        measured=settings.measured,
-        columns=settings.columns,
-        units=settings.units,
-        gains=settings.gains,
-        layout=settings.layout,
-        sampling_period=settings.sampling_period,
-        resample=settings.resample,
-        memory=settings.memory,
-        whole=not in_blocks,
+        declared, path, measured=settings.measured, memory=settings.memory, whole=not in_blocks, **foreign
     )
     measured = measured_signals(declared, [log], settings.measured)
     row: dict[str, Value] = {"samples": log.n_samples, "measured": ",".join(measured)}
@@ -160,7 +151,6 @@ def _whole(log: AnyLog) -> Log:
 
 
 def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
-    """Least squares or instrumental variables."""
     settings = axis.settings
     constraints = Constraints.of(model, dict(settings.bounds), dict(settings.prior))
     if settings.method == "iv":

@@ -77,14 +77,7 @@ def ending_after(seconds: float) -> Iterator[None]:
 
 @contextlib.contextmanager
 def raising_after(seconds: float) -> Iterator[None]:
-    """Raise TooLongError if what is done takes longer; only in a main thread, which alone can be interrupted.
-
-    Examples
-    --------
-    >>> with raising_after(60.0):
-    ...     1 + 1
-    2
-    """
+    """Raise TooLongError if what is done takes longer; only in a main thread, which alone can be interrupted."""
     if not _ALARMS or threading.current_thread() is not threading.main_thread():
         yield
         return

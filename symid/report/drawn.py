@@ -11,13 +11,7 @@ from matplotlib.figure import Figure
 
 
 class Drawn(Figure):
-    """A figure without a window; notebooks show it with or without pyplot.
-
-    Examples
-    --------
-    >>> Drawn(figsize=(1, 1))._repr_png_()[1:4]
-    b'PNG'
-    """
+    """A figure without a window; notebooks show it with or without pyplot."""
 
     def _repr_png_(self) -> bytes:
         """PNG that notebooks show."""

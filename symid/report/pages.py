@@ -14,13 +14,7 @@ from symid.report.motion_gap import motion_line, motion_rows, motions
 
 
 def html_path(file: str | Path) -> Path:
-    """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist.
-
-    Examples
-    --------
-    >>> html_path("report.html").name
-    'report.html'
-    """
+    """Path of a report; SettingError if its suffix is not that of a page, or its folder does not exist."""
     path = Path(file)
     if path.suffix.lower() not in (".html", ".htm"):
         raise SettingError(f"report {path.name!r} is of no known kind: end its name with .html")

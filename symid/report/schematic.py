@@ -59,14 +59,7 @@ class _Box:
 
 
 def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:
-    """The schematic as an SVG element for a page; the same text every time.
-
-    Examples
-    --------
-    >>> from symid.axis import load_axis
-    >>> schematic_svg(load_axis("rigid_1m"))[:5]
-    '<svg '
-    """
+    """The schematic as an SVG element for a page; the same text every time."""
     return svg_of(schematic(axis, palette), axis.name)
 
 
@@ -143,9 +136,8 @@ class _Drawing:
     def _heights(self) -> tuple[float, float]:
         heavy = any(isinstance(e, (Weight, PendulumWeight)) for e in self.axis.elements)
         below = _BELOW + 0.45 if self.hanging else 0.75 if heavy else 0.35
-        return -self._half - below - _NOTE * len(self.notes), self._half + _LANE * (
-            len(self.above) + len(self.axis.sensors)
-        ) + 0.55
+        rows = len(self.above) + len(self.axis.sensors)
+        return -self._half - below - _NOTE * len(self.notes), self._half + _LANE * rows + 0.55
 
     def draw(self) -> None:
         """Draw the whole axis into the figure."""
@@ -164,14 +156,8 @@ class _Drawing:
             self._sensor(sensor, self._half + _LANE * (len(self.above) + i + 0.55))
         self._weights()
         for i, line in enumerate(self.notes):
-            self._text(
-                -0.1,
-                self.bottom + _NOTE * (len(self.notes) - i - 0.4),
-                line,
-                ha="left",
-                gid="note",
-                fontsize=7.5,
-            )
+            y = self.bottom + _NOTE * (len(self.notes) - i - 0.4)
+            self._text(-0.1, y, line, ha="left", gid="note", fontsize=7.5)
 
     def _body(self, body: Body) -> None:
         box = self.boxes[body.name]
@@ -186,10 +172,8 @@ class _Drawing:
         shape.set_gid(f"body {body.name}")
         self.axes.add_patch(shape)
         self._text(box.centre, 0.2, body.name, weight="bold")
-        marks = marks_of(
-            self.axis,
-            *(e for e in self.axis.imperfections if isinstance(e, PayloadChange) and e.body == body),
-        )
+        changes = (e for e in self.axis.imperfections if isinstance(e, PayloadChange) and e.body == body)
+        marks = marks_of(self.axis, *changes)
         mass = written(body.inertia if body.turns else body.mass)
         self._text(box.centre, -0.2, marked(mass, marks), style="italic")
 

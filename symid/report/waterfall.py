@@ -108,11 +108,5 @@ class Scale:
 
 
 def scale_of(multiples: list[float]) -> Scale:
-    """Scale that contains all of these multiples, with a margin above the floor.
-
-    Examples
-    --------
-    >>> scale_of([float("nan"), 8.0, 1.0]).largest
-    8.0
-    """
+    """Scale that contains all of these multiples, with a margin above the floor."""
     return Scale(max([_LEAST, *(value for value in multiples if math.isfinite(value))]))

@@ -48,7 +48,13 @@ class Unit:
         return Unit(tuple(power * a for a in self.exponents))
 
     def __str__(self) -> str:
-        return _symbol_of(self)
+        """Named unit if there is one, else the product of base units with negative powers behind one slash each."""
+        if self in _SYMBOLS:
+            return _SYMBOLS[self]
+        powers = [(name, power) for name, power in zip(BASE_UNITS, self.exponents, strict=True) if power]
+        above = "*".join(_power(name, power) for name, power in powers if power > 0)
+        below = "".join("/" + _power(name, -power) for name, power in powers if power < 0)
+        return (above or "1") + below
 
     def __repr__(self) -> str:
         return f"Unit({str(self)!r})"
@@ -83,16 +89,6 @@ _NAMED: dict[str, Unit] = {
     },
 }
 _SYMBOLS = {unit: name for name, unit in _NAMED.items()}
-
-
-def _symbol_of(unit: Unit) -> str:
-    """Named unit if there is one, else the product of base units with negative powers behind one slash each."""
-    if unit in _SYMBOLS:
-        return _SYMBOLS[unit]
-    powers = [(name, power) for name, power in zip(BASE_UNITS, unit.exponents, strict=True) if power]
-    above = "*".join(_power(name, power) for name, power in powers if power > 0)
-    below = "".join("/" + _power(name, -power) for name, power in powers if power < 0)
-    return (above or "1") + below
 
 
 def _power(name: str, power: int) -> str:

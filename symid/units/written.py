@@ -147,7 +147,7 @@ def _parsed(text: str) -> _Read:
         raise unknown
     try:
         read, rest = _product(given, 0)
-    except (ValueError, OverflowError, ZeroDivisionError) as error:
+    except (KeyError, ValueError, OverflowError, ZeroDivisionError) as error:
         raise unknown from error
     if rest:
         raise unknown
@@ -196,9 +196,5 @@ def _factor(token: re.Match[str]) -> _Read:
         return _Read(names=(name,))
     if name in PER_TURN:
         return _Read(1.0 / (2.0 * math.pi), Unit() / _RADIAN, (name,))
-    factor, unit = NAMES[name] if name in NAMES else _unknown(name)
+    factor, unit = NAMES[name]
     return _Read(factor**power, unit**power, (name,))
-
-
-def _unknown(name: str) -> tuple[float, Unit]:
-    raise ValueError(name)

@@ -20,13 +20,7 @@ R = TypeVar("R")
 
 
 def axis_of(given: AnyAxis) -> Axis:
-    """The declaration of an axis that is given as such, by name or path, or by a model; SettingError for another type.
-
-    Examples
-    --------
-    >>> axis_of("rigid_1m") == load_axis("rigid_1m")
-    True
-    """
+    """The declaration of an axis that is given as such, by name or path, or by a model; else SettingError."""
     if isinstance(given, Axis):
         return given
     if isinstance(given, str):

@@ -11,13 +11,7 @@ from symid.errors import LogError
 
 
 def required(library: str, path: Path) -> Any:
-    """A library that reads a kind of file; LogError, which names the extra that holds it, if it is not installed.
-
-    Examples
-    --------
-    >>> required("json", Path("a.json")).__name__
-    'json'
-    """
+    """A library that reads a kind of file; LogError, which names the extra that holds it, if it is not installed."""
     try:
         return import_module(library)
     except ImportError as error:
