@@ -37,10 +37,8 @@ def command(report: str, json_file: str | None) -> None:
     page = html_path(report)
     axis = load_axis("emps")
     folder = shipped_folder("data") / "emps"
-    log, other = (
-        read_axis_log(axis, folder / name, columns={"q": "qm"})
-        for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat")
-    )
+    files = (folder / name for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"))
+    log, other = (read_axis_log(axis, file, columns={"q": "qm"}) for file in files)
     found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
     with working("diagnosing"):
         diagnosis = diagnose(axis, log, validation=other, nominal=found.physical_parameters)

@@ -92,10 +92,8 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     runs = [read_log_of(declared, log, options) for log in logs]
     validation = read_log_of(declared, options["validation"], options) if options["validation"] else None
     nominal = parameter_file(options["nominal"], declared) if options["nominal"] else None
-    recorded: dict[str, Any] = {
-        "late": known_late(declared, options),
-        "held": held_force(options["held"], declared),
-    }
+    late, held = known_late(declared, options), held_force(options["held"], declared)
+    recorded: dict[str, Any] = {"late": late, "held": held}
     if gains := cascade_gains(options["gains"]):
         recorded["controller"] = ClosedLoop.with_gains(declared, gains).controller
     simulated = read_log_of(declared, options["simulated"], options) if options["simulated"] else None

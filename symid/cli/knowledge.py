@@ -97,10 +97,8 @@ def bounds_of(values: tuple[str, ...], axis: Axis) -> dict[str, tuple[float | No
             raise SettingError(
                 f"--bounds {name}={text} is not a range: write LOW..HIGH, one of them may be left out"
             )
-        bounds[name] = (
-            quantity(low, unit, f"--bounds {name}") if low else None,
-            quantity(high, unit, f"--bounds {name}") if high else None,
-        )
+        low_end, high_end = (quantity(x, unit, f"--bounds {name}") if x else None for x in (low, high))
+        bounds[name] = low_end, high_end
     return bounds
 
 

@@ -235,10 +235,8 @@ def parameter_file(file: str, axis: Axis) -> dict[str, float]:
     values = read_json(file)
     if isinstance(values, dict) and isinstance(values.get("physical"), dict):
         known = values["known"] if isinstance(values.get("known"), dict) else {}
-        values = {
-            name: found.get("value") if isinstance(found, dict) else found
-            for name, found in {**values["physical"], **known}.items()
-        }
+        entries = {**values["physical"], **known}
+        values = {name: one.get("value") if isinstance(one, dict) else one for name, one in entries.items()}
     if not isinstance(values, dict):
         raise SettingError(f'{file} holds no parameters: write {{"NAME": value, ...}} in SI units')
     parameters: dict[str, float] = {}

@@ -244,10 +244,8 @@ def _said_reach(axis: Axis, trajectory: Trajectory, options: dict[str, Any]) -> 
     unit = axis.signal_units[axis.controlled]
     reached = _reached(trajectory)
     units = (str(unit), f"{unit}/s", f"{unit}/s^2")
-    parts = [
-        f"{name} {value:.3g} of {options[name]:g} {unit}"
-        for (name, value), unit in zip(reached.items(), units, strict=True)
-    ]
+    shown = zip(reached.items(), units, strict=True)
+    parts = [f"{name} {value:.3g} of {options[name]:g} {unit}" for (name, value), unit in shown]
     tightest = max(reached, key=lambda name: reached[name] / options[name])
     hint = ""
     if tightest != "travel":

@@ -77,9 +77,8 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
     0.004
     """
     if time.size < max(minimum, 2):
-        return Clock(
-            0.0, float("nan"), (f"has only {counted(time.size, 'sample')}: at least {minimum} are required",)
-        )
+        short = f"has only {counted(time.size, 'sample')}: at least {minimum} are required"
+        return Clock(0.0, float("nan"), (short,))
     time = np.where(np.abs(time) < _LARGEST_TIME, time, np.nan)
     intervals = np.diff(time)
     if intervals.max() - intervals.min() < _CLOCK_DIFFERENCE * intervals.min():  # uniform; nan never is
@@ -93,9 +92,8 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
             f"the first in row {before + missing[0] + 1}: repair or cut out those rows"
         )
     repeated = np.count_nonzero(intervals == 0.0)
-    coarse = bool(
-        forward.size and repeated > 0.2 * intervals.size and np.median(intervals[forward]) < 1.5 * step
-    )
+    often = repeated > 0.2 * intervals.size and forward.size > 0
+    coarse = bool(often and np.median(intervals[forward]) < 1.5 * step)
     if coarse:
         faults.append("t is written too coarsely, many samples share a time: write more digits")
     else:

@@ -75,10 +75,8 @@ def difference_factors(order: int) -> tuple[float, ...]:
     if order % 2 or not 2 <= order <= 20:
         raise SettingError(f"differences of order {order} are not possible: give an even number from 2 to 20")
     m = order // 2
-    return tuple(
-        (-1) ** (k + 1) * math.factorial(m) ** 2 / (k * math.factorial(m - k) * math.factorial(m + k))
-        for k in range(1, m + 1)
-    )
+    below = (k * math.factorial(m - k) * math.factorial(m + k) for k in range(1, m + 1))
+    return tuple((-1) ** i * math.factorial(m) ** 2 / divisor for i, divisor in enumerate(below))
 
 
 def _difference_row(x: FloatArray, period: float, factors: tuple[float, ...], out: FloatArray) -> None:

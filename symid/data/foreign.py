@@ -109,9 +109,8 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
 
 
 def _of_stamps(header: str) -> ForeignColumn:
-    return ForeignColumn(
-        header, "time", "s", False, "its values are moments, which are read in seconds", True
-    )
+    why = "its values are moments, which are read in seconds"
+    return ForeignColumn(header, "time", "s", False, why, True)
 
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:

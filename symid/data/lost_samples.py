@@ -161,9 +161,8 @@ def without_repeated_rows(
         return dict(signals), []
     lost = _short(np.asarray(rows))
     values = {name: _filled(x, ~lost, smooth=name in smooth) for name, x in signals.items()}
-    return values, [
-        f"{counted(int(np.count_nonzero(lost)), 'row')} repeated the one before: they were lost, and interpolated"
-    ]
+    count = counted(int(np.count_nonzero(lost)), "row")
+    return values, [f"{count} repeated the one before: they were lost, and interpolated"]
 
 
 def _lost_rows(signals: Mapping[str, FloatArray]) -> BoolArray:

@@ -17,10 +17,8 @@ _REACH = 2
 
 _SLOWER, _FASTER = -0.4305753470999737915, -0.0430962882032646536
 """Roots of the samples of the cardinal spline, z^4 + 26 z^3 + 66 z^2 + 26 z + 1, within the unit circle."""
-_INVERSE = ZeroPhaseFilter(
-    np.array([[(1 - _SLOWER) * (1 - _FASTER), 0.0, 0.0, 1.0, -_SLOWER - _FASTER, _SLOWER * _FASTER]]),
-    padding=1,
-)
+_INVERSE_SECTION = [(1 - _SLOWER) * (1 - _FASTER), 0.0, 0.0, 1.0, -_SLOWER - _FASTER, _SLOWER * _FASTER]
+_INVERSE = ZeroPhaseFilter(np.array([_INVERSE_SECTION]), padding=1)
 
 
 class QuinticSpline:

@@ -168,10 +168,8 @@ class IdentificationTrial:
             return None
         motion = kept[0]
         every = [kept[1]]
-        every += [
-            simulate(self.axis, self.parameters, motion, self.controller, seed=seed)
-            for seed in range(1, runs)
-        ]
+        seeds = range(1, runs)
+        every += [simulate(self.axis, self.parameters, motion, self.controller, seed=seed) for seed in seeds]
         found = [one for run in every if (one := self.identified(run))]
         if len(found) < runs:
             return None

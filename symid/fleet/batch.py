@@ -254,17 +254,14 @@ def summary_of(batch: Batch) -> dict[str, Any]:
     batch : Batch
         Its rows.
     """
-    troubles = [row for row in batch.rows if row["status"] != "ok"]
+    troubles = [row for row in batch.rows if row["status"] != "ok"][:_MOST_TROUBLES]
     record: dict[str, Any] = {
         "logs": len(batch.rows),
         "reused": batch.reused,
         "status": batch.statuses,
         "seconds_of_work": sum(float(row.get("seconds") or 0.0) for row in batch.rows),
         "parameters": {axis: _parameters(batch, axis) for axis in batch.units},
-        "not_ok": [
-            {name: row.get(name) for name in ("log", "status", "message")}
-            for row in troubles[:_MOST_TROUBLES]
-        ],
+        "not_ok": [{name: row.get(name) for name in ("log", "status", "message")} for row in troubles],
         "output": [str(file) for file in batch.files],
         "former_table": str(batch.replaced) if batch.replaced else None,
     }

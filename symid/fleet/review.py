@@ -266,9 +266,7 @@ def _sentence(
         return "No log."
     known = sum(one.axis != UNKNOWN for one in axes)
     good = statuses.get("ok", 0)
-    others = ", ".join(
-        f"{count} {name.replace('_', ' ')}" for name, count in statuses.items() if name != "ok"
-    )
+    others = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in statuses.items() if name != "ok")
     ok = "all ok" if good == table.height else f"{good} ok ({others})"
     parts = [f"{counted(table.height, 'log')} of {counted(known, 'axis', 'axes')}, {ok}."]
     tested = [one for one in axes if one.verdict.probabilities]

@@ -186,10 +186,8 @@ def cut(series: Series, slope_penalty: float) -> tuple[TrendSegment, ...]:
     ends, sloping = _best_cut(series, slope_penalty)
     for i in range(len(ends) - 2):
         ends[i + 1] = _refined(series, ends[i : i + 3], sloping[i : i + 2])
-    return tuple(
-        series.segment(first, end, sloping=slopes)
-        for first, end, slopes in zip(ends[:-1], ends[1:], sloping, strict=True)
-    )
+    sides = zip(ends[:-1], ends[1:], sloping, strict=True)
+    return tuple(series.segment(first, end, sloping=slopes) for first, end, slopes in sides)
 
 
 def _best_cut(series: Series, slope_penalty: float) -> tuple[list[int], list[bool]]:

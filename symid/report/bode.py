@@ -24,10 +24,8 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None
     sure, f = response.is_coherent, response.frequency
     curves: tuple[tuple[Axes, Any], ...] = ((magnitude, np.abs), (phase, degrees_of))
     for axes, of in curves:
-        for some, size, alpha, label in (
-            (~sure, 1.5, 0.4, f"coherence below {COHERENT}"),
-            (sure, 3.4, 1.0, "measured (H1)"),
-        ):
+        doubtful = (~sure, 1.5, 0.4, f"coherence below {COHERENT}")
+        for some, size, alpha, label in (doubtful, (sure, 3.4, 1.0, "measured (H1)")):
             look: Any = {"color": palette.measured, "markersize": size, "alpha": alpha, "label": label}
             axes.plot(f[some], of(response.measured)[some], "o", **look)
         axes.plot(f, of(response.identified), color=palette.model, linewidth=1.3, label="identified")

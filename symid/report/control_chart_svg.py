@@ -83,19 +83,17 @@ def chart_shapes(one: ParameterReview, rows: Sequence[int]) -> ChartShapes:
     def y(values: FloatArray) -> FloatArray:
         return _TOP + (high - np.clip(values, low, high)) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
 
-    heights = y(chart.values)
+    heights, line = y(chart.values), y(chart.centre)
     out = chart.outside | (chart.values < low) | (chart.values > high)
     few = x.size <= _MOST_BARS
+    segments = [(s.first, s.end - 1) for s in chart.segments]
     ends = zip(x, y(chart.values - chart.deviations), y(chart.values + chart.deviations), strict=True)
     return ChartShapes(
         runs=_points(x[~out], heights[~out]),
         outside=_points(x[out], heights[out]),
         intervals="".join(f"M{a:.1f} {b:.1f}V{c:.1f}" for a, b, c in ends) if few else "",
         band=_band(chart, x, y(chart.centre - _limits(chart)), y(chart.centre + _limits(chart))),
-        centre="".join(
-            f"M{x[s.first]:.1f} {y(chart.centre)[s.first]:.1f}L{x[s.end - 1]:.1f} {y(chart.centre)[s.end - 1]:.1f}"
-            for s in chart.segments
-        ),
+        centre="".join(f"M{x[a]:.1f} {line[a]:.1f}L{x[b]:.1f} {line[b]:.1f}" for a, b in segments),
         x_ticks=_time_ticks(chart, time),
         y_ticks=tuple(Tick(float(y(np.array(v))), _number(v, high - low)) for v in _round_values(low, high)),
         marks=_marks(chart, time),

@@ -58,7 +58,7 @@ def diagnosis_record(found: Diagnosis) -> dict[str, Any]:
             {
                 **asdict(effect),
                 "indistinguishable_from": [
-                    {"effect": name, "at": at} for name, at in effect.indistinguishable_from
+                    {"effect": n, "at": at} for n, at in effect.indistinguishable_from
                 ],
             }
             for effect in found.effects
@@ -235,10 +235,8 @@ def _effects_table(record: dict[str, Any]) -> TextTable:
     gaps = {gap["signal"]: gap for gap in (record["gap"], *record.get("drives", ()))}
     for found in record["effects"]:
         floor = gaps.get(found["signal"], record["gap"])["noise_floor"]["rms"]
-        parameters = ", ".join(
-            f"{name} {with_deviation(p['value'], p['std'])} {p['unit']}"
-            for name, p in found["parameters"].items()
-        )
+        values = found["parameters"].items()
+        parameters = ", ".join(f"{n} {with_deviation(p['value'], p['std'])} {p['unit']}" for n, p in values)
         others = ", ".join(f"{words(o['effect'])} at {o['at']}" for o in found["indistinguishable_from"])
         sizes = (removes(found["removes"]), times(found["gap_after"]["rms"], floor))
         certainty = probability(found["probability"])

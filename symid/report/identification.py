@@ -151,10 +151,8 @@ def _residuals(found: Identification, residuals: Sequence[EquationResidual]) -> 
 def print_identification(record: dict[str, Any], console: Console | None = None) -> None:
     """Print the record of `identification_record`."""
     console = console or report_console()
-    console.print(
-        f"[bold]{record['axis']}[/bold] from {', '.join(record['measured'])}: {', '.join(record['log'])}",
-        markup=True,
-    )
+    axis, measured = f"[bold]{record['axis']}[/bold]", ", ".join(record["measured"])
+    console.print(f"{axis} from {measured}: {', '.join(record['log'])}", markup=True)
     console.print(_settings_line(record))
     if record["physical"]:
         console.print(_parameter_table("Physical parameters", record["physical"]))

@@ -74,9 +74,8 @@ def fit_percent(y: FloatArray, predicted: FloatArray) -> float:
 
 
 def _fits(found: Identification, validation: Prediction | None) -> list[dict[str, Any]]:
-    runs: list[tuple[str, Observation, FloatArray]] = [
-        (source, run, found.fit.solution) for source, run in zip(found.logs, found.observations, strict=True)
-    ]
+    logs = zip(found.logs, found.observations, strict=True)
+    runs: list[tuple[str, Observation, FloatArray]] = [(log, run, found.fit.solution) for log, run in logs]
     if validation is not None:
         runs.append((f"{validation.log} (validation)", validation.observation, validation.parameters))
     rows = []

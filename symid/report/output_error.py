@@ -31,10 +31,7 @@ def output_error_record(
             "late_s": found.late,
             "timing": "estimated" if found.comparison.free_timing else "declared",
         },
-        "noise": {
-            name: {"std": std, "unit": str(found.axis.signal_units[name])}
-            for name, std in found.noise.items()
-        },
+        "noise": {n: {"std": std, "unit": str(found.axis.signal_units[n])} for n, std in found.noise.items()},
         "samples": sum(log.n_samples for log in found.logs),
         "rows": [] if fit is None else list(fit.linear.rows),
         "condition_number": None if fit is None else fit.linear.condition_number,

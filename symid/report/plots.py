@@ -136,13 +136,13 @@ def _panels_of_readings(
     runs = [(log.source, prediction) for log, prediction in zip(found.logs, found.predictions, strict=True)]
     if validation is not None:
         runs.append((f"validation on {validation.log}", validation))
-    return [
-        Panel(_short(source), signal, unit, run.time, measured, measured - innovations)
-        for source, run in runs
-        for (signal, unit), measured, innovations in zip(
-            found.reading_units.items(), run.readings.T, run.innovations.T, strict=True
-        )
-    ]
+    panels = []
+    for source, run in runs:
+        of_signals = zip(found.reading_units.items(), run.readings.T, run.innovations.T, strict=True)
+        for (signal, unit), measured, innovations in of_signals:
+            predicted = measured - innovations
+            panels.append(Panel(_short(source), signal, unit, run.time, measured, predicted))
+    return panels
 
 
 def _short(source: str) -> str:

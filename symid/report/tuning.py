@@ -133,9 +133,8 @@ def print_total_tuning(found: TotalTuning, console: Console | None = None) -> No
         console.print(found.message)
     noise = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
     console.print(f"noise (standard deviation, SI): {noise}")
-    console.print(
-        f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}: total error {found.total_percent:.3g} %"
-    )
+    setting = f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}"
+    console.print(f"{setting}: total error {found.total_percent:.3g} %")
     least = found.recommended_sampling_hz
     enough = (
         f"systematic errors are below half of the total from {least:.4g} Hz on"

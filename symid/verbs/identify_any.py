@@ -147,7 +147,11 @@ def identify(
     if known is not None:
         if bounds or prior or ddof is not None:
             raise SettingError("known= does not go with bounds=, prior= or ddof=: leave these out")
-        return _with_known(axis_of(axis).with_known(fixed or {}), given, measured, known, settings, columns)
+        declared = axis_of(axis).with_known(fixed or {})
+        values = _known_by_log(known, len(given))
+        runs = [log_of(declared, log, measured, **columns) for log in given]
+        signals = measured_signals(declared, runs, measured)
+        return identify_with_known(declared, runs, values, signals, **settings)
     if fixed:
         settings |= {"method": method, "ddof": ddof, "bounds": bounds, "prior": prior, "loop": loop}
         return _with_fixed(axis, given, measured, fixed, settings, columns)
@@ -200,30 +204,14 @@ def _whole(runs: Sequence[AnyLog]) -> list[Log]:
     return [run.window(0, run.n_samples) for run in runs]
 
 
-def _with_known(
-    axis: Axis,
-    logs: Sequence[Recorded],
-    measured: Sequence[str] | None,
-    known: Mapping[str, Sequence[float]],
-    settings: Mapping[str, Any],
-    columns: Mapping[str, Any],
-) -> SharedIdentification:
-    """Identify what logs share in each of which the values of some parameters are known."""
+def _known_by_log(known: Mapping[str, Sequence[float]], logs: int) -> list[dict[str, float]]:
+    """Values that are known in each of some logs."""
     for name, values in known.items():
-        if isinstance(values, (int, float)) or len(values) != len(logs):
+        if isinstance(values, (int, float)) or len(values) != logs:
             raise SettingError(
-                f"known {name}={values} for {len(logs)} logs: give a list of one value for each log"
+                f"known {name}={values} for {logs} logs: give a list of one value for each log"
             )
-    runs = [log_of(axis, log, measured, **columns) for log in logs]
-    return identify_with_known(
-        axis,
-        runs,
-        [{name: float(values[i]) for name, values in known.items()} for i in range(len(runs))],
-        measured_signals(axis, runs, measured),
-        preparation=settings["preparation"],
-        nominal=settings["nominal"],
-        examine=settings["examine"],
-    )
+    return [{name: float(values[i]) for name, values in known.items()} for i in range(logs)]
 
 
 def _with_fixed(

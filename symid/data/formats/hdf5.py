@@ -29,9 +29,8 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
     with parsing(path, "HDF5"), h5py.File(path, "r") as file:
         found = _vectors(file, h5py)
     names = short_names([one.names for one in found])
-    headers = tuple(
-        f"{name} [{one.unit}]" if one.unit else name for name, one in zip(names, found, strict=True)
-    )
+    units = (f" [{one.unit}]" if one.unit else "" for one in found)
+    headers = tuple(name + unit for name, unit in zip(names, units, strict=True))
 
     def read(positions: Sequence[int]) -> list[FloatArray | str]:
         with parsing(path, "HDF5"), h5py.File(path, "r") as file:
