@@ -30,7 +30,7 @@ COMMANDS = {
 
 
 _TRACE = "SYMID_TRACE"
-"""Variable of the environment by which a fault of symid itself shows its trace."""
+"""Environment variable that shows the trace of a fault of symid itself."""
 
 
 class _Commands(click.Group):

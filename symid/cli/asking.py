@@ -1,4 +1,4 @@
-"""Questions of `symid import` on what a foreign file leaves open."""
+"""Questions of `symid import` about a foreign file."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def asked(
 ) -> Known:
     """Ask for the column and unit of each signal, the factor of the drive and the rate that options left open.
 
-    Defaults are those that `guess` makes of what is known.
+    `guess` supplies the defaults.
     """
     quantities = {"t": "time", **{s.signal: s.quantity for s in axis.sensors}}
     quantities |= {drive.signal: "force" for drive in axis.drives}

@@ -46,7 +46,7 @@ _RECORDS: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {
     "demo": (("identification", "diagnosis"),),
     "mapping": (("columns", "guesses"),),
 }
-"""Names in the JSON that a command writes, by which it knows its own: other JSON may be a log, by hand, or a result."""
+"""Names in the JSON that a command writes, by which it knows its own: other JSON may be a log, or written by hand."""
 _BESIDE: Final[Mapping[str, tuple[str, str]]] = {"axis": (".json", "values"), "c": (".h", "c")}
 """Suffix and kind of a second file that is written beside one of some kind."""
 _LOOK: Final = 4096
@@ -124,7 +124,7 @@ def _wanted(command: click.Command, values: Mapping[str, Any]) -> Iterator[_Want
 
 
 def _inputs(command: click.Command, values: Mapping[str, Any]) -> Iterator[tuple[tuple[int, int], str]]:
-    """Files that the command is given, by what the system knows them by."""
+    """Input files of the command by device and inode."""
     outputs = {parameter.name for parameter in command.params if isinstance(parameter.type, Output)}
     for name, value in values.items():
         if name in outputs:

@@ -72,14 +72,14 @@ def say(text: str, *, err: bool = False, end: str = "\n") -> None:
 
 
 def fail(message: str, code: int = 2) -> int:
-    """Say in one line what is wrong; gives the exit code."""
+    """Print an error in one line; returns the exit code."""
     with contextlib.suppress(OSError):
         say(f"symid: {one_line(message)}", err=True)
     return code
 
 
 def prepare_streams() -> None:
-    """Let both streams write what their encoding lacks as escapes instead of failing."""
+    """Let both streams escape characters that their encoding lacks."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

@@ -20,7 +20,7 @@ from symid.shown import Shown
 Kept = TypeVar("Kept")
 
 SHORT = 65_536
-"""Samples of a log up to which what is made of all of them is worth keeping."""
+"""Samples of a log up to which intermediate results of its length are kept."""
 _MOST_KEPT = 12
 _LARGEST = 1e30
 """Magnitude above which a value is a marker or the end of an unstable simulation; its powers would overflow."""

@@ -31,7 +31,7 @@ _STEPS = 12.0
 _SPAN = 8
 """Samples on either side in which it must move: a channel that is updated every eighth sample does."""
 _MOST = 0.05
-"""Share of the samples beyond which a channel is not restored: its faults are then named as they are."""
+"""Share of the samples beyond which a channel is not restored: its faults are then reported."""
 
 
 def dropped(x: FloatArray) -> BoolArray:

@@ -109,7 +109,7 @@ def in_si(column: FloatArray, factor: float) -> FloatArray:
 def _read(
     table: Table, sources: Sequence[Source], optional: Collection[str], *, whole: bool = True
 ) -> tuple[dict[str, FloatArray], list[str]]:
-    """Values of each source in SI; what is wrong with an optional one becomes a note and drops it."""
+    """Values of each source in SI; a faulty optional one is dropped with a note."""
     columns = table.read([source.position for source in sources])
     values: dict[str, FloatArray] = {}
     faults, notes = [], []

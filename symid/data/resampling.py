@@ -20,7 +20,7 @@ Rate: TypeAlias = 'float | Literal["own"]'
 _LONGEST_GAP: Final = 10
 """Samples in a row that may be missing: beyond them the motion between is unknown."""
 _SLOWER: Final = 1.02
-"""From this ratio of periods on, what the new rate cannot hold is filtered out first."""
+"""From this ratio of periods on, frequencies beyond the new rate are filtered out first."""
 _FASTER: Final = 1.25
 """Times the highest rate of the signals that a new rate may be."""
 _PASSED: Final = 0.8
@@ -113,11 +113,11 @@ class _Written:
         return cls(t, x, period, tuple(notes))
 
     def is_slower(self, period: float) -> bool:
-        """Whether a sampling period is so long that what it cannot hold must be filtered out first."""
+        """Whether a sampling period is so much longer that a low-pass filter is needed first."""
         return period > _SLOWER * self.period
 
     def at(self, time: FloatArray, period: float) -> FloatArray:
-        """Its values at other times, without what their rate cannot hold."""
+        """Its values at other times, without the frequencies that their rate cannot represent."""
         if not self.is_slower(period):
             return np.asarray(scipy.interpolate.CubicSpline(self.time, self.values)(time))
         grid = np.arange(self.time[0], self.time[-1], self.period)

@@ -1,8 +1,7 @@
 """Spans in which a channel of a log is stuck or clipped.
 
-They are notes and no faults: whether they harm depends on what the log is used for. A machine at rest must not raise a
-note, so that a position counts as stuck only if something that follows it moves meanwhile, or if it jumps when it comes
-free.
+They are notes, not faults: whether they do harm depends on the use of the log. A machine at rest must not raise a note.
+A position counts as stuck only if something that follows it moves meanwhile, or if it jumps when it comes free.
 """
 
 from __future__ import annotations

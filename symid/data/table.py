@@ -66,7 +66,7 @@ class Table:
 
 @contextmanager
 def said_of(file: Path) -> Iterator[None]:
-    """Put the name of a file before what is wrong with it."""
+    """Put the name of a file before the message of a LogError."""
     try:
         yield
     except LogError as error:
@@ -97,7 +97,7 @@ def damaged(path: Path, kind: str, error: BaseException) -> LogError:
 
 @contextmanager
 def parsing(path: Path, kind: str, *failures: type[BaseException]) -> Iterator[None]:
-    """Report what a parser raises on a damaged file, by default any exception but LogError, as `damaged`."""
+    """Turn the exceptions of a parser, by default all but LogError, into `damaged`."""
     expected = failures or (Exception,)
     try:
         yield

@@ -33,7 +33,7 @@ def write_frame(frame: pl.DataFrame, file: Path, metadata: Mapping[str, str] | N
     Raises
     ------
     OSError
-        If it cannot be written, as on a full disk; what the file held before stays.
+        If it cannot be written, as on a full disk; an earlier file then stays unchanged.
     """
     with replacing(file) as unfinished:
         try:

@@ -71,7 +71,7 @@ def in_pieces(work: Callable[[Piece], None], n_samples: int, reach: int, workers
 
 @lru_cache(maxsize=4)
 def _threads(workers: int) -> ThreadPoolExecutor:
-    """Threads that stay: glibc gives new ones memory of their own, which it keeps after them."""
+    """Threads that are kept: glibc gives each new thread an arena of memory, which outlives the thread."""
     return ThreadPoolExecutor(workers)
 
 
@@ -210,7 +210,7 @@ class _BlockMaps:
     def states_before(self, added: FloatArray, first: FloatArray) -> tuple[FloatArray, FloatArray]:
         """States before each block of rows and behind the last, by what the blocks add to the state before the first.
 
-        Sums over 1, 2, 4 ... blocks are doubled until the filter has forgotten what is before.
+        Sums over 1, 2, 4 ... blocks are doubled until the filter has forgotten earlier samples.
         """
         states = np.concatenate((first[:, None], added), axis=1)
         across, reach = self.across, 1

@@ -122,7 +122,7 @@ def identify_batch(
 ) -> Batch:
     """Identify each of many logs alone; a log that cannot be identified becomes a row that says why.
 
-    With `output` the batch can be stopped at any time, even by a power failure: called again, it does what is left.
+    With `output` the batch can be stopped at any time, even by a power failure: the same call then does the rest.
     A row is used again if the bytes of its log, the declaration of its axis, the settings and the version of symid
     are the same.
 
@@ -247,7 +247,7 @@ def summary_of(batch: Batch) -> dict[str, Any]:
     """Record of `symid batch --json`.
 
     The spread of a parameter is a standard deviation too, from the median absolute deviation over the logs of status
-    "ok", which stray logs do not move; ``std`` is the median of what the logs promise.
+    "ok", which stray logs do not move; ``std`` is the median of the standard deviations of the logs.
 
     Parameters
     ----------

@@ -155,7 +155,7 @@ class BatchSettings:
 
 
 def _signals(axis: Axis) -> frozenset[str]:
-    """All names by which columns of a log may be meant."""
+    """All names that a setting may use for a column of a log."""
     expected, alternatives = axis_columns(axis)
     return frozenset({"t", "reference", *expected, *(column for column, _ in alternatives.values())})
 

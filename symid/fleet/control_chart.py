@@ -1,4 +1,4 @@
-"""Control chart of a parameter over time: which runs stand off, and when the parameter stepped or began to drift.
+"""Control chart of a parameter over time: which runs are outliers, and when the parameter stepped or drifted.
 
 An individuals chart (Shewhart; Montgomery, ch. 6) whose limits follow each run: the run's own standard deviation s_i
 and the deviation between runs tau,
@@ -59,7 +59,7 @@ class ControlChart:
     outside : bool array of shape (n,)
         Runs beyond their limits.
     isolated : bool array of shape (n,)
-        Runs that stand off their neighbours on both sides, alone or two in a row: nothing else is taken from them.
+        Outliers, alone or two in a row: far from their neighbours on both sides, and left out of all estimates.
     between : float
         Standard deviation between runs within the segments.
     segments : tuple of TrendSegment
@@ -224,7 +224,7 @@ def _segmented(
         segments = (Series(time, x, 1 / variance).segment(0, x.size, sloping=False),)
         return outlying, segments, _variance_within(x, variance, time, segments, ~outlying)
     # The three depend on each other: they are found in turn until the segments no longer change.
-    # At first from the median of successive differences: their squares over what they may be.
+    # At first the variance comes from the median of successive differences, squared and over their variances.
     squares, promised = np.diff(x) ** 2, variance[1:] + variance[:-1]
     between = variance_where_zero(
         lambda tau2: float(np.median(squares / (promised + 2 * tau2))) - _MEDIAN_OF_SQUARE,
@@ -252,7 +252,7 @@ def slope_penalty(runs: int) -> float:
 
 
 def _stand_off(x: FloatArray, variance: FloatArray) -> BoolArray:
-    """Runs that stand off the median of five neighbours, themselves among them; at the ends, of the nearest five."""
+    """Runs far from the median of five neighbours, themselves included; at the ends, of the nearest five."""
     starts = np.clip(np.arange(x.size) - _NEIGHBOURS // 2, 0, x.size - _NEIGHBOURS)
     middles = np.median(x[starts[:, None] + np.arange(_NEIGHBOURS)], axis=1)
     return np.asarray(np.abs(x - middles) > _STANDS_OFF * np.sqrt(variance))

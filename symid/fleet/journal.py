@@ -48,7 +48,7 @@ def read_journal(file: Path) -> list[Row]:
 
 
 def _is_row(row: object) -> bool:
-    """Whether a line holds what a batch writes: texts where texts are, else numbers."""
+    """Whether a line has the form that a batch writes: texts in columns of texts, numbers in the others."""
     if not isinstance(row, dict) or not isinstance(row.get("log"), str):
         return False
     return all(

@@ -43,7 +43,7 @@ class FleetAxis:
 
     @cached_property
     def fingerprint(self) -> str:
-        """Hash of declaration, modules, settings and version of symid: what a row depends on besides the log."""
+        """Hash of declaration, modules, settings and version of symid: a row depends on these and on its log."""
         texts = [module.text for _, module in self.modules]
         declared = (self.axis.name, self.axis.elements, self.axis.drive, self.axis.sensors)
         whole = (symid.__version__, self.axis.signature, repr(declared), self.settings.canonical, *texts)
@@ -135,7 +135,7 @@ def _modules(
 
 
 def log_files(logs: PathLike | Iterable[PathLike], exclude: Iterable[PathLike] = ()) -> tuple[str, ...]:
-    """Files of logs, each once: a folder stands for all logs in it, a pattern for what matches it.
+    """Files of logs, each once: all logs of a folder, and all matches of a pattern.
 
     A missing file stays and becomes a row with its error; those to `exclude`, such as earlier results, do not.
     SettingError if a folder or a pattern holds no log.

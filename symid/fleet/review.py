@@ -55,7 +55,7 @@ class ParameterReview:
     median : float
         Of their values.
     spread : Spread
-        Between runs, against what the intervals promise, without single logs that stand off.
+        Between runs, against the promise of the intervals; isolated outliers are left out.
     within : float
         Standard deviation between runs that is left within the segments of the chart.
     chart : ControlChart
@@ -155,7 +155,7 @@ def review_fleet(
     statuses : sequence of str
         Logs whose parameters enter.
     without : sequence of str
-        Parameters that differ from log to log by their nature, such as the unknown zero of a sensor.
+        Parameters that are expected to differ from log to log, such as the unknown zero of a sensor.
     by_folder : bool
         Whether the folder of a log identifies its machine.
     by_name : bool
@@ -236,7 +236,7 @@ def _parameter_review(rows: pl.DataFrame, name: str, units: Mapping[str, str]) -
 
 
 def _outliers(logs: Sequence[str], values: FloatArray, deviations: FloatArray) -> tuple[Outlier, ...]:
-    """Values far from the median, by what the others scatter and what their own interval promises."""
+    """Values far from the median, measured by the scatter of the others and by their own interval."""
     if values.size < 5:
         return ()
     away = values - np.median(values)
@@ -249,7 +249,7 @@ def _outliers(logs: Sequence[str], values: FloatArray, deviations: FloatArray) -
 
 
 def _counts(rows: pl.DataFrame, column: str) -> dict[str, int]:
-    """Rows by what a column holds, the most frequent first; empty without the column."""
+    """Number of rows for each value of a column, the most frequent first; empty without the column."""
     if column not in rows.columns:
         return {}
     return dict(Counter(str(value) for value in rows[column] if value is not None).most_common())

@@ -1,7 +1,7 @@
 """Where the logs of a batch are worked on: in this process, in processes of this machine, on a cluster.
 
-All of them take a function and tasks, and give each task once with what came of it, in any order: None for a task
-that killed the process that worked on it, twice.
+All of them take a function and tasks, and yield each task once with its result, in any order; the result is None for a
+task that killed its process twice.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def _submitted(client: Any, work: Callable[[Task], Result], tasks: Sequence[Task
             yield from zip(group, results, strict=True)
         if (following := next(groups, None)) is not None:
             submit(following)
-    for task in suspects:  # one at a time: the death of a worker is laid to all that waited for it
+    for task in suspects:  # one at a time: all tasks that waited for a dead worker are suspects
         results = _results(client.submit(_grouped, work, [task], pure=False))
         yield task, None if results is None else results[0]
 

@@ -23,7 +23,7 @@ import numpy.typing as npt
 from symid.arrays import FloatArray
 
 LEAST_LEVEL = 3
-"""Points of a segment without slope: fewer that stand off are outliers."""
+"""Points of a segment without slope: fewer are outliers."""
 LEAST_SLOPE = 6
 """Points of a segment with a slope."""
 _CREDIBLE = 0.95

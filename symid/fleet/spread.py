@@ -34,7 +34,7 @@ _LEAST_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Spread:
-    """One parameter over several runs. Everything has the unit of the parameter but what is a probability.
+    """One parameter over several runs. All fields but the probability and Q have the unit of the parameter.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class Spread:
 
     @property
     def exceeds_tolerance(self) -> bool:
-        """Whether the interval of the variance between runs begins above a tenth of what is promised."""
+        """Whether the interval of the variance between runs begins above a tenth of the promised variance."""
         return self.between_interval[0] ** 2 > _LEAST_SHARE * self.promised**2
 
     @property

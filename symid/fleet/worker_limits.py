@@ -39,7 +39,7 @@ def share_of_memory(jobs: int) -> float:
 
 
 def limit_memory(n_bytes: float) -> None:
-    """Let this process take no more memory; what asks for more fails there, and not elsewhere on the machine."""
+    """Limit the memory of this process: an allocation beyond it fails here, and not elsewhere on the machine."""
     try:
         import resource  # not on Windows
     except ImportError:
@@ -64,7 +64,7 @@ def _end_after(parent: int) -> None:
 
 @contextlib.contextmanager
 def ending_after(seconds: float) -> Iterator[None]:
-    """Let the system end this process if what is done takes longer."""
+    """Let the system end this process if the block takes longer."""
     if not _ALARMS:
         yield
         return
@@ -77,7 +77,7 @@ def ending_after(seconds: float) -> Iterator[None]:
 
 @contextlib.contextmanager
 def raising_after(seconds: float) -> Iterator[None]:
-    """Raise TooLongError if what is done takes longer; only in a main thread, which alone can be interrupted."""
+    """Raise TooLongError if the block takes longer; only in a main thread, since no other can be interrupted."""
     if not _ALARMS or threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""Figure of a foreign log: its columns as they are written, over time."""
+"""Figure of a foreign log: its columns over time, in the units of the file."""
 
 from __future__ import annotations
 

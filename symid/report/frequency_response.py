@@ -60,7 +60,7 @@ class FrequencyResponse:
     Parameters
     ----------
     force, signal, quantity, unit : str
-        The drive, the sensor, what is compared (velocity or acceleration) and the unit of the response.
+        The drive, the sensor, the quantity compared (velocity or acceleration) and the unit of the response.
     frequency : array of shape (n,)
         Hz.
     measured : complex array of shape (n,)

@@ -42,7 +42,7 @@ def write_identification_html(
     """Write an identification as one HTML file, which loads nothing.
 
     With the axis and its logs, that of the validation last, the page shows the residual over the motion and the
-    frequency response; `command` is the one by which it was made.
+    frequency response; `command` is the command line that made it.
     """
     path = html_path(file)
     record = identification_record(found, validation)

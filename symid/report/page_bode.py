@@ -58,7 +58,7 @@ def _beside(found: Diagnosis, signal: str) -> _Beside | None:
 
 
 def _explained(found: Diagnosis, of: FrequencyResponse) -> ComplexArray | None:
-    """Response with the effects that were found, as far as they are linear."""
+    """Response with those effects found that are linear."""
     try:
         with_effects = explained_axis(found)
         axis, values = with_effects.axis, with_effects.values

@@ -85,7 +85,7 @@ def _are_rows(rows: Any, width: int) -> bool:
 def _records(
     records: list[Mapping[str, Any]], names: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Columns of records; what is nested in them is named with the names that lead to it."""
+    """Columns of records; nested values are named by their path."""
     flat = [dict(_flat(record, ())) for record in records]
     for header in dict.fromkeys(name for record in flat for name in record):
         numbers = _numbers([record.get(header) for record in flat])

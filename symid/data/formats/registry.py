@@ -1,8 +1,8 @@
 """Files as tables of named columns: the reader of each kind of file, found by its suffix.
 
-Of CSV, Parquet, Feather and HDF5 files only the headers and the columns asked for are read. What is wrong with a file
-as a whole raises; what is wrong with one column is returned in its place, as a sentence, so that a caller can report
-the faults of all columns together.
+Of CSV, Parquet, Feather and HDF5 files only the headers and the columns asked for are read. A fault of the file
+raises; a fault of one column is returned in its place, as a sentence, so that a caller can report the faults of all
+columns together.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ FOLDER_SUFFIXES: Final = tuple(s for s in SUFFIXES if s not in (".json", ".npz",
 
 
 def suffix_of(path: Path) -> str:
-    """Suffix of a file by which its reader is found, in small letters.
+    """Suffix of a file that selects its reader, in lower case.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def open_table(path: Path, layout: Layout | None = None, memory: int | None = No
     layout : Layout, optional
         Of a CSV file, compressed or not.
     memory : int, optional
-        Bytes that what is read at once may take, such as a MATLAB file; those that are free by default.
+        Memory for what is read at once, such as a MATLAB file, bytes; the free memory by default.
 
     Raises
     ------
