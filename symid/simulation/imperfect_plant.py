@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -20,6 +20,7 @@ from symid.axis import (
     PayloadChange,
     PreslidingFriction,
 )
+from symid.errors import SettingError
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw
@@ -89,12 +90,12 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     """Plants of an axis, each with the time from which on it holds, s; `moment` receives the state of their laws."""
     values = axis.known_parameters | dict(parameters)
     changes = [e for e in axis.elements if isinstance(e, PayloadChange)]
-    added = []
+    plant, added = plant_of(axis, values), []
     for element in axis.elements:
         if isinstance(element, JointImperfection):
-            direction = direction_of(axis, element.at)
+            direction = direction_of(axis, element.at, plant.bodies)
             added.append((direction, _law(axis, element, direction, values, moment)))
-    found = [(0.0, _with_laws(plant_of(axis, values), added))]
+    found = [(0.0, _with_laws(plant, added))]
     for change in sorted(changes, key=lambda change: change.time):
         values[change.body.inertial] += change.change
         found.append((change.time, _with_laws(plant_of(axis, values), added)))
@@ -149,7 +150,7 @@ def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period:
     most = 1.0
     for element in axis.elements:
         if isinstance(element, PreslidingFriction):
-            direction = direction_of(axis, element.at)
+            direction = direction_of(axis, element.at, plant.bodies)
             mobility = float(direction @ np.linalg.solve(plant.mass, direction))
             stiffness = 2.0 * presliding_level(axis, element, parameters) / element.reach
             most = max(most, period * math.sqrt(max(stiffness * mobility, 0.0)) / _FINE)
@@ -168,14 +169,16 @@ def _with_laws(plant: Plant, added: list[tuple[FloatArray, ScaledLaw]]) -> Plant
     return replace(plant, laws=tuple(laws))
 
 
-def direction_of(axis: Axis, joint: Joint) -> FloatArray:
-    """Row whose product with the absolute displacements of the free bodies is the displacement in a joint.
+def direction_of(axis: Axis, joint: Joint, bodies: Sequence[str]) -> FloatArray:
+    """Row whose product with the absolute displacements of a plant's bodies is the displacement in a joint.
+
+    A free body that the plant lacks has no mass: springs alone may act on it.
 
     Examples
     --------
     >>> from symid.axis import load_axis
     >>> axis = load_axis("direct_2m1s")
-    >>> direction_of(axis, axis.bodies[1]).tolist()
+    >>> direction_of(axis, axis.bodies[1], [body.name for body in axis.bodies]).tolist()
     [-1.0, 1.0]
     """
     kinematics, free = Kinematics(axis), axis.free_bodies
@@ -185,4 +188,8 @@ def direction_of(axis: Axis, joint: Joint) -> FloatArray:
     row = relative_to_absolute(
         {name: float(share) for name, share in shares.items() if share}, carriers(axis)
     )
-    return np.array([row.get(body.name, 0.0) for body in free])
+    if massless := [name for name, share in row.items() if share and name not in bodies]:
+        raise SettingError(
+            f"an imperfection acts on body {massless[0]!r}, which has no mass: give it one to simulate"
+        )
+    return np.array([row.get(name, 0.0) for name in bodies])

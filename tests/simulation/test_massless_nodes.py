@@ -15,6 +15,7 @@ from symid import (
     CoulombFriction,
     Damper,
     Drive,
+    PeriodicForce,
     Position,
     Spring,
     ViscousFriction,
@@ -69,6 +70,18 @@ def test_the_simulated_motion_is_that_of_an_own_integration() -> None:
     assert np.allclose(log["qn"], (motor + 2 * load) / 3, atol=1e-9)
 
 
+def test_an_imperfection_beside_a_node_is_that_of_the_axis_with_one_spring() -> None:
+    one = Spring("screw", Between(first=MOTOR, second=LOAD), stiffness=SERIES)
+    ripple = PeriodicForce(MOTOR, 20.0, 0.0, 5.0)
+    elements = MOTOR, LOAD, ViscousFriction(MOTOR, "Fv"), one, ripple
+    single = replace(axis_with(), elements=elements, sensors=(Position("qm", MOTOR), Position("ql", LOAD)))
+    two = simulate(axis_with(ripple), TRUE, PATH, LOOP).log
+    wanted = simulate(single, TRUE, PATH, LOOP).log
+    assert np.allclose(two["F"], wanted["F"], atol=1e-6)
+    assert np.allclose(two["ql"], wanted["ql"], atol=1e-10)
+    assert np.ptp(two["F"] - simulate(axis_with(), TRUE, PATH, LOOP).log["F"]) > 5.0
+
+
 def test_the_equations_hold_for_the_response_by_hand() -> None:
     model = compiled(derive(axis_with(), ("qm",)))
     X = model.minimal_parameters(*(TRUE[name] for name in model.physical_units))
@@ -121,4 +134,6 @@ def test_a_diagnosis_sees_springs_in_series_as_one() -> None:
 def test_what_a_node_cannot_carry_is_refused() -> None:
     with pytest.raises(SettingError, match="bodies node without mass carry more than springs"):
         plant_of(axis_with(Damper("oil", NODE, damping="D")), TRUE | {"D": 3.0})
+    with pytest.raises(SettingError, match="acts on body 'node', which has no mass"):
+        simulate(axis_with(PeriodicForce(NODE, 1.0, 0.0, 5.0)), TRUE, PATH, LOOP)
     schematic(axis_with())
