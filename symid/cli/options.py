@@ -116,9 +116,11 @@ def parameter_option(what: str) -> Callable[[Any], Any]:
 
 def page_of(file: str | None) -> Path | None:
     """Path of a page, refused before any work is done if it cannot be written."""
-    from symid.report.pages import html_path  # jinja2 is loaded only where a page is written
+    if not file:
+        return None
+    from symid.report.pages import html_path  # jinja2 and sympy are loaded only where a page is written
 
-    return html_path(file) if file else None
+    return html_path(file)
 
 
 def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:

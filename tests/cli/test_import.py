@@ -290,11 +290,3 @@ def test_moments_are_seconds_and_a_number_in_brackets_is_a_channel(
     log = read_axis_log(load_axis("rigid_1m"), "bus.csv", **names)
     assert log.sampling_period == pytest.approx(0.1)
     assert log["reference"][:2] == pytest.approx([0.02, 0.02001])
-
-
-def test_a_column_that_is_named_is_the_force_whatever_its_name_suggests(recorded, folder: Path) -> None:
-    text = table({"t": recorded.time, "x": recorded["q"], "v": recorded["F"]}, ",")
-    (folder / "a.csv").write_text(text)
-    assert run("import", "a.csv", "--axis", "rigid_1m", "--column", "F=v", "-o", "map.json") == 0
-    mapping = json.loads((folder / "map.json").read_text())
-    assert (mapping["columns"]["F"], mapping["missing"]) == ("v", [])

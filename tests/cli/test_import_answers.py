@@ -93,3 +93,11 @@ def test_what_is_given_wrong_is_one_line(
     err = capsys.readouterr().err
     assert words in err
     assert err.count("\n") == 1
+
+
+def test_a_column_that_is_named_is_the_force_whatever_its_name_suggests(recorded, folder: Path) -> None:
+    text = table({"t": recorded.time, "x": recorded["q"], "v": recorded["F"]}, ",")
+    (folder / "a.csv").write_text(text)
+    assert run("import", "a.csv", "--axis", "rigid_1m", "--column", "F=v", "-o", "map.json") == 0
+    mapping = json.loads((folder / "map.json").read_text())
+    assert (mapping["columns"]["F"], mapping["missing"]) == ("v", [])
