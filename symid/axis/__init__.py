@@ -14,13 +14,14 @@ from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
 from symid.axis.quantities import length_unit
 from symid.axis.sensors import *  # noqa: F403
 from symid.axis.sketch import sketch, sketch_source
-from symid.axis.source import axis_source, write_axis
+from symid.axis.source import axis_path, axis_source, write_axis
 
 __all__ = [
     "Axis",
     "Element",
     "axis_file",
     "axis_names",
+    "axis_path",
     "axis_source",
     "chain",
     "length_unit",

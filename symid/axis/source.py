@@ -92,6 +92,17 @@ def axis_source(axis: Axis, summary: str | None = None) -> str:
     return "\n\n".join(block for block in blocks if block) + "\n"
 
 
+def axis_path(file: str | Path) -> Path:
+    """Path of an axis file to be written; SettingError if its name cannot be that of an axis."""
+    path = Path(file)
+    if path.suffix != ".py" or not is_signal_name(path.stem):
+        raise SettingError(
+            f"axis file {path.name!r} cannot name an axis: use NAME.py, NAME of letters, digits and underscores, "
+            "without an ending such as _d2, which is that of a derivative"
+        )
+    return path
+
+
 def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis:
     """Write an axis to a file, from which `load_axis` reads it; an existing file is overwritten.
 
@@ -116,11 +127,7 @@ def write_axis(axis: Axis, file: str | Path, summary: str | None = None) -> Axis
     SymidError
         If the file cannot be written.
     """
-    path = Path(file)
-    if path.suffix != ".py" or not is_signal_name(path.stem):
-        raise SettingError(
-            f"axis file {path.name!r} cannot name an axis: use NAME.py, NAME of letters, digits and underscores"
-        )
+    path = axis_path(file)
     named = replace(axis, name=path.stem)
     text = axis_source(named, summary)
     try:

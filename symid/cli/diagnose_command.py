@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click import argument, option
 
-from symid.axis import load_axis, write_axis
+from symid.axis import axis_path, load_axis, write_axis
 from symid.cli.log_options import known_late, log_options, read_log_of
 from symid.cli.options import (
     cascade_gains,
@@ -107,7 +107,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
     if experiment:
         declared.require_one_drive()  # before the diagnosis takes its time
-    page = page_of(options["report"])
+    page, written = page_of(options["report"]), options["write_axis"] and axis_path(options["write_axis"])
     with working("diagnosing"):
         if simulated:
             found = diagnose_against(declared, runs[0], simulated, validation=validation, **recorded)
@@ -122,8 +122,8 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
 
         write_html(found, page)
     give_result(diagnosis_record(found), options["json_file"], print_diagnosis)
-    if options["write_axis"]:
-        _write_axis(found, Path(options["write_axis"]))
+    if written:
+        _write_axis(found, written)
 
 
 def _write_axis(found: Diagnosis, file: Path) -> None:

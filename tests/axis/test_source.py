@@ -31,7 +31,7 @@ from symid import (
     load_axis,
     write_axis,
 )
-from symid.axis import axis_names
+from symid.axis import axis_names, axis_path
 from symid.errors import SettingError, SymidError
 
 
@@ -161,3 +161,9 @@ def test_a_law_of_the_user_s_own_is_refused() -> None:
     axis = load_axis("rigid_1m")
     with pytest.raises(SettingError, match="OwnLaw of axis 'rigid_1m' is not one of symid's"):
         axis_source(axis.with_effect(OwnLaw(axis.bodies[0], "dF")))
+
+
+def test_the_path_of_an_axis_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    assert axis_path(tmp_path / "found.py") == tmp_path / "found.py"
+    with pytest.raises(SettingError, match="without an ending such as _d2"):
+        axis_path(tmp_path / "found_d2.py")

@@ -44,6 +44,8 @@ _LOWEST_MODES = (0.5, 3.0)
 """Between which frequencies the lowest mode lies that is sought, Hz: below, a mode looks like a weight or a spring."""
 _SHARE_OF_MOTION = 0.9
 _MODES_APART = 1.09
+_SWINGS = 0.3
+"""Damping ratio from which on a mode hardly swings: beside a delay it looks like a lag."""
 _NEAR_MODE, _AT_MODE = 0.25, 0.5
 """Share of the acceleration, squared, that may lie within some of a mode: one sine tells a mode from no inertia."""
 _MOST_OF_MASS = 0.95
@@ -305,11 +307,13 @@ class FlexibleMode(LinearEffect):
         body = prediction.bodies[placed.at].direction
         whole = float(body @ prediction.response.plant.mass @ body)
         highest = _SHARE_OF_MOTION * prediction.record.motion_hz
-        if not (placed.amplitudes[0] < _MOST_OF_MASS * whole and placed.shape[0] < _INSIDE * highest):
+        frequency, damping = placed.shape
+        is_part = placed.amplitudes[0] < _MOST_OF_MASS * whole
+        if not (is_part and frequency < _INSIDE * highest and damping < _SWINGS):
             return False
         omega = prediction.record.omega
         power = np.abs(omega**2 * prediction.bodies[placed.at].modelled) ** 2
-        near = np.abs(omega - 2 * math.pi * placed.shape[0]) < _NEAR_MODE * omega
+        near = np.abs(omega - 2 * math.pi * frequency) < _NEAR_MODE * omega
         return bool(power[near].sum() < _AT_MODE * power.sum())
 
     def joint(self, prediction: Prediction, place: str) -> Joint:
