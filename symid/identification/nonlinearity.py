@@ -143,18 +143,13 @@ class ColumnTests:
         return ""
 
     def clock_drift(self) -> str:
-        """Whether a delay grows along the logs by less than a row, in words; empty if none does.
-
-        A constant delay is taken out first: where the log is fastest, early or late, it looks as if it grew.
-        """
+        """Whether a delay grows along the logs by less than a row, in words; empty if none does."""
         Z, rest, y = _of_all(self.rows)
         period = self.parts[0].log.sampling_period
         for names in delayed_together(self.model):
-            slopes = [(r, self.parts[r.part].moved(*names).slope) for r in self.rows]
-            delayed = np.column_stack([Z, np.concatenate([self._residual_of(*one) for one in slopes])])
-            left = rest - delayed @ np.linalg.lstsq(delayed, rest, rcond=None)[0]
-            drift = _Column.of(delayed, left, np.concatenate([self._growing(*one) for one in slopes]), y)
-            certain = max(self.criteria.clock_explains, self._certain(left, self.criteria.clock_certain))
+            grown = [self._growing(r, self.parts[r.part].moved(*names).slope) for r in self.rows]
+            drift = _Column.of(Z, rest, np.concatenate(grown), y)
+            certain = max(self.criteria.clock_explains, self._certain(rest, self.criteria.clock_certain))
             longest = _WORST_CLOCK * period * max(part.log.n_samples for part in self.parts)
             if drift.share > certain and self.criteria.clock_drift * period < abs(drift.factor) < longest:
                 return (
