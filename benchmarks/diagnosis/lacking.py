@@ -11,7 +11,6 @@ with a probability of at least a half that are not there are counted.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count, islice
@@ -20,7 +19,7 @@ import numpy as np
 
 from benchmarks.diagnosis.drawn_effects import EFFECTS
 from benchmarks.diagnosis.drawn_machines import Machine, drawn_logs, drawn_machine, drawn_small
-from benchmarks.diagnosis.machines import CLEAR, names
+from benchmarks.diagnosis.machines import CLEAR, false_effects, names, options, said
 from symid import Axis, CoulombFriction, Law, Log, ViscousFriction
 from symid.axis import PendulumWeight
 from symid.diagnosis import Diagnosis, FoundEffect, diagnose
@@ -80,8 +79,19 @@ def is_close(case: Case, effects: tuple[FoundEffect, ...]) -> bool:
     return any(abs(p.value - case.value) < max(_CLOSE * case.value, _DEVIATIONS * p.std) for p in found)
 
 
-def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[bool, bool, bool, int, str]]:
-    """Whether the law counts, is right and has its value; effects that are not there; and a line for each case."""
+@dataclass(frozen=True)
+class Row:
+    """A diagnosis: whether the law counts, is named first and has its value; effects not there; and all in a line."""
+
+    clear: bool
+    right: bool
+    close: bool
+    false: int
+    line: str
+
+
+def rows(first: int, number: int, *, worldly: bool) -> Iterator[Row]:
+    """Some cases from a seed on, diagnosed."""
     cases = ((seed, case) for seed in count(first) if (case := drawn(seed, worldly=worldly)) is not None)
     for seed, case in islice(cases, number):
         found: Diagnosis = diagnose(case.model, case.logs[0], validation=case.logs[1], nominal=case.nominal)
@@ -89,38 +99,33 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[bool, bool
         clear = without > CLEAR * max(complete, 1.0)
         right = any(case.lacks in names(effect) for effect in found.effects[:1])
         close = is_close(case, found.effects)
-        there = {case.lacks, *case.small}
-        false = sum(own.probability >= 0.5 and not names(own) & there for own in found.effects)
-        named = ", ".join(f"{own.effect} ({own.probability:.2f})" for own in found.effects)
+        false = len(false_effects(found.effects, {case.lacks, *case.small}))
         line = f"{seed:6} {case.machine.kind:12} lacks {case.lacks}, {without:.1f} floors, complete {complete:.1f}"
         remarks = [
             ("below the floor", not clear),
             ("WRONG", clear and not right),
             ("VALUE", right and not close),
         ]
-        said = " ".join(remark for remark, applies in (*remarks, ("FALSE", bool(false))) if applies)
-        yield clear, right, close, false, f"{line} -> {found.verdict:11} {named} {said}"
+        remarked = " ".join(remark for remark, applies in (*remarks, ("FALSE", bool(false))) if applies)
+        line = f"{line} -> {found.verdict:11} {said(found.effects)} {remarked}"
+        yield Row(clear, right, right and close, false, line)
 
 
 def main() -> None:
     """Print each case, then how many are right."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--cases", type=int, default=40)
+    parser = options(__doc__, 40)
     parser.add_argument("--worldly", action="store_true")
     given = parser.parse_args()
     found = []
-    for clear, right, close, false, line in rows(given.seed, given.cases, worldly=given.worldly):
-        print(line, flush=True)
-        found.append((clear, right, close, false))
-    seen = [row for row in found if row[0]]
+    for row in rows(given.seed, given.cases, worldly=given.worldly):
+        print(row.line, flush=True)
+        found.append(row)
+    seen = [row for row in found if row.clear]
     print(
-        f"the law lacking is named first in {sum(row[1] for row in seen)} of {len(seen)} cases in which it counts"
+        f"the law lacking is named first in {sum(row.right for row in seen)} of {len(seen)} cases in which it counts"
     )
-    print(f"its value is right in {sum(row[1] and row[2] for row in seen)} of these")
-    print(f"named with a probability of at least a half, but not there: {sum(row[3] for row in found)}")
+    print(f"its value is right in {sum(row.close for row in seen)} of these")
+    print(f"named with a probability of at least a half, but not there: {sum(row.false for row in found)}")
 
 
 if __name__ == "__main__":

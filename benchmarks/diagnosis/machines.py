@@ -16,7 +16,7 @@ of it is right, too. Effects named with a probability of at least a half that ar
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count, islice
 
@@ -110,6 +110,24 @@ def names(effect: FoundEffect) -> set[str]:
     return {effect.effect, *(name for name, _ in effect.indistinguishable_from)}
 
 
+def false_effects(effects: Iterable[FoundEffect], there: Collection[str]) -> list[FoundEffect]:
+    """Effects named with a probability of at least a half that are not there."""
+    return [one for one in effects if one.probability >= 0.5 and names(one).isdisjoint(there)]
+
+
+def said(effects: Iterable[FoundEffect]) -> str:
+    """Effects with their probabilities."""
+    return ", ".join(f"{one.effect} ({one.probability:.2f})" for one in effects)
+
+
+def options(text: str | None, cases: int) -> argparse.ArgumentParser:
+    """Command line of a benchmark of drawn cases, of which so many are drawn by default."""
+    parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cases", type=int, default=cases)
+    return parser
+
+
 def is_right(wanted: Sequence[str], found: Diagnosis) -> bool:
     """Whether one of the effects wanted is named first, or is a stated tie; if none is, whether nothing is named."""
     if not wanted:
@@ -125,24 +143,18 @@ def rows(first: int, number: int, *, worldly: bool) -> Iterator[tuple[str, bool,
         wanted = sought(case, least, alone)
         group = "none" if not case.effects else ("clear" if wanted else "below the floor")
         found = diagnose(case.machine.axis, case.logs[0], validation=case.logs[1], nominal=case.nominal)
-        named = ", ".join(f"{one.effect} ({one.probability:.2f})" for one in found.effects)
         right = is_right(wanted, found) or (group == "below the floor" and is_right(case.effects, found))
         right = right or (not wanted and least > CLEAR and found.verdict == "unexplained")
-        false = sum(
-            one.probability >= 0.5 and not names(one).intersection(case.effects) for one in found.effects
-        )
+        false = len(false_effects(found.effects, case.effects))
         there = ", ".join(f"{e} {size:.1f}" for e, size in zip(case.effects, alone, strict=True))
-        line = f"{seed:6} {case.machine.kind:12} {least:.1f} floors, {there} -> {found.verdict:11} {named}"
+        line = f"{seed:6} {case.machine.kind:12} {least:.1f} floors, {there} -> {found.verdict:11} "
+        line += said(found.effects)
         yield group, right, false, f"{line} {'' if right else 'WRONG'} {'FALSE' if false else ''}"
 
 
 def main() -> None:
     """Print each case, then how many of each group are right."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--cases", type=int, default=60)
+    parser = options(__doc__, 60)
     parser.add_argument("--worldly", action="store_true")
     given = parser.parse_args()
     groups: dict[str, list[bool]] = {}

@@ -8,7 +8,6 @@ probability of at least a half that are neither the effect nor the recorder's la
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import count, islice
@@ -16,10 +15,19 @@ from itertools import count, islice
 import numpy as np
 import scipy.signal
 
-from benchmarks.diagnosis.machines import Case, drawn, names, sizes, sought
+from benchmarks.diagnosis.machines import (
+    Case,
+    drawn,
+    false_effects,
+    names,
+    options,
+    said,
+    sizes,
+    sought,
+)
 from symid import Log
 from symid.arrays import FloatArray
-from symid.diagnosis import FoundEffect, diagnose
+from symid.diagnosis import diagnose
 
 _SLOW, _LATE, _STEPS = 4, 3, 1500
 _LAG, _FORCE_LAG = 10, 20
@@ -106,13 +114,9 @@ def outcome(case: Case, recorder: Recorder, wanted: tuple[str, ...]) -> tuple[bo
     logs = [recorder.log(log) for log in case.logs]
     found = diagnose(case.machine.axis, logs[0], validation=logs[1], nominal=case.nominal)
     others = [one for one in found.effects if not (recorder.late and _LATENESS & names(one))]
-    false = [one for one in others if one.probability >= 0.5 and not names(one).intersection(case.effects)]
+    false = false_effects(others, case.effects)
     right = bool(names(others[0]).intersection(wanted)) if others and wanted else not (others or wanted)
-    return right, len(false), f"{found.verdict:11} {', '.join(map(_said, found.effects))}"
-
-
-def _said(effect: FoundEffect) -> str:
-    return f"{effect.effect} ({effect.probability:.2f})"
+    return right, len(false), f"{found.verdict:11} {said(found.effects)}"
 
 
 def clear_cases(first: int) -> Iterator[tuple[int, Case, tuple[str, ...]]]:
@@ -126,19 +130,14 @@ def clear_cases(first: int) -> Iterator[tuple[int, Case, tuple[str, ...]]]:
 
 def main() -> None:
     """Print each diagnosis, then the sums by recorder."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--cases", type=int, default=15)
-    given = parser.parse_args()
+    given = options(__doc__, 15).parse_args()
     sums: dict[str, list[tuple[bool, int]]] = {name: [] for name in RECORDERS}
     for seed, case, wanted in islice(clear_cases(given.seed), given.cases):
         print(f"{seed} {case.machine.kind}, {', '.join(wanted) or 'no effect'}", flush=True)
         for name, recorder in RECORDERS.items():
-            right, false, said = outcome(case, recorder, wanted)
+            right, false, line = outcome(case, recorder, wanted)
             sums[name].append((right, false))
-            print(f"    {name:20} {said} {'' if right else 'WRONG'} {'FALSE' if false else ''}", flush=True)
+            print(f"    {name:20} {line} {'' if right else 'WRONG'} {'FALSE' if false else ''}", flush=True)
     for name, found in sums.items():
         rights, false = sum(r for r, _ in found), sum(f for _, f in found)
         print(f"{name}: {rights} of {len(found)} right, {false} named that are not there")

@@ -304,15 +304,14 @@ class FlexibleMode(LinearEffect):
 
     def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
         """The mode is part of the body's mass, and among the frequencies, several, at which the axis moves."""
-        body = prediction.bodies[placed.at].direction
-        whole = float(body @ prediction.response.plant.mass @ body)
-        highest = _SHARE_OF_MOTION * prediction.record.motion_hz
-        frequency, damping = placed.shape
-        is_part = placed.amplitudes[0] < _MOST_OF_MASS * whole
-        if not (is_part and frequency < _INSIDE * highest and damping < _SWINGS):
+        body, record = prediction.bodies[placed.at], prediction.record
+        whole = float(body.direction @ prediction.response.plant.mass @ body.direction)
+        (mass,), (frequency, damping) = placed.amplitudes, placed.shape
+        _, highest = _modes_seen(record)
+        if not (mass < _MOST_OF_MASS * whole and frequency < _INSIDE * highest and damping < _SWINGS):
             return False
-        omega = prediction.record.omega
-        power = np.abs(omega**2 * prediction.bodies[placed.at].modelled) ** 2
+        omega = record.omega
+        power = np.abs(omega**2 * body.modelled) ** 2
         near = np.abs(omega - 2 * math.pi * frequency) < _NEAR_MODE * omega
         return bool(power[near].sum() < _AT_MODE * power.sum())
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
-from typing import ClassVar
 
 import numpy as np
 import sympy as sp
@@ -48,6 +47,11 @@ class PreslidingFriction(JointEffect):
     """Coulomb friction that builds up over a displacement (Dahl): Fs z, z(1) = (v - abs(v) z) / reach.
 
     Where Coulomb friction is declared, it takes that away: Fs (z - sign(v)).
+
+    Parameters
+    ----------
+    of_found : bool
+        Whether it takes away Coulomb friction that is not declared but found.
     """
 
     name = "presliding_friction"
@@ -55,8 +59,9 @@ class PreslidingFriction(JointEffect):
     amplitudes = ("Fs",)
     shape_names = ("reach",)
     positive = True
-    is_part: ClassVar[bool] = False
-    """Whether it takes away Coulomb friction that is not declared but found."""
+
+    def __init__(self, *, of_found: bool = False) -> None:
+        self.of_found = of_found
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         slides = str(joint_units(prediction, place)[1]) == "m"
@@ -80,8 +85,8 @@ class PreslidingFriction(JointEffect):
 
     def forces(self, prediction: Prediction, joint: Joint, shape: Shape) -> ComplexArray:
         state = dahl_state(joint.q, shape[0])
-        is_part = self.is_part or joint.name in _declared(prediction, DeclaredCoulomb)
-        return sampled(prediction, state - np.sign(joint.v) if is_part else state, joint=joint)
+        takes_away = self.of_found or joint.name in _declared(prediction, DeclaredCoulomb)
+        return sampled(prediction, state - np.sign(joint.v) if takes_away else state, joint=joint)
 
     def strong(self, spring: Joint, stiffness: float) -> Iterable[tuple[Shape, tuple[float, ...]]]:
         largest = max(map(abs, spring.range))
@@ -95,11 +100,7 @@ class PreslidingFriction(JointEffect):
         return str(force), str(length)
 
 
-class _PartOfCoulomb(PreslidingFriction):
-    is_part = True
-
-
-_PART = _PartOfCoulomb()
+_PART = PreslidingFriction(of_found=True)
 
 
 def is_part(item: Placed, whole: Placed) -> bool:

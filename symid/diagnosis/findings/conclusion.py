@@ -164,7 +164,9 @@ def effect_values(fit: Fit) -> list[dict[str, EffectParameter]]:
     A moment that the log does not determine, because the axis rests, has the deviation of a uniform distribution over
     the log.
     """
-    fit = replace(fit, state=replace(fit.state, placed=with_parts(fit.state.placed)))
+    parts = with_parts(fit.state.placed)
+    if parts != fit.state.placed:  # else its derivatives are known
+        fit = replace(fit, state=replace(fit.state, placed=parts))
     deviations = standard_deviations(fit)[len(fit.parameters) :]
     anywhere = fit.state.prediction.record.duration / math.sqrt(12.0)
     found, place = [], 0

@@ -102,8 +102,6 @@ def of_motion(found: Diagnosis) -> str:
 
 def sentence_against(found: Diagnosis, simulator: Simulator) -> str:
     """The difference between a machine and a simulator in words."""
-    if found.verdict == "recording":
-        return found.sentence
     gap, apart = found.gap, [p.name for p in simulator.parameters if p.differs]
     apart += [spoken(e.effect, e.at) for e in simulator.effects if e.differs]
     surplus = [spoken(e.effect, e.at) for e in simulator.effects if e.machine is None]

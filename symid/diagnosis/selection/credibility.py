@@ -10,6 +10,7 @@ import numpy as np
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
 from symid.diagnosis.effects.friction import declared_level, moving_along
+from symid.diagnosis.effects.from_law import joints_with
 from symid.diagnosis.fitting.blocks import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
 from symid.diagnosis.fitting.state import State
@@ -90,8 +91,7 @@ def _is_coulomb_friction(state: State, beside: Sequence[Placed]) -> bool:
     if item.effect.name != "stribeck_friction":
         return False
     joint, along = state.prediction.joints[item.at], moving_along(state.prediction, item.at)
-    declared = (law.at for law in state.prediction.axis.laws if isinstance(law, CoulombFriction))
-    dry = {getattr(at, "name", "") for at in declared}
+    dry = joints_with(state.prediction, CoulombFriction)
     dry |= {other.at for other in (*others, *beside) if other.effect.name in _DRY}
     return dry.isdisjoint(along) and item.shape[0] > THRESHOLDS.hardly_falls * joint.top_speed
 

@@ -151,8 +151,8 @@ def _stages(
             for c in _promising([c for c in found if c.placed.key not in tried], fit)[:6]
         ]
     if _least_left(confirmed) < THRESHOLDS.hardly * fit.mean_square:
-        best = sorted(confirmed.values(), key=lambda c: -c.penalised_gain) if nominal else []
-        yield [Start.of(nominal, c.placed) for c in best[:_AGAIN] if nominal]  # values may still be far off
+        if nominal is not None:  # values may still be far off
+            yield [Start.of(nominal, c.placed) for c in _best_first(confirmed)[:_AGAIN]]
         return
     if nominal is None:
         joints = (replace(c.placed, integrated=True) for c in promising if not c.placed.integrated)
@@ -165,8 +165,7 @@ def _stages(
         return
     hidden = [replace(s, placed=replace(s.placed, integrated=True)) for s in other]
     yield [s for s in hidden if can_integrate(nominal.state.prediction, s.placed)][:_INTEGRATED]
-    best = sorted(confirmed.values(), key=lambda c: -c.penalised_gain)
-    yield islice(from_other_places(fit, [c.fit for c in best]), _OTHER_PLACES)
+    yield islice(from_other_places(fit, [c.fit for c in _best_first(confirmed)]), _OTHER_PLACES)
     if _least_left(confirmed) > THRESHOLDS.hardly * fit.mean_square:
         yield of_grid(fit, nominal, library)
 
@@ -182,6 +181,11 @@ def _promising(found: Sequence[Candidate], fit: Fit) -> list[Candidate]:
     gap = fit.mean_square > THRESHOLDS.clear_gap
     enough = [own for own, gain in zip(found, gains, strict=True) if gain > least]
     return enough if len(enough) >= _ALWAYS or not gap else list(found[:_ALWAYS])
+
+
+def _best_first(confirmed: Mapping[Key, Confirmed]) -> list[Confirmed]:
+    """Candidates confirmed, the largest gain first."""
+    return sorted(confirmed.values(), key=lambda c: -c.penalised_gain)
 
 
 def _least_left(confirmed: Mapping[Key, Confirmed]) -> float:
