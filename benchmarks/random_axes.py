@@ -35,7 +35,7 @@ from symid.arrays import FloatArray
 from symid.axis import Element
 from symid.codegen.generate import compiled
 from symid.errors import EliminationError
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 
 LONGEST = 10.0
 """Processor time that a derivation may take, s: twice the bound, for machines that are busy otherwise."""

@@ -23,9 +23,9 @@ from symid.axis import (
 )
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
-from symid.axis.laws.base import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
+from symid.axis.laws.law import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.sensors import *  # noqa: F403
 from symid.errors import SymidError

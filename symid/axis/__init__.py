@@ -6,9 +6,9 @@ from symid.axis.chain import chain
 from symid.axis.elements import *  # noqa: F403
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
-from symid.axis.laws.base import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
+from symid.axis.laws.law import *  # noqa: F403
 from symid.axis.laws.spring import *  # noqa: F403
 from symid.axis.loading import axis_file, axis_names, load_axis, shipped_folder
 from symid.axis.quantities import length_unit

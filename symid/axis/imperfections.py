@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from symid.axis.elements import Body, Joint
-from symid.axis.laws.base import is_finite
+from symid.axis.laws.law import is_finite
 
 __all__ = [
     "ActuatorDelay",

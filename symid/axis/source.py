@@ -13,7 +13,7 @@ from symid.axis.axis import Axis
 from symid.axis.elements import Between, Body, Ground
 from symid.errors import SettingError, SymidError
 from symid.files import write_whole
-from symid.signals import is_signal_name
+from symid.signal_names import is_signal_name
 
 _WIDTH = 88
 """Longest line. A longer call has one argument a line, which formatters of longer lines leave as it is."""

@@ -18,9 +18,9 @@ from symid.axis.elements import (
 )
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
-from symid.axis.laws.base import is_finite
+from symid.axis.laws.law import is_finite
 from symid.axis.sensors import Sensor
-from symid.signals import is_signal_name
+from symid.signal_names import is_signal_name
 
 
 def type_faults(

@@ -21,10 +21,10 @@ from symid.axis.elements import (
 )
 from symid.axis.imperfections import EncoderRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
-from symid.axis.laws.base import is_finite
+from symid.axis.laws.law import is_finite
 from symid.axis.sensors import Sensor
 from symid.axis.type_faults import ends_of, label_of, type_faults
-from symid.signals import is_signal_name
+from symid.signal_names import is_signal_name
 from symid.units import Unit
 
 RESERVED = ("t", "reference", "ground", "np", "n_samples", "branch")

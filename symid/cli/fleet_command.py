@@ -18,7 +18,7 @@ from symid.codegen import GeneratedModel, model_of
 from symid.errors import SettingError
 from symid.fleet import FleetReview, JointIdentification, join_results, read_results, review_fleet, units_in
 from symid.report.fleet_tables import fleet_record, print_fleet
-from symid.signals import is_signal_name
+from symid.signal_names import is_signal_name
 
 
 @click.command("fleet", cls=SafeCommand, epilog="Example: symid fleet results.parquet --report fleet.html")

@@ -13,7 +13,7 @@ from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
 from symid.cli.terminal import say
 from symid.errors import SettingError
-from symid.signals import is_signal_name
+from symid.signal_names import is_signal_name
 
 
 @click.command(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 
 ArrayFunction = Callable[..., FloatArray]
 

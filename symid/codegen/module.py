@@ -12,7 +12,7 @@ from symid.codegen.jumps import coulomb_at_drive, sliding_velocities
 from symid.codegen.lowering import code, minimal_parameter_code, signal_names
 from symid.codegen.store import FORMAT
 from symid.codegen.vetting import signed
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 from symid.symbolic.measurement import measurement
 from symid.symbolic.parameter_map import inverse_map
 from symid.symbolic.pipeline import DerivedModel

@@ -4,8 +4,7 @@ from symid.diagnosis.against import diagnose_against
 from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.experiment.design import Experiment, limits_seen, next_experiment_of
-from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
-from symid.diagnosis.findings.result import (
+from symid.diagnosis.findings.diagnosis_result import (
     Alternative,
     Diagnosis,
     EffectParameter,
@@ -17,6 +16,7 @@ from symid.diagnosis.findings.result import (
     Simulator,
     Spectrum,
 )
+from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
 from symid.diagnosis.in_motion.declared import ExplainedAxis, explained_axis
 
 __all__ = [

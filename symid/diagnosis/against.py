@@ -21,7 +21,7 @@ from symid.diagnosis.diagnose import Recorded, data_of, fits_of
 from symid.diagnosis.effects import LIBRARY, Effect, Placed, declared_effects
 from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.conclusion import concluded, effect_values
-from symid.diagnosis.findings.result import (
+from symid.diagnosis.findings.diagnosis_result import (
     Diagnosis,
     EffectParameter,
     ParameterChange,

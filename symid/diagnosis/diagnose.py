@@ -14,8 +14,8 @@ from symid.data import Log
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import damage
-from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.findings.wording import sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters

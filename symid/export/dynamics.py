@@ -1,6 +1,6 @@
 """Forward dynamics of an axis as expressions, imperfections included: what a plant holds as numbers.
 
-M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.symbolic.forward_dynamics`.
+M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.symbolic.forward_terms`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from symid.axis import Axis
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of, of_force
 from symid.simulation.plant import condensed
-from symid.symbolic.forward_dynamics import Functional, Matrix, forward_terms
+from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
 from symid.symbolic.lagrange import Kinematics
 
 DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")

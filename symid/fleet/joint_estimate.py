@@ -25,7 +25,7 @@ from symid.codegen import GeneratedModel
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, TriangularFactor, estimate, triangular_factors
 from symid.identification import Identification, PhysicalEstimate, physical_estimates
-from symid.identification.result import EstimatedParameters
+from symid.identification.identification_result import EstimatedParameters
 from symid.identification.verdict import Status, verdict
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import FloatArray
+from symid.identification.identification_result import Identification
 from symid.identification.physical import PhysicalEstimate
-from symid.identification.result import Identification
 
 _INTERVAL = 1.96
 """Deviations to either side of a value that its 95 % interval reaches."""

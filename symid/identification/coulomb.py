@@ -24,7 +24,7 @@ from symid.identification.sampling import (
     low_pass_of,
     sample_into,
 )
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 
 
 def force_columns(model: GeneratedModel) -> tuple[list[int], ...]:

@@ -19,12 +19,12 @@ from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
 from symid.estimation import LeastSquares, Method, TriangularFactor, estimate, refine_blocks
-from symid.identification.blocks import Run, blocks_of_runs
 from symid.identification.coulomb import factors_without
 from symid.identification.criteria import CRITERIA
 from symid.identification.excerpts import Excerpt
+from symid.identification.identification_result import Identification
 from symid.identification.misfit import unexplained
-from symid.identification.result import Identification
+from symid.identification.row_blocks import Run, blocks_of_runs
 from symid.identification.settings import Preparation, cutoff_range
 
 _STEP, _LOWER_CUTOFFS = 1.6, 5

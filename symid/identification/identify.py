@@ -25,11 +25,11 @@ from symid.estimation import (
     corrected_covariance_of_blocks,
 )
 from symid.identification.bias import Bias, Correction, bias_of_instruments
-from symid.identification.blocks import blocks_of_runs
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
 from symid.identification.cutoff import Estimation, Trial, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
+from symid.identification.identification_result import Identification, trusted_covariance
 from symid.identification.lagging import lag_of
 from symid.identification.misfit import misfit_of, noiseless_misfit
 from symid.identification.nonlinearity import ColumnTests
@@ -37,7 +37,7 @@ from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
-from symid.identification.result import Identification, trusted_covariance
+from symid.identification.row_blocks import blocks_of_runs
 from symid.identification.settings import Preparation, said_delays
 from symid.identification.smoothing import slow_update, smoothing_of
 from symid.identification.stability import greatest_change, scatter

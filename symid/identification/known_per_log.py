@@ -19,9 +19,9 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel, model_of
 from symid.data import AnyLog
 from symid.errors import SettingError
+from symid.identification.identification_result import Identification, headline_of
 from symid.identification.identify import identify
 from symid.identification.physical import correlation_root, jacobian, negative_parameters
-from symid.identification.result import Identification, headline_of
 from symid.identification.settings import Preparation
 from symid.identification.starts import starts
 from symid.shown import Shown

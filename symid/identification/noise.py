@@ -19,7 +19,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import AnyLog, Log, LowPass, central_difference_gain, decimation_filter
 from symid.data.density import density_of, incoherent_density_of, segment_spectra
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 
 if TYPE_CHECKING:
     from symid.identification.settings import Preparation

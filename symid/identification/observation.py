@@ -34,7 +34,7 @@ from symid.identification.sampling import (
 )
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation, completed
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 
 _RESTS, _RESTS_OF_DERIVATIVES = 2, 4
 """Margins beside a rest: filters of order 4 leave 2 % of a step of friction there, 0.6 % at three margins.

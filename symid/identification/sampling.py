@@ -25,7 +25,7 @@ from symid.data import (
 from symid.data.log import SHORT
 from symid.identification.scheme import Scheme
 from symid.identification.settings import Preparation
-from symid.signals import derivative_name
+from symid.signal_names import derivative_name
 
 STANDSTILL_SHARE = 0.01
 """Part of the highest speed below which the sign of a velocity is not trusted."""

@@ -9,7 +9,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.data import central_difference_gain
 from symid.identification.criteria import CRITERIA, Criteria
-from symid.identification.result import Identification
+from symid.identification.identification_result import Identification
 from symid.identification.timing import Timing
 from symid.identification.verdict import Status
 

@@ -12,7 +12,7 @@ from symid.identification.misfit import said_unexplained
 from symid.identification.noise import noise_deviations
 from symid.identification.physical import negative_parameters
 from symid.output_error.likelihood_fit import LikelihoodFit
-from symid.output_error.result import OutputErrorIdentification, Status
+from symid.output_error.likelihood_result import OutputErrorIdentification, Status
 
 _VAGUE = 50.0
 """Standard deviation in percent from which on a parameter is hardly determined."""

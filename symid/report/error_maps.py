@@ -12,7 +12,7 @@ from bokeh.plotting import figure
 
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import length_unit
-from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.report.binned import Means, means_over, seen_range
 from symid.report.colours import EXPLAINED, INK, MODEL, PAPER
 from symid.report.page_plots import add_legend, new_plot, noise_band, stacked

@@ -16,7 +16,7 @@ from bokeh.resources import Resources
 
 from symid.arrays import FloatArray
 from symid.axis import length_unit
-from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.report.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE, NOMINAL
 from symid.report.error_maps import error_maps
 from symid.report.page_bode import bode_plots

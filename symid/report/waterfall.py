@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.gap import Level
-from symid.diagnosis.findings.result import Diagnosis
 from symid.report.number_text import words
 
 

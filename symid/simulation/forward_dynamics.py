@@ -18,7 +18,7 @@ from symid.axis import Axis
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
-from symid.symbolic.forward_dynamics import Functional, Matrix, forward_terms
+from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
 
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32

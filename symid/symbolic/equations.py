@@ -15,7 +15,7 @@ from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Between
 from symid.errors import EliminationError
-from symid.signals import derivative_name, split_derivative
+from symid.signal_names import derivative_name, split_derivative
 from symid.symbolic.expressions import positive, time_derivative
 from symid.symbolic.kernel import EliminationRow
 from symid.symbolic.lagrange import Kinematics, LawInput

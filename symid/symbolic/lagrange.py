@@ -27,7 +27,7 @@ from symid.axis import (
     Spring,
     Weight,
 )
-from symid.signals import derivative_name
+from symid.signal_names import derivative_name
 from symid.symbolic.expressions import law_expression, parameter_symbol
 
 ONE = sp.Integer(1)

@@ -20,7 +20,7 @@ from typing import Any
 import sympy as sp
 
 from symid.errors import EliminationError
-from symid.signals import derivative_name
+from symid.signal_names import derivative_name
 from symid.symbolic.elimination import InputOutputModel
 from symid.symbolic.equations import InputOutputEquation
 from symid.symbolic.expressions import exact

@@ -13,7 +13,7 @@ from symid.arrays import FloatArray
 from symid.axis import Acceleration, Axis, Position
 from symid.data import Log
 from symid.errors import SettingError
-from symid.signals import derivative_name
+from symid.signal_names import derivative_name
 from symid.simulation import Controller, Plant, SensorRow, Simulation, Trajectory, chirp, plant_of, simulate
 
 _PLACE, _PROBE = "place_of_{}", "probe_of_{}"

@@ -10,8 +10,8 @@ import sympy as sp
 from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, LoadDependentFriction, load_axis
 from symid.diagnosis.effects import effects_of
-from symid.diagnosis.effects.friction import LoadDependentFriction as LoadDependence
-from symid.diagnosis.effects.friction import dahl_state
+from symid.diagnosis.effects.friction_effects import LoadDependentFriction as LoadDependence
+from symid.diagnosis.effects.friction_effects import dahl_state
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis

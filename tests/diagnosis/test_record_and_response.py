@@ -20,7 +20,7 @@ from symid import (
 )
 from symid.diagnosis.effects import ActuatorLag, EncoderRipple, Placed, effects_of
 from symid.diagnosis.effects.forces import FlexibleMode
-from symid.diagnosis.effects.friction import LoadDependentFriction, dahl_state
+from symid.diagnosis.effects.friction_effects import LoadDependentFriction, dahl_state
 from symid.diagnosis.fitting.sensitivity import derivatives, parameter_columns
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.prediction import prediction_of

@@ -25,7 +25,7 @@ from symid import (
 from symid.codegen import GeneratedModel
 from symid.codegen.generate import compiled
 from symid.errors import EliminationError
-from symid.signals import split_derivative
+from symid.signal_names import split_derivative
 from symid.symbolic import derive
 
 

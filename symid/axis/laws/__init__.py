@@ -10,9 +10,9 @@ Amplitudes are parameters to identify; what an amplitude cannot scale, such as a
 
 from symid.axis.laws import along_stroke, constant, friction, spring
 from symid.axis.laws.along_stroke import *  # noqa: F403
-from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.constant import *  # noqa: F403
 from symid.axis.laws.friction import *  # noqa: F403
+from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.spring import *  # noqa: F403
 
 __all__ = ["Hypothesis", "Law", "ShapeParameter", "Term"]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from symid.axis.elements import Body, Parameter
-from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.friction import CoulombFriction, ViscousFriction
+from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 
 __all__ = [
     "Cogging",

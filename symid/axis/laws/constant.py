@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from symid.axis.elements import Parameter
-from symid.axis.laws.base import Hypothesis, Law, Term
+from symid.axis.laws.law import Hypothesis, Law, Term
 
 __all__ = ["OffsetForce", "UnknownZero"]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from symid.axis.elements import Parameter
-from symid.axis.laws.base import Hypothesis, Law, ShapeParameter, Term
 from symid.axis.laws.constant import OffsetForce
+from symid.axis.laws.law import Hypothesis, Law, ShapeParameter, Term
 
 __all__ = [
     "AsymmetricFriction",

@@ -1,7 +1,12 @@
 """The library of effects: everything that a diagnosis considers."""
 
 from symid.axis import Cogging
-from symid.diagnosis.effects.base import (
+from symid.diagnosis.effects.declared_imperfections import (
+    declared_effects,
+    effects_of_element,
+    imperfection_of,
+)
+from symid.diagnosis.effects.effect import (
     ACTUATOR,
     Effect,
     JointEffect,
@@ -12,7 +17,7 @@ from symid.diagnosis.effects.base import (
     Shape,
 )
 from symid.diagnosis.effects.forces import CoggingEffect, FlexibleMode, PayloadChange, PeriodicDisturbance
-from symid.diagnosis.effects.friction import (
+from symid.diagnosis.effects.friction_effects import (
     FrictionDrift,
     LoadDependentFriction,
     PreslidingFriction,
@@ -21,7 +26,6 @@ from symid.diagnosis.effects.friction import (
     with_parts,
 )
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
-from symid.diagnosis.effects.imperfections import declared_effects, effects_of_element, imperfection_of
 from symid.diagnosis.effects.signals import (
     LATE_FORCES,
     ActuatorLag,

@@ -10,7 +10,7 @@ import scipy
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import length_unit
-from symid.diagnosis.effects.base import (
+from symid.diagnosis.effects.effect import (
     Effect,
     JointEffect,
     LinearEffect,

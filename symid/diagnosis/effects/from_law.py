@@ -13,7 +13,7 @@ import sympy as sp
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Hypothesis, Law, ShapeParameter, Term, laws
 from symid.axis.elements import Joint as Place
-from symid.diagnosis.effects.base import (
+from symid.diagnosis.effects.effect import (
     JointEffect,
     LinearEffect,
     MatchedFilter,

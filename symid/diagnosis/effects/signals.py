@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.effects.base import ACTUATOR, Effect, Key, MatchedFilter, Placed, Shape
+from symid.diagnosis.effects.effect import ACTUATOR, Effect, Key, MatchedFilter, Placed, Shape
 from symid.diagnosis.effects.forces import repeating_pitches, ripple
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction

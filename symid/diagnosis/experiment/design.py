@@ -12,7 +12,7 @@ from symid.diagnosis.effects import Key
 from symid.diagnosis.experiment.candidates import Envelope
 from symid.diagnosis.experiment.discrimination import LEAST_LOG_ODDS, Rivals, Trial, simulated_trials, trials
 from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
-from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.wording import spoken
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.selection.evidence import probabilities

@@ -10,9 +10,9 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data.density import power_density
+from symid.diagnosis.findings.diagnosis_result import Signals, Spectrum
 from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
 from symid.diagnosis.findings.repetition import repetition
-from symid.diagnosis.findings.result import Signals, Spectrum
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
 from symid.diagnosis.fitting.applied import applied, errors_of
 from symid.diagnosis.fitting.fit import Fit

@@ -12,7 +12,7 @@ import numpy as np
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fitting.blocks import Blocks, blocks_of, log_likelihood
+from symid.diagnosis.fitting.cross_validation import Blocks, blocks_of, log_likelihood
 from symid.diagnosis.fitting.sensitivity import derivatives
 from symid.diagnosis.fitting.state import State, evaluated, leveled
 from symid.diagnosis.prediction.weighting import Weighting, with_restarts

@@ -21,7 +21,7 @@ from symid.diagnosis.effects import (
     imperfection_of,
     with_parts,
 )
-from symid.diagnosis.findings.result import Diagnosis
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.fitting.fit import masses_and_stiffnesses
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.places import place_named

@@ -12,8 +12,8 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 from symid.data import Log
 from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.gap import Motion, MotionError
-from symid.diagnosis.findings.result import Diagnosis
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_of
 from symid.diagnosis.in_motion.replayed import (

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from symid.diagnosis.effects import Effect, Key, Placed, is_part
-from symid.diagnosis.fitting.blocks import deviation
+from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.fitting.state import with_effects

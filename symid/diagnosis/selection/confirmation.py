@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from symid.diagnosis.effects import Key, LawEffect, Placed
-from symid.diagnosis.fitting.blocks import certainty, deviation, log_likelihood
+from symid.diagnosis.fitting.cross_validation import certainty, deviation, log_likelihood
 from symid.diagnosis.fitting.deviations import standard_deviations
 from symid.diagnosis.fitting.fit import Fit, fitted, refitted
 from symid.diagnosis.fitting.hidden_starts import Start

@@ -9,9 +9,9 @@ import numpy as np
 
 from symid.axis import CoulombFriction, ViscousFriction
 from symid.diagnosis.effects import DriveEffect, JointEffect, LawEffect, LinearEffect, Placed
-from symid.diagnosis.effects.friction import declared_level, moving_along
+from symid.diagnosis.effects.friction_effects import declared_level, moving_along
 from symid.diagnosis.effects.from_law import joints_with
-from symid.diagnosis.fitting.blocks import Blocks
+from symid.diagnosis.fitting.cross_validation import Blocks
 from symid.diagnosis.fitting.fit import Fit, keeps_inertia, stiffnesses
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.thresholds import THRESHOLDS

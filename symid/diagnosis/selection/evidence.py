@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from symid.diagnosis.effects import Key, with_alike
-from symid.diagnosis.fitting.blocks import deviation
+from symid.diagnosis.fitting.cross_validation import deviation
 from symid.diagnosis.selection.priors import temperature
 from symid.diagnosis.selection.step import SelectionStep
 from symid.diagnosis.thresholds import THRESHOLDS

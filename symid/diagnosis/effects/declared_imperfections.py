@@ -21,8 +21,8 @@ from symid.axis import (
     PreslidingFriction,
 )
 from symid.axis.imperfections import JointImperfection
-from symid.diagnosis.effects import forces, friction, signals
-from symid.diagnosis.effects.base import ACTUATOR, Effect, Placed, Shape
+from symid.diagnosis.effects import forces, friction_effects, signals
+from symid.diagnosis.effects.effect import ACTUATOR, Effect, Placed, Shape
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 
@@ -51,13 +51,13 @@ def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
             change, moment = shape
             body = next(b for b in axis.free_bodies if b.name == item.at)
             return PayloadChange(body, amplitudes[0] * change, time=moment)
-        case friction.FrictionDrift():
+        case friction_effects.FrictionDrift():
             coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
             place = place_named(axis, item.at)
             if not shape:
                 return FrictionTrend(place, coulomb, viscous)
             return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
-        case friction.LoadDependentFriction():
+        case friction_effects.LoadDependentFriction():
             return LoadDependentFriction(place_named(axis, item.at), amplitudes[0])
     return None
 
@@ -108,14 +108,13 @@ def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]
         case PayloadChange():
             return forces.PayloadChange(), (element.change, element.time), (1.0,)
         case PreslidingFriction():
-            return friction.PreslidingFriction(), (element.reach,), (element.level,)
+            return friction_effects.PreslidingFriction(), (element.reach,), (element.level,)
         case LoadDependentFriction():
-            return friction.LoadDependentFriction(), (), (element.coefficient,)
+            return friction_effects.LoadDependentFriction(), (), (element.coefficient,)
         case FrictionDrift() | FrictionTrend() if element.coulomb or element.viscous:
             levels = element.coulomb, element.viscous
-            drifts = (
-                friction.FrictionDrift if isinstance(element, FrictionDrift) else friction.SteadyFrictionDrift
-            )
+            has_course = isinstance(element, FrictionDrift)
+            drifts = friction_effects.FrictionDrift if has_course else friction_effects.SteadyFrictionDrift
             effect = drifts(coulomb=levels[0] != 0, viscous=levels[1] != 0)
             shape = (element.time_constant,) if isinstance(element, FrictionDrift) else ()
             return effect, shape, tuple(level for level in levels if level)

@@ -15,7 +15,7 @@ from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.bias import Bias
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate
-from symid.identification.prediction import Prediction, predict
+from symid.identification.predicted_output import Prediction, predict
 from symid.identification.residuals import EquationResidual
 from symid.identification.timing import Timing
 from symid.identification.verdict import Status

@@ -13,8 +13,8 @@ from symid.axis import Axis
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.errors import SettingError
+from symid.identification.identification_result import headline_of
 from symid.identification.physical import jacobian
-from symid.identification.result import headline_of
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.likelihood_fit import LikelihoodFit
 from symid.output_error.predicted_log import OutputErrorPrediction

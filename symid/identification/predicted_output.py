@@ -12,7 +12,7 @@ from symid.identification.observation import Observation, observe
 from symid.identification.residuals import EquationResidual
 
 if TYPE_CHECKING:
-    from symid.identification.result import Identification
+    from symid.identification.identification_result import Identification
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from symid.output_error.error_model import ErrorModel
 from symid.output_error.fit_status import remarks_on, verdict_of
 from symid.output_error.hidden_laws import Models, models_of
 from symid.output_error.likelihood_fit import LikelihoodFit
+from symid.output_error.likelihood_result import OutputErrorIdentification
 from symid.output_error.predicted_log import OutputErrorPrediction
-from symid.output_error.result import OutputErrorIdentification
 from symid.output_error.rough_starts import plausible, rigid_start, spread, with_heavy_bodies
 from symid.simulation import ClosedLoop, ForwardDynamics, forward_dynamics
 

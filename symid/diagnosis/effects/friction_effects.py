@@ -13,7 +13,7 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import CoulombFriction as DeclaredCoulomb
 from symid.axis import Law
 from symid.axis import ViscousFriction as DeclaredViscous
-from symid.diagnosis.effects.base import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
+from symid.diagnosis.effects.effect import JointEffect, MatchedFilter, Placed, Shape, joint_units, sampled
 from symid.diagnosis.effects.from_law import HOLDING
 from symid.diagnosis.effects.from_law import joints_with as _declared
 from symid.diagnosis.prediction.hidden_motion import Pointwise
