@@ -16,6 +16,7 @@ from symid.codegen.store import (
     generated_folder,
     module_name,
     orphans,
+    passed_over,
     planned_file,
     sensor_sets_in,
     write,
@@ -103,4 +104,4 @@ def compiled(model: DerivedModel) -> GeneratedModel:
     ('F',)
     """
     found = compile_module(module_text(model), module_name(model.axis.name, model.measured))
-    return replace(found, delays=delays_of(model.axis.measured(model.measured)))
+    return replace(found, delays=delays_of(model.axis, model.measured), passed_over=passed_over(model.axis))

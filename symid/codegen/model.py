@@ -64,7 +64,10 @@ class GeneratedModel:
     physical_parameters : callable or None
         The inverse map, if it exists in closed form.
     delays : mapping of str to float
-        Seconds by which the axis declares readings of its sensors to be late; no generated module holds them.
+        Seconds by which the axis declares readings of its sensors to be late, negative of forces that act late; no
+        generated module holds them.
+    passed_over : tuple of str
+        Kinds of imperfections that the axis declares and the regressor does not hold; no generated module either.
     """
 
     axis: str
@@ -93,6 +96,7 @@ class GeneratedModel:
     minimal_parameters: ArrayFunction
     physical_parameters: ArrayFunction | None
     delays: Mapping[str, float] = field(default_factory=dict)
+    passed_over: tuple[str, ...] = ()
 
     @classmethod
     def from_namespace(cls, namespace: Mapping[str, Any]) -> GeneratedModel:
@@ -109,7 +113,7 @@ class GeneratedModel:
             **namespace,
             "OUTPUT_NAMES": namespace["OUTPUT"],
         }
-        names = (item.name for item in fields(cls) if item.name != "delays")
+        names = (item.name for item in fields(cls) if item.name not in ("delays", "passed_over"))
         values: dict[str, Any] = {name: found[name if name in found else name.upper()] for name in names}
         for name, value in values.items():
             values[name] = MappingProxyType(value) if isinstance(value, dict) else value

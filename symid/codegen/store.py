@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from symid.axis import Axis, Sensor, axis_file, load_axis
+from symid.axis import ActuatorDelay, Axis, axis_file, load_axis
 from symid.axis.loading import PACKAGE
 from symid.codegen.model import GeneratedModel
 from symid.codegen.vetting import require_vetted
@@ -196,13 +196,14 @@ def as_generated(model: GeneratedModel | DerivedModel) -> GeneratedModel:
 class StoredModule:
     """Text of a generated module, which can be sent to another process.
 
-    `signature` and `delays` are those of the declaration as it is now; the command `cure` regenerates the module.
+    All but the text are of the declaration as it is now; the command `cure` regenerates the module.
     """
 
     name: str
     text: str
     signature: str
     delays: tuple[tuple[str, float], ...]
+    passed_over: tuple[str, ...]
     cure: str
 
     def compiled(self) -> GeneratedModel:
@@ -212,7 +213,7 @@ class StoredModule:
             raise GeneratedModuleError(
                 f"generated module {self.name} is older than the declaration of {model.axis!r}; {self.cure}"
             )
-        return replace(model, delays=dict(self.delays))
+        return replace(model, delays=dict(self.delays), passed_over=self.passed_over)
 
 
 def stored_module(
@@ -228,21 +229,47 @@ def stored_module(
     name_or_path = axis.name if isinstance(axis, Axis) else axis
     declared = axis if isinstance(axis, Axis) else load_axis(axis)
     sensors = declared.measured(None if measured is None else tuple(measured))
-    signals, delays = tuple(sensor.signal for sensor in sensors), tuple(delays_of(sensors).items())
+    signals = tuple(sensor.signal for sensor in sensors)
+    late, missed = tuple(delays_of(declared, signals).items()), passed_over(declared)
     module = f"{module_name(declared.name, signals)}.py"
     if folder is None and (text := DERIVED.get((declared.signature, declared.name, signals))):
-        return StoredModule(module, text, declared.signature, delays, "derive it again")
+        return StoredModule(module, text, declared.signature, late, missed, "derive it again")
     folder = folder or generated_folder(axis_file(name_or_path))
     path = folder / module
     cure = f"run: symid generate {name_or_path} --measured {','.join(signals)}"
     if not path.is_file():
         raise GeneratedModuleError(f"there is no generated module {path.name}; {cure}")
-    return StoredModule(path.name, _text(path), declared.signature, delays, cure)
+    return StoredModule(path.name, _text(path), declared.signature, late, missed, cure)
 
 
-def delays_of(sensors: Sequence[Sensor]) -> dict[str, float]:
-    """Seconds by which sensors are declared to be late, of those that are."""
-    return {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
+def delays_of(axis: Axis, measured: Sequence[str] | None = None) -> dict[str, float]:
+    """Seconds by which sensors are declared to be late, of those that are; negative of forces that act late.
+
+    Examples
+    --------
+    >>> delays_of(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3)))
+    {'F': -0.003}
+    """
+    sensors = axis.sensors if measured is None else axis.measured(tuple(measured))
+    late = {sensor.signal: sensor.delay for sensor in sensors if sensor.delay}
+    acting = sum(item.seconds for item in axis.imperfections if isinstance(item, ActuatorDelay))
+    return late | ({drive.signal: -acting for drive in axis.drives} if acting else {})
+
+
+def passed_over(axis: Axis) -> tuple[str, ...]:
+    """Kinds of declared imperfections that no regressor holds, and no delay of a signal stands for.
+
+    Examples
+    --------
+    >>> from symid.axis import ForceLimit
+    >>> passed_over(load_axis("rigid_1m").with_effect(ActuatorDelay(3e-3), ForceLimit(9.0)))
+    ('ForceLimit',)
+    """
+    return tuple(
+        dict.fromkeys(
+            type(item).__name__ for item in axis.imperfections if not isinstance(item, ActuatorDelay)
+        )
+    )
 
 
 DERIVED: dict[tuple[str, str, tuple[str, ...]], str] = {}

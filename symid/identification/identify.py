@@ -38,7 +38,7 @@ from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.recording import fault_of
 from symid.identification.redundancy import disagreement_of
 from symid.identification.row_blocks import blocks_of_runs
-from symid.identification.settings import Preparation, said_delays
+from symid.identification.settings import Preparation, said_declared
 from symid.identification.smoothing import slow_update, smoothing_of
 from symid.identification.stability import greatest_change, scatter
 from symid.identification.timing import drift_of, timing_of
@@ -193,7 +193,12 @@ def found_from(
         message="",
         notes=(
             *(note for log in logs for note in log.notes),
-            *said_delays(model.delays, observations[0].preparation.late),
+            *said_declared(
+                model.delays,
+                observations[0].preparation.late,
+                model.passed_over,
+                hold=logs[0].sampling_period / 2,
+            ),
         ),
         bias=bias,
         scatter=spread,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -104,19 +104,39 @@ class Preparation:
         return late
 
 
-def said_delays(declared: Mapping[str, float], late: Mapping[str, float]) -> tuple[str, ...]:
-    """Notes on readings that were taken to be as late as they are declared, where nothing else was given.
+def said_declared(
+    declared: Mapping[str, float],
+    late: Mapping[str, float],
+    passed_over: Sequence[str] = (),
+    hold: float = 0.0,
+) -> tuple[str, ...]:
+    """Notes on delays that were taken off as they are declared, unless others were given, and on what was passed over.
+
+    A force that is held acts `hold` seconds later still.
 
     Examples
     --------
-    >>> said_delays({"q": 3e-3}, {"q": 3e-3, "F": 1e-3})
+    >>> said_declared({"q": 3e-3, "F": -1e-3}, {"q": 3e-3, "F": -2e-3})
     ('q is read 3 ms late, as the axis declares: this is taken off',)
+    >>> said_declared({"F": -1e-3}, {"F": -1e-3})
+    ('F acts 1 ms late, as the axis declares: this is taken off',)
+    >>> said_declared({}, {}, ["ForceLimit"])[0][:50]
+    'ForceLimit is declared, but this method passes it '
     """
-    return tuple(
-        f"{name} is read {1e3 * delay:.4g} ms late, as the axis declares: this is taken off"
+    notes = [
+        f"{name} {'is read' if delay > 0 else 'acts'} {1e3 * abs(delay):.4g} ms late, as the axis declares: "
+        "this is taken off"
         for name, delay in declared.items()
-        if late.get(name) == delay
-    )
+        if late.get(name) in (delay, delay - hold)
+    ]
+    if passed_over:
+        one = len(passed_over) == 1
+        notes.append(
+            f"{' and '.join(passed_over)} {'is' if one else 'are'} declared, but this method passes "
+            f"{'it' if one else 'them'} over: take --method oe with --controller-gain, which simulates "
+            f"{'it' if one else 'them'}"
+        )
+    return tuple(notes)
 
 
 def with_hold(

@@ -183,8 +183,8 @@ def _instruments(
     """Rows of the simulated logs, prepared as those of the real ones."""
     rows = []
     for log, seen in zip(logs, first.observations, strict=True):
-        held = dict.fromkeys(model.forces, -loop.held_for(log) / 2)
-        late = dict.fromkeys(model.delays, 0.0) | delays_of(loop.axis.sensors) | held
+        late = dict.fromkeys(model.delays, 0.0) | delays_of(loop.axis)
+        late |= {force: late.get(force, 0.0) - loop.held_for(log) / 2 for force in model.forces}
         rows.append(observe(model, loop.run(parameters, log), replace(seen.preparation, late=late)).W)
     return tuple(rows)
 

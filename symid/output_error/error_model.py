@@ -56,7 +56,7 @@ class ErrorModel:
 
         LogError or SettingError if the log lacks a signal, or the forces of several drives are late by different times.
         """
-        simulated = delays_of(self.loop.axis.sensors) if self.loop else {}
+        simulated = delays_of(self.loop.axis) if self.loop else {}
         late_readings = {
             sensor.signal: seconds
             for sensor in self.dynamics.axis.sensors

@@ -8,11 +8,11 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from symid.axis import Axis
-from symid.codegen import GeneratedModel, delays_of
+from symid.codegen import GeneratedModel, delays_of, passed_over
 from symid.data import Log
 from symid.errors import SettingError
 from symid.identification import Identification, Preparation, identify
-from symid.identification.settings import said_delays
+from symid.identification.settings import said_declared
 from symid.output_error.error_model import ErrorModel
 from symid.output_error.fit_status import remarks_on, verdict_of
 from symid.output_error.hidden_laws import Models, models_of
@@ -83,7 +83,7 @@ def identify_output_error(
     if not runs:
         raise SettingError("there is no log: give at least one")
     chosen = preparation or Preparation()
-    delays = delays_of(axis.sensors)
+    delays = delays_of(axis)
     prepared = Preparation(late=delays | dict(chosen.late), held=chosen.held, standstill=chosen.standstill)
     if loop is not None:
         for log in runs:
@@ -91,7 +91,7 @@ def identify_output_error(
     whole, visible = Models(model, model) if isinstance(model, GeneratedModel) else models_of(axis, model)
     held = prepared.held if held is None else held
     if held is None:
-        is_timed = any(drive.signal in prepared.late for drive in axis.drives)
+        is_timed = any(drive.signal in chosen.late for drive in axis.drives)
         held = axis.drives[0].held or (False if is_timed else None)
     comparisons = _comparisons(whole, forward_dynamics(axis), prepared, held, loop)
     with threadpool_limits(1):
@@ -108,7 +108,10 @@ def identify_output_error(
         fit=fit,
         status="ok",
         message="",
-        notes=(*(note for log in runs for note in log.notes), *said_delays(delays, prepared.late)),
+        notes=(
+            *(note for log in runs for note in log.notes),
+            *said_declared(delays, prepared.late, () if loop else passed_over(axis)),
+        ),
     )
     status, message = verdict_of(found, regression if visible is whole else None, own)
     if status == "not_converged" and visible is not whole and loop is None:

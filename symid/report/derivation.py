@@ -7,8 +7,14 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from symid.axis import ActuatorDelay
 from symid.report.console import report_console
 from symid.symbolic import DerivedModel
+
+_BESIDE = {
+    False: "passed over by the regressor, simulated only",
+    True: "no part of the regressor, taken off the force before",
+}
 
 
 def derivation_record(model: DerivedModel) -> dict[str, Any]:
@@ -35,7 +41,7 @@ def derivation_record(model: DerivedModel) -> dict[str, Any]:
         "assumptions": [
             *model.assumptions,
             *(
-                f"{type(element).__name__} is passed over by the regressor, simulated only: {element.formula}"
+                f"{type(element).__name__} is {_BESIDE[isinstance(element, ActuatorDelay)]}: {element.formula}"
                 for element in model.axis.imperfections
             ),
         ],

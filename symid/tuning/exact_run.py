@@ -107,7 +107,7 @@ def exact_run(
     trajectory: Trajectory | Sequence[Trajectory],
     controller: Controller | Sequence[Controller],
 ) -> ExactRun:
-    """Simulate an axis without noise, resolution or delay of its signals.
+    """Simulate an axis without noise, resolution or delay of its signals, and without imperfections.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def exact_run(
     >>> run.log(333.3).sampling_frequency
     333.3
     """
-    perfect = axis
+    perfect = axis.without(*axis.imperfections)
     for signal in axis.signal_units:
         perfect = perfect.with_signal(signal, noise=0.0)
     bodies = axis.free_bodies

@@ -1,4 +1,4 @@
-"""A delay that the axis declares of a sensor is taken off its readings before anything else."""
+"""A delay that the axis declares of a sensor or a drive is taken off the log; what is passed over is said."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from typing import Any
 import pytest
 
 import symid
-from symid import Preparation, load_axis
+from symid import ActuatorDelay, ActuatorLag, ForceLimit, Preparation, load_axis
 from symid.data import Log, LongLog
 from symid.simulation import ClosedLoop, chirp, plant_of, simulate, tuned_cascade
 
 TRUE = {"M": 5.0, "Fv": 3.0, "Fs": 2.0}
 PLAIN = load_axis("rigid_1m")
 LATE = PLAIN.with_signal("q", noise=1e-8, delay=3e-3)
+DECLARED = {"q": LATE, "F": PLAIN.with_signal("q", noise=1e-8).with_effect(ActuatorDelay(3e-3))}
+REFERENCE = chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3)
 CONTROLLER = tuned_cascade(plant_of(PLAIN, TRUE), "q", bandwidth_hz=10.0)
 
 
 @pytest.fixture(scope="module")
 def log() -> Log:
-    reference = chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3)
-    return simulate(LATE, TRUE, reference, CONTROLLER).log
+    return simulate(LATE, TRUE, REFERENCE, CONTROLLER).log
 
 
 def loop_of(axis: symid.Axis, method: str) -> dict[str, Any]:
@@ -28,12 +29,15 @@ def loop_of(axis: symid.Axis, method: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("method", ["wls", "iv", "oe", "loop"])
-def test_a_declared_delay_is_taken_off(log: Log, method: str) -> None:
+@pytest.mark.parametrize("signal", DECLARED)
+def test_a_declared_delay_is_taken_off(signal: str, method: str) -> None:
+    declared = DECLARED[signal]
+    log = simulate(declared, TRUE, REFERENCE, CONTROLLER).log
     settings = {"method": "oe" if method == "loop" else method, "preparation": Preparation(held=True)}
-    found: Any = symid.identify(LATE, log, **settings, **loop_of(LATE, method))  # type: ignore[call-overload]
+    found: Any = symid.identify(declared, log, **settings, **loop_of(declared, method))  # type: ignore[call-overload]
     assert found.status == "ok"
     assert found.physical_parameters == pytest.approx(TRUE, rel=2e-3)
-    assert any("3 ms late" in note for note in found.notes)
+    assert any(note.startswith(signal) and "3 ms late" in note for note in found.notes)
     assert not any("acts as if" in note for note in found.notes)
     without: Any = symid.identify(PLAIN, log, **settings, **loop_of(PLAIN, method))  # type: ignore[call-overload]
     assert without.status != "ok"
@@ -50,6 +54,22 @@ def test_blocks_and_predictions_know_the_delay(log: Log) -> None:
     whole = symid.identify(LATE, log, preparation=Preparation(held=True))
     blocks = symid.identify(LATE, LongLog.of(log, block=1000), preparation=Preparation(held=True))
     assert blocks.physical_parameters == pytest.approx(whole.physical_parameters, rel=1e-9)
-    on_time = simulate(PLAIN, TRUE, chirp(0.5, 5.0, 4.0, 0.01, sampling_period=1e-3), CONTROLLER).log
+    on_time = simulate(PLAIN, TRUE, REFERENCE, CONTROLLER).log
     late, early = (whole.predict(one).residuals[0].relative for one in (log, on_time))
     assert late < 0.02 < early
+
+
+def test_what_is_declared_and_passed_over_is_said_with_the_way_out() -> None:
+    declared = PLAIN.with_signal("q", noise=1e-8).with_effect(ActuatorLag(5e-3), ForceLimit(1e3))
+    run = simulate(declared, TRUE, REFERENCE, CONTROLLER).log
+    by_regression = symid.identify(declared, run, preparation=Preparation(held=True))
+    said = (
+        "ActuatorLag and ForceLimit are declared, but this method passes them over: "
+        "take --method oe with --controller-gain, which simulates them"
+    )
+    assert said in by_regression.notes
+    simulated: Any = symid.identify(
+        declared, run, method="oe", preparation=Preparation(held=True), **loop_of(declared, "loop")
+    )
+    assert simulated.physical_parameters == pytest.approx(TRUE, rel=2e-3)
+    assert not any("passes" in note for note in simulated.notes)
