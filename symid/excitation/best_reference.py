@@ -141,7 +141,8 @@ class IdentificationTrial:
         settings = Preparation(held=True)
         try:
             if self.method == "wls":
-                found = identify(self.model, run.log, preparation=settings, nominal=self.parameters)
+                nominal = self.parameters
+                found = identify(self.model, run.log, preparation=settings, nominal=nominal, examine="bias")
             else:
                 found = identify_by_instruments(
                     self.model,

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symid.arrays import FloatArray
-from symid.output_error.block_filter import StateSpace
 from symid.output_error.sampled_plant import SampledPlant
+from symid.output_error.state_space import StateSpace
 
 _DOUBLINGS = 60
 _SETTLED = 1e-13

@@ -1,10 +1,10 @@
-"""Recursions block by block against plain loops and scipy."""
+"""Recursions against plain loops and scipy."""
 
 import numpy as np
 import pytest
 from scipy.signal import dlsim
 
-from symid.output_error.block_filter import StateSpace
+from symid.output_error.state_space import StateSpace
 
 
 def random_system(radius: float, n: int = 3, m: int = 2, p: int = 2) -> StateSpace:

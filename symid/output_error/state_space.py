@@ -1,0 +1,58 @@
+"""Linear recursions over long signals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from symid.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class StateSpace:
+    """x[k+1] = A x[k] + B u[k], y[k] = C x[k] + D u[k]."""
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+
+    def free_response(self, n_samples: int, forgotten: float = 0.0) -> FloatArray:
+        """Outputs from each unit initial state, of shape (n_samples, p, n); shorter if it falls to `forgotten` before.
+
+        Examples
+        --------
+        >>> system = StateSpace(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
+        >>> system.free_response(4).ravel().tolist()
+        [1.0, 0.5, 0.25, 0.125]
+        """
+        response, power = self.C[None], self.A
+        while len(response) < n_samples:
+            following = response @ power
+            if np.abs(following).max() <= forgotten * np.abs(response).max():
+                break
+            response, power = np.concatenate([response, following]), power @ power
+        return response[:n_samples]
+
+    def observed(self, C: FloatArray) -> StateSpace:
+        """The recursion with other outputs, without direct feedthrough."""
+        return StateSpace(self.A, self.B, C, np.zeros((len(C), self.B.shape[1])))
+
+    def response(self, inputs: FloatArray, starts: Sequence[int]) -> FloatArray:
+        """Outputs for inputs, one signal a column, from a zero state at each start: ascending, the first of them 0.
+
+        Examples
+        --------
+        >>> system = StateSpace(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
+        >>> system.response(np.array([[1.0], [0.0], [0.0], [1.0]]), [0, 2]).ravel().tolist()
+        [0.0, 1.0, 0.0, 0.0]
+        """
+        from symid.simulation.sample_loop import recursion  # numba takes 0.3 s to import
+
+        A, gained, outputs = np.ascontiguousarray(self.A), inputs @ self.B.T, inputs @ self.D.T
+        for start, stop in pairwise([*starts, len(inputs)]):
+            outputs[start:stop] += recursion(A, np.zeros(len(A)), gained[start:stop])[:-1] @ self.C.T
+        return np.asarray(outputs)
