@@ -21,17 +21,10 @@ POLARS_FAILURES: Final = (pl.exceptions.PolarsError, pl.exceptions.PanicExceptio
 
 @dataclass(frozen=True)
 class Slices:
-    """Rows of some columns of a file, of which slices are read.
+    """Rows of some columns of a file, of which slices are read."""
 
-    Parameters
-    ----------
-    n_rows : int
-        Rows of the file.
-    read : callable
-        Takes the first row and the one behind the last; gives what `read` of a table gives, of these rows.
-    """
-
-    n_rows: int
+    n_rows: int  # rows of the file
+    # takes the first row and the one behind the last; gives what `read` of a table gives, of these rows
     read: Callable[[int, int], list[FloatArray | str]]
 
 

@@ -185,26 +185,16 @@ def _is_constant(x: FloatArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _BlockMaps:
-    """Effect of a filter on a block of samples, run forward and backward, as matrices to multiply rows with.
+    """Effect of a filter on a block of samples, run forward and backward, as matrices to multiply rows with."""
 
-    Parameters
-    ----------
-    length : int
-        Samples of a block, a multiple of the distance of kept ones; the first is kept.
-    across : array of shape (n_states, n_states)
-        State behind a block by that before it.
-    input : array of shape (length, 2 n_states + n_kept)
-        What the samples add to the state of the forward run, to that of the backward run, and to what is kept.
-    state : array of shape (n_states, n_states + n_kept)
-        The same by the state of the forward run before the block.
-    later : array of shape (n_states, n_kept)
-        What is kept, by the state of the backward run behind the block.
-    """
-
-    length: int
-    across: FloatArray
+    length: int  # samples of a block, a multiple of the distance of kept ones; the first is kept
+    across: FloatArray  # shape (n_states, n_states): state behind a block by that before it
+    # shape (length, 2 n_states + n_kept): what the samples add to the state of the forward run, to that of the
+    # backward run, and to what is kept
     input: FloatArray
+    # shape (n_states, n_states + n_kept): the same by the state of the forward run before the block
     state: FloatArray
+    # shape (n_states, n_kept): what is kept, by the state of the backward run behind the block
     later: FloatArray
 
     def states_before(self, added: FloatArray, first: FloatArray) -> tuple[FloatArray, FloatArray]:

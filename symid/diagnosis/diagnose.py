@@ -53,24 +53,13 @@ _ONLY_IN_VALIDATION = (
 
 @dataclass(frozen=True)
 class Recorded:
-    """How the signals were recorded.
+    """How the signals were recorded."""
 
-    Parameters
-    ----------
-    late : mapping of str to float
-        Time by which signals were recorded late, s.
-    held : bool, optional
-        Whether the force is held from sample to sample; None if it is not known.
-    controller : Cascade or sequence of Cascade, optional
-        That of the machine, or one for each drive; None if it is not known.
-    thinned : int, optional
-        Samples recorded for one of the logs that are looked at.
-    """
-
-    late: Mapping[str, float]
-    held: bool | None
+    late: Mapping[str, float]  # time by which signals were recorded late, s
+    held: bool | None  # whether the force is held from sample to sample; None if it is not known
+    # that of the machine, or one for each drive; None if it is not known
     controller: Cascade | Sequence[Cascade] | None = None
-    thinned: int = 1
+    thinned: int = 1  # samples recorded for one of the logs that are looked at
 
     def times(self, axis: Axis, sampling_period: float) -> dict[str, float]:
         """Time by which signals of a log were recorded late, s: delays of sensors and a hold of the forces included."""
@@ -279,18 +268,12 @@ def fits_of(base: Fit, steps: Sequence[SelectionStep]) -> list[Fit]:
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """Data for the identification, and data on which the gap is measured.
+    """Data for the identification, and data on which the gap is measured."""
 
-    Parameters
-    ----------
-    record, validation : Record
-        Of the logs and of the validation logs; the same where there are none.
-    training, held_out : bool array of shape (n_fine,) or None
-        Points for either purpose, where these are not all.
-    """
-
+    # record, validation: of the logs and of the validation logs; the same where there are none
     record: Record
     validation: Record
+    # training, held_out: shape (n_fine,): points for either purpose, where these are not all
     training: BoolArray | None
     held_out: BoolArray | None
 

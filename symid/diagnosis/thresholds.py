@@ -12,205 +12,132 @@ class Thresholds:
     Gains are those of the logarithm of the likelihood on blocks left out. Errors are in multiples of the noise floor,
     mean squares in multiples of its square. *Drawn* are cases of ``python -m benchmarks.blind draw`` whose labels are
     open, *sealed* those of its published tables, *real* the logs of ``python -m benchmarks.diagnosis.real``.
-
-    Parameters
-    ----------
-    penalty : float
-        Penalty of a free value: half the logarithm of 8000 rows (Schwarz).
-    least_penalised_gain : float
-        Gain, less its penalty, that an effect must bring: the best of all places and shapes brings less in noise alone
-        (drawn cases without an effect).
-    least_share : float
-        Share of the mean square that the first effect must take away: mismatch of another simulator takes as much.
-    least_certainty : float
-        Share of draws of the blocks in which it must predict better: two sides of a test at 10 %.
-    least_power, least_of_first : float
-        Mean square, and share of the first model's, that a further effect must take away (second effects in drawn
-        cases with one).
-    noise : float
-        Mean square below which no effect takes a model: the level of the noise is known to some percent.
-    most_effects : int
-        Effects sought: a worldly case has four.
-    explained : float
-        Mean square at which no further starts are tried.
-    hardly : float
-        Share of the mean square; with more of it left, no candidate has explained it, and dearer starts are tried.
-    promising : float
-        Share of the best candidate's gain by projection from which on another is fitted.
-    clear_gap : float
-        Mean square from which on candidates are fitted whatever a projection says of them.
-    hopeless : float
-        Multiple of the least mean square beyond which another candidate is not fitted to the end.
-    beside_best : float
-        Share of the best gain from which on another candidate is accepted in its place, where it is not certain.
-    other_timing : float
-        Share of the gain of a delay from which on a lag is followed to the end too, and the other way round.
-    timing_first : float
-        Share of the best gain from which on a late reading goes first: readings that do not belong together look like
-        play, friction or compliance (a robot's link encoder, real).
-    tie : float
-        Gain by which the driven body goes first where places are indistinguishable.
-    spoiled : float
-        Factor by which the mean square of an output grows where a candidate goes last.
-    hardly_more : float
-        Share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
-        their model showed 2 % more for presliding friction, whose reach the log determined badly.
-    hardly_falls : float
-        Stribeck velocity, relative to the top speed, beyond which Stribeck friction without Coulomb friction is that
-        (machines without Coulomb friction in their model: 0.4 to 0.9; where drawn cases have it, below 0.2).
-    varies : float
-        Relative variation of a friction level along the stroke below which it is constant.
-    refined : float
-        Share of the gain of an effect by which its refinement must gain more to take its place beside others.
-    stands_in : float
-        Share of what an effect takes away that another in its place must take.
-    as_good : float
-        Factor on the mean square of the whole model that another order of its effects may leave.
-    least_inertia : float
-        Factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
-        (friction by the load explained servo motors away).
-    seen : float
-        Share of a column, squared, that the others must leave of it.
-    deviations : float
-        Standard deviations of nothing within which a value does not count as found.
-    largest_force : float
-        Rms of a missing force relative to the largest of the drive: a spring that holds it may carry more.
-    spring_ran_away : float
-        Factor by which a stiffness is beyond what any effect had hidden of it.
-    pushes, pushed : float
-        Force along the motion, relative to the rms of all friction, and share of the motion with it, from which on a
-        friction that differs by direction or place would push the axis (weight of robot joints, real; drawn cases
-        of a force of position times velocity).
-    least_acting : float
-        Share of the logged force that must act on the axis: with less, the drive has been explained away.
-    own_course : float
-        Share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a sine
-        cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real).
-    explains_all : float
-        Share of the mean square up to which what is left speaks for an unusual size: a gain that bends by most of it, a
-        command that an integrator winds up to many times a limit.
-    fit_of_noise : float
-        Mean square of a fit that leaves noise alone.
-    other_stiffness : float
-        Share of the mean square up to which a fit from another stiffness is the better one: it found the resonance.
-    ran_away : float
-        Factor by which a mass or a stiffness that is fitted has left where it began.
-    astray : float
-        Share of the mean square up to which a fit from the values found with an effect, but without it, takes the place
-        of the first one.
-    half_sample : float
-        Samples by which a delay may differ from half a sample and count as a held force.
-    falls : float
-        Factor on its error to which an effect must lower that of data that took no part in the fit.
-    no_excess : float
-        Mean square above 1 below which there is nothing to explain.
-    tempered_share, doubt : float
-        Gains are divided by 1 + `tempered_share` times the largest, and by `doubt` deviations of their difference over
-        the blocks: laws differ a little from those of a real axis (reliability of drawn cases).
-    level_spread, level_elsewhere : float
-        Relative deviation of a friction level from its nominal value, and likelihood, relative to its peak, of one that
-        has changed for other reasons.
-    steady, of_motion : float
-        Correlation of position and time from which on a motion is steady, and logarithm of the odds of a force of the
-        time then, where the position explains as much (a motor that turns slowly, real).
-    driven_bonus : float
-        Logarithm of the odds of the driven body.
-    refused : float
-        Logarithm of the odds of what no machine can be with the values found: its fit may have gone astray.
-    indistinguishable : float
-        Probability from which on a candidate counts as indistinguishable from the best.
-    unlikely : float
-        Probability, at most, of an effect that the validation data do not show.
-    noise_alone : float
-        Error up to which nothing but noise is left.
-    white, coloured : float
-        Errors that white and wandering noise may leave: the floor is that of white noise, as the signals show it at
-        high frequencies, and a wandering record has several times of it at low ones.
-    negligible : float
-        Error, relative to the force, that a model may leave whatever the noise: the instants of reversals are known to
-        a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force).
-    worse_motion : float
-        Factor on the error of the simulated motion from which on it speaks against an effect: on real logs the right
-        ones left at most 1.01 times as much, a limit of the force of a relay 7 times (cart, not shipped).
-    nominal_is_good : float
-        Factor on the error of the re-identified model that nominal values may leave.
-    least_removed, removed_width : float
-        Share of the excess that an effect must remove to be a cause, and the width of that bound.
-    covered, covered_width : float
-        The same for it to be what it is called, and to stand for nothing else.
-    nearly_all, nearly_width : float
-        The same of a gap hardly above the floor, whose level is not known better: only a cause takes all of it away
-        (exact axes whose encoder noise passes through a controller).
-    all_of_it : float
-        Share of the gap that may stay where effects explain it and not a part of it.
-    absorbed_deviations, absorbed_share : float
-        Standard deviations and relative change from which on a parameter had absorbed an effect.
     """
 
-    penalty: float = 4.5
+    penalty: float = 4.5  # penalty of a free value: half the logarithm of 8000 rows (Schwarz)
+    # gain, less its penalty, that an effect must bring: the best of all places and shapes brings less in noise
+    # alone (drawn cases without an effect)
     least_penalised_gain: float = 30.0
+    # share of the mean square that the first effect must take away: mismatch of another simulator takes as much
     least_share: float = 0.006
+    # share of draws of the blocks in which it must predict better: two sides of a test at 10 %
     least_certainty: float = 0.95
+    # least_power, least_of_first: mean square, and share of the first model's, that a further effect must take
+    # away (second effects in drawn cases with one)
     least_power: float = 0.06
     least_of_first: float = 0.006
+    # mean square below which no effect takes a model: the level of the noise is known to some percent
     noise: float = 0.8
-    most_effects: int = 4
-    explained: float = 1.4
+    most_effects: int = 4  # effects sought: a worldly case has four
+    explained: float = 1.4  # mean square at which no further starts are tried
+    # share of the mean square; with more of it left, no candidate has explained it, and dearer starts are tried
     hardly: float = 0.05
+    # share of the best candidate's gain by projection from which on another is fitted
     promising: float = 0.15
+    # mean square from which on candidates are fitted whatever a projection says of them
     clear_gap: float = 9.0
+    # multiple of the least mean square beyond which another candidate is not fitted to the end
     hopeless: float = 4.0
+    # share of the best gain from which on another candidate is accepted in its place, where it is not certain
     beside_best: float = 0.2
+    # share of the gain of a delay from which on a lag is followed to the end too, and the other way round
     other_timing: float = 0.3
+    # share of the best gain from which on a late reading goes first: readings that do not belong together look
+    # like play, friction or compliance (a robot's link encoder, real)
     timing_first: float = 0.6
-    tie: float = 2.0
-    spoiled: float = 1.5
+    tie: float = 2.0  # gain by which the driven body goes first where places are indistinguishable
+    spoiled: float = 1.5  # factor by which the mean square of an output grows where a candidate goes last
+    # share of its gain by which what contains Coulomb friction must exceed it: robot joints without friction in
+    # their model showed 2 % more for presliding friction, whose reach the log determined badly
     hardly_more: float = 0.03
+    # Stribeck velocity, relative to the top speed, beyond which Stribeck friction without Coulomb friction is
+    # that (machines without Coulomb friction in their model: 0.4 to 0.9; where drawn cases have it, below 0.2)
     hardly_falls: float = 0.3
-    varies: float = 0.4
+    varies: float = 0.4  # relative variation of a friction level along the stroke below which it is constant
+    # share of the gain of an effect by which its refinement must gain more to take its place beside others
     refined: float = 0.05
-    stands_in: float = 0.5
+    stands_in: float = 0.5  # share of what an effect takes away that another in its place must take
+    # factor on the mean square of the whole model that another order of its effects may leave
     as_good: float = 1.25
+    # factor by which a mass may change where the effect found is none of masses: beyond it the axis has been lost
+    # (friction by the load explained servo motors away)
     least_inertia: float = 2.0
-    seen: float = 1e-8
-    deviations: float = 2.0
+    seen: float = 1e-8  # share of a column, squared, that the others must leave of it
+    deviations: float = 2.0  # standard deviations of nothing within which a value does not count as found
+    # rms of a missing force relative to the largest of the drive: a spring that holds it may carry more
     largest_force: float = 5.0
-    spring_ran_away: float = 1e4
+    spring_ran_away: float = 1e4  # factor by which a stiffness is beyond what any effect had hidden of it
+    # pushes, pushed: force along the motion, relative to the rms of all friction, and share of the motion with
+    # it, from which on a friction that differs by direction or place would push the axis (weight of robot joints,
+    # real; drawn cases of a force of position times velocity)
     pushes: float = 0.1
     pushed: float = 0.02
+    # share of the logged force that must act on the axis: with less, the drive has been explained away
     least_acting: float = 0.5
+    # share of what a limit or a bent gain makes of the force that must differ from the course of the force: of a
+    # sine cut to a fifth it is 0.016, of a force of two levels 0 (relay test of a cart, real)
     own_course: float = 0.01
+    # share of the mean square up to which what is left speaks for an unusual size: a gain that bends by most of
+    # it, a command that an integrator winds up to many times a limit
     explains_all: float = 0.01
-    fit_of_noise: float = 1.5
+    fit_of_noise: float = 1.5  # mean square of a fit that leaves noise alone
+    # share of the mean square up to which a fit from another stiffness is the better one: it found the resonance
     other_stiffness: float = 0.1
-    ran_away: float = 5.0
+    ran_away: float = 5.0  # factor by which a mass or a stiffness that is fitted has left where it began
+    # share of the mean square up to which a fit from the values found with an effect, but without it, takes the
+    # place of the first one
     astray: float = 0.5
+    # samples by which a delay may differ from half a sample and count as a held force
     half_sample: float = 0.12
+    # factor on its error to which an effect must lower that of data that took no part in the fit
     falls: float = 0.995
-    no_excess: float = 0.05
+    no_excess: float = 0.05  # mean square above 1 below which there is nothing to explain
+    # tempered_share, doubt: gains are divided by 1 + `tempered_share` times the largest, and by `doubt`
+    # deviations of their difference over the blocks: laws differ a little from those of a real axis (reliability
+    # of drawn cases)
     tempered_share: float = 0.006
     doubt: float = 1.0
+    # level_spread, level_elsewhere: relative deviation of a friction level from its nominal value, and
+    # likelihood, relative to its peak, of one that has changed for other reasons
     level_spread: float = 0.08
     level_elsewhere: float = 0.05
+    # steady, of_motion: correlation of position and time from which on a motion is steady, and logarithm of the
+    # odds of a force of the time then, where the position explains as much (a motor that turns slowly, real)
     steady: float = 0.99
     of_motion: float = -3.0
-    driven_bonus: float = 0.3
+    driven_bonus: float = 0.3  # logarithm of the odds of the driven body
+    # logarithm of the odds of what no machine can be with the values found: its fit may have gone astray
     refused: float = -2.0
+    # probability from which on a candidate counts as indistinguishable from the best
     indistinguishable: float = 0.15
-    unlikely: float = 0.1
-    noise_alone: float = 1.25
+    unlikely: float = 0.1  # probability, at most, of an effect that the validation data do not show
+    noise_alone: float = 1.25  # error up to which nothing but noise is left
+    # white, coloured: errors that white and wandering noise may leave: the floor is that of white noise, as the
+    # signals show it at high frequencies, and a wandering record has several times of it at low ones
     white: float = 1.6
     coloured: float = 6.0
+    # error, relative to the force, that a model may leave whatever the noise: the instants of reversals are known
+    # to a fraction of a sample (0.13 % was left of exact axes whose friction is half of their force)
     negligible: float = 0.0015
+    # factor on the error of the simulated motion from which on it speaks against an effect: on real logs the
+    # right ones left at most 1.01 times as much, a limit of the force of a relay 7 times (cart, not shipped)
     worse_motion: float = 1.5
+    # factor on the error of the re-identified model that nominal values may leave
     nominal_is_good: float = 1.1
+    # least_removed, removed_width: share of the excess that an effect must remove to be a cause, and the width of
+    # that bound
     least_removed: float = 0.1
     removed_width: float = 0.02
+    # covered, covered_width: the same for it to be what it is called, and to stand for nothing else
     covered: float = 0.5
     covered_width: float = 0.12
+    # nearly_all, nearly_width: the same of a gap hardly above the floor, whose level is not known better: only a
+    # cause takes all of it away (exact axes whose encoder noise passes through a controller)
     nearly_all: float = 0.8
     nearly_width: float = 0.05
-    all_of_it: float = 0.1
+    all_of_it: float = 0.1  # share of the gap that may stay where effects explain it and not a part of it
+    # absorbed_deviations, absorbed_share: standard deviations and relative change from which on a parameter had
+    # absorbed an effect
     absorbed_deviations: float = 3.0
     absorbed_share: float = 0.01
 

@@ -60,30 +60,15 @@ class JointForce(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Imperfect:
-    """The imperfections of an axis.
+    """The imperfections of an axis."""
 
-    Parameters
-    ----------
-    drive : tuple of (DriveImperfection, Memory or None)
-        Those of the drive without its delay, in the order in which a force passes them, with what each remembers.
-    joints : tuple of JointForce
-        Those that act as forces in joints.
-    memories : tuple of Memory
-        All memories, in the order of the state.
-    delay : float
-        Delay of the drive, s.
-    changes : tuple of PayloadChange
-        Changes of masses over time.
-    clock : str
-        C expression of the time, which is a state where anything depends on it; else empty.
-    """
-
+    # those of the drive without its delay, in the order in which a force passes them, with what each remembers
     drive: tuple[tuple[DriveImperfection, Memory | None], ...]
-    joints: tuple[JointForce, ...]
-    memories: tuple[Memory, ...]
-    delay: float
-    changes: tuple[PayloadChange, ...]
-    clock: str
+    joints: tuple[JointForce, ...]  # those that act as forces in joints
+    memories: tuple[Memory, ...]  # all memories, in the order of the state
+    delay: float  # delay of the drive, s
+    changes: tuple[PayloadChange, ...]  # changes of masses over time
+    clock: str  # C expression of the time, which is a state where anything depends on it; else empty
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -38,25 +38,17 @@ _NO_MASS = 1e-9
 
 @dataclass(frozen=True)
 class Properties:
-    """Forces along a path of displacement q and speed v.
+    """Forces along a path of displacement q and speed v."""
 
-    Parameters
-    ----------
-    stiffness, cubic, damping, drag, frictionloss : float
-        Force against the motion: stiffness q + cubic q^3 + damping v + drag v abs(v) + frictionloss sign(v).
-    constant : float
-        Force in the positive direction.
-    armature : float
-        Inertia that resists its acceleration.
-    """
-
+    # stiffness, cubic, damping, drag, frictionloss: force against the motion: stiffness q + cubic q^3 + damping v
+    # + drag v abs(v) + frictionloss sign(v)
     stiffness: float = 0.0
     cubic: float = 0.0
     damping: float = 0.0
     drag: float = 0.0
     frictionloss: float = 0.0
-    constant: float = 0.0
-    armature: float = 0.0
+    constant: float = 0.0  # force in the positive direction
+    armature: float = 0.0  # inertia that resists its acceleration
 
 
 @dataclass(frozen=True)
@@ -78,39 +70,18 @@ class Inertial(NamedTuple):
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The axis in these terms.
+    """The axis in these terms."""
 
-    Parameters
-    ----------
-    bodies : tuple of Body
-        Free bodies.
-    inertia : mapping of str to float
-        Of each free body where its joint is that of a tree; 0 where an armature holds it.
-    moments : mapping of str to float
-        m l of each pendulum, in units of the first one's gravity.
-    paths : mapping of Path to Properties
-        Forces and inertias along each path.
-    plays : tuple of Play
-        Springs with play.
-    drives : tuple of Path
-        Along which each drive pushes.
-    gains : tuple of float
-        Force per unit of each drive's command, or of its signal without a command.
-    readings : mapping of str to Path
-        Displacement of each sensor, before it is differentiated.
-    losses : tuple of str
-        Parts of the axis that none of these holds.
-    """
-
-    bodies: tuple[Body, ...]
+    bodies: tuple[Body, ...]  # free bodies
+    # of each free body where its joint is that of a tree; 0 where an armature holds it
     inertia: Mapping[str, float]
-    moments: Mapping[str, float]
-    paths: Mapping[Path, Properties]
-    plays: tuple[Play, ...]
-    drives: tuple[Path, ...]
-    gains: tuple[float, ...]
-    readings: Mapping[str, Path]
-    losses: tuple[str, ...]
+    moments: Mapping[str, float]  # m l of each pendulum, in units of the first one's gravity
+    paths: Mapping[Path, Properties]  # forces and inertias along each path
+    plays: tuple[Play, ...]  # springs with play
+    drives: tuple[Path, ...]  # along which each drive pushes
+    gains: tuple[float, ...]  # force per unit of each drive's command, or of its signal without a command
+    readings: Mapping[str, Path]  # displacement of each sensor, before it is differentiated
+    losses: tuple[str, ...]  # parts of the axis that none of these holds
 
     @property
     def roots(self) -> tuple[Body, ...]:

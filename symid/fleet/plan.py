@@ -25,21 +25,12 @@ PathLike = str | os.PathLike[str]
 
 @dataclass(frozen=True)
 class FleetAxis:
-    """An axis with its generated modules as text and its share of the settings: all that a worker needs.
+    """An axis with its generated modules as text and its share of the settings: all that a worker needs."""
 
-    Parameters
-    ----------
-    axis : Axis
-        The declaration.
-    modules : tuple of ((str, ...), StoredModule)
-        Generated module of each set of sensors that has one.
-    settings : BatchSettings
-        Those that concern this axis.
-    """
-
-    axis: Axis
+    axis: Axis  # the declaration
+    # generated module of each set of sensors that has one
     modules: tuple[tuple[tuple[str, ...], StoredModule], ...]
-    settings: BatchSettings
+    settings: BatchSettings  # those that concern this axis
 
     @cached_property
     def fingerprint(self) -> str:

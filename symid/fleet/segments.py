@@ -82,22 +82,16 @@ class TrendSegment:
 class Series:
     """Values in order of time.
 
-    Parameters
-    ----------
-    time, values : array of shape (n,)
-        Times and values.
-    weights : array of shape (n,)
-        Inverse variances of the values; 0 leaves one out.
-
     Examples
     --------
     >>> Series(np.arange(3.0), np.array([1.0, 3.0, 5.0]), np.ones(3)).segment(0, 3, sloping=True).slope
     2.0
     """
 
+    # time, values: shape (n,): times and values
     time: FloatArray
     values: FloatArray
-    weights: FloatArray
+    weights: FloatArray  # shape (n,): inverse variances of the values; 0 leaves one out
 
     def segment(self, first: int, end: int, *, sloping: bool) -> TrendSegment:
         """Level, or sloping line, through the values from `first` to before `end`."""

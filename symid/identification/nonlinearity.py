@@ -35,21 +35,13 @@ _INDEPENDENT = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class ColumnTests:
-    """Tests whether one more column takes away part of the residual; each returns a fault in words, or none.
-
-    Parameters
-    ----------
-    rows : sequence of WhitenedRows
-        All rows of the estimate, with white residuals.
-    inflation : float
-        Rows for each one that is independent of the others.
-    """
+    """Tests whether one more column takes away part of the residual; each returns a fault in words, or none."""
 
     model: GeneratedModel
     parts: Sequence[Excerpt]
     fit: LeastSquares
-    rows: Sequence[WhitenedRows]
-    inflation: float
+    rows: Sequence[WhitenedRows]  # all rows of the estimate, with white residuals
+    inflation: float  # rows for each one that is independent of the others
     criteria: Criteria = CRITERIA
 
     def force_nonlinearity(self) -> str:

@@ -188,21 +188,12 @@ def _standstill_margin(chosen: Preparation, period: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class SignalRows:
-    """The part of the rows of a log that some signals make, and how it changes with their time: rows are linear in it.
+    """The part of a log's rows that some signals make, and how it changes with their time: rows are linear in it."""
 
-    Parameters
-    ----------
-    sampling : Sampling
-        Of the part of the model that is linear in the signals, of which all but these are still.
-    columns : tuple of int
-        Columns of W that they are in, those of the part of the model.
-    n_columns : int
-        Columns of W.
-    """
-
+    # of the part of the model that is linear in the signals, of which all but these are still
     sampling: Sampling
-    columns: tuple[int, ...]
-    n_columns: int
+    columns: tuple[int, ...]  # columns of W that they are in, those of the part of the model
+    n_columns: int  # columns of W
 
     @classmethod
     def of(cls, model: GeneratedModel, log: Log, chosen: Preparation, *names: str) -> SignalRows:

@@ -40,20 +40,13 @@ from symid.identification.settings import Preparation, completed
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """The rows of a log in blocks.
+    """The rows of a log in blocks."""
 
-    Parameters
-    ----------
-    observation : Observation
-        All rows of a log in memory; those of the first block of a long log. Its preparation is that of the whole.
-    read : callable
-        Returns the blocks in time order, from the start each time it is called.
-    without : callable
-        Returns the run without friction of given levels beside the drives; this one can no longer be used.
-    """
-
+    # all rows of a log in memory; those of the first block of a long log. Its preparation is that of the whole
     observation: Observation
+    # returns the blocks in time order, from the start each time it is called
     read: Callable[[], Iterable[Observation]]
+    # returns the run without friction of given levels beside the drives; this one can no longer be used
     without: Callable[[tuple[float, ...]], Run]
 
     @classmethod

@@ -38,21 +38,11 @@ WORKERS = min(4, os.cpu_count() or 1)
 
 @dataclass(frozen=True, eq=False)
 class Filtered:
-    """A recorded signal that is filtered, and moved in time, where it is read: no copy of the whole is kept.
+    """A recorded signal that is filtered, and moved in time, where it is read: no copy of the whole is kept."""
 
-    Parameters
-    ----------
-    recorded : array of shape (n,)
-        The signal.
-    low_pass : ZeroPhaseFilter or None
-        What it passes.
-    earlier : float
-        Samples by which it is moved to an earlier time.
-    """
-
-    recorded: FloatArray
-    low_pass: ZeroPhaseFilter | None
-    earlier: float = 0.0
+    recorded: FloatArray  # shape (n,): the signal
+    low_pass: ZeroPhaseFilter | None  # what it passes
+    earlier: float = 0.0  # samples by which it is moved to an earlier time
 
     @property
     def size(self) -> int:
@@ -74,36 +64,19 @@ class Filtered:
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """Data for sampling the model anywhere between the trimmed ends of a log.
+    """Data for sampling the model anywhere between the trimmed ends of a log."""
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        Regressor and output.
-    chosen : Preparation
-        Complete.
-    scheme : Scheme
-        How derivatives and laws are made.
-    period : float
-        Sampling period, s.
-    signals : mapping of str to array or Filtered of shape (n,)
-        Filtered signals of the whole log; those that are not among them are still.
-    wide : mapping of str to array or Filtered of shape (n,)
-        Motion, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of `signals`.
-    before : int
-        Samples trimmed at the beginning.
-    n_samples : int
-        Samples between the ends.
-    """
-
-    model: GeneratedModel
-    chosen: Preparation
-    scheme: Scheme
-    period: float
+    model: GeneratedModel  # regressor and output
+    chosen: Preparation  # complete
+    scheme: Scheme  # how derivatives and laws are made
+    period: float  # sampling period, s
+    # shape (n,): filtered signals of the whole log; those that are not among them are still
     signals: Mapping[str, FloatArray | Filtered]
+    # shape (n,): motion, filtered less, of which nonlinear laws are evaluated; empty if they are evaluated of
+    # `signals`
     wide: Mapping[str, FloatArray | Filtered]
-    before: int
-    n_samples: int
+    before: int  # samples trimmed at the beginning
+    n_samples: int  # samples between the ends
 
     @property
     def factor(self) -> int:

@@ -17,18 +17,12 @@ SHARPER = 4
 
 @dataclass(frozen=True)
 class Scheme:
-    """How derivatives and the values of nonlinear laws are made.
+    """How derivatives and the values of nonlinear laws are made."""
 
-    Parameters
-    ----------
-    order : int
-        Order of accuracy of the central differences; higher derivatives are taken one after the other.
-    widening : float
-        Multiple of the cutoff at which motion is filtered before nonlinear laws are evaluated, which are filtered at
-        the cutoff afterwards. Beyond 1, reversals stay where they were in the laws that jump there.
-    """
-
+    # order of accuracy of the central differences; higher derivatives are taken one after the other
     order: int
+    # multiple of the cutoff at which motion is filtered before nonlinear laws are evaluated, which are filtered
+    # at the cutoff afterwards. Beyond 1, reversals stay where they were in the laws that jump there
     widening: float = 1.0
 
     @property

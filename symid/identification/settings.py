@@ -154,24 +154,13 @@ def with_hold(
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """Windowed Fourier transforms of segments of a log (Welch).
+    """Windowed Fourier transforms of segments of a log (Welch)."""
 
-    Parameters
-    ----------
-    frequency : array of shape (n_frequencies,)
-        In Hz.
-    forces : array of shape (n_drives, n_segments, n_frequencies)
-        Of the force of each drive.
-    motion : array of shape (n_segments, n_frequencies)
-        Of the second derivative of the signal that is differentiated most.
-    power : array of shape (n_frequencies,)
-        Of that signal itself, to a factor.
-    """
-
-    frequency: FloatArray
-    forces: ComplexArray
+    frequency: FloatArray  # shape (n_frequencies,): in Hz
+    forces: ComplexArray  # shape (n_drives, n_segments, n_frequencies): of the force of each drive
+    # shape (n_segments, n_frequencies): of the second derivative of the signal that is differentiated most
     motion: ComplexArray
-    power: FloatArray
+    power: FloatArray  # shape (n_frequencies,): of that signal itself, to a factor
 
     @classmethod
     def of(cls, log: AnyLog, model: GeneratedModel) -> Spectra:

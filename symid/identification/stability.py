@@ -25,25 +25,14 @@ _FEWEST = 4
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A span in which parameters are others than in the rest.
+    """A span in which parameters are others than in the rest."""
 
-    Parameters
-    ----------
-    begins : float
-        Time at which it begins, s.
-    inside, outside : array of shape (n_parameters,)
-        Minimal parameters in the span and in the rest.
-    deviations : array of shape (n_parameters,)
-        Standard deviations of their difference.
-    explained : float
-        Share of the residual's power that separate parameters remove.
-    """
-
-    begins: float
+    begins: float  # time at which it begins, s
+    # inside, outside: shape (n_parameters,): minimal parameters in the span and in the rest
     inside: FloatArray
     outside: FloatArray
-    deviations: FloatArray
-    explained: float
+    deviations: FloatArray  # shape (n_parameters,): standard deviations of their difference
+    explained: float  # share of the residual's power that separate parameters remove
 
     def most_certain(self, among: BoolArray) -> int:
         """Place of the parameter that differs by the most deviations, of some."""
@@ -114,24 +103,15 @@ def greatest_change(parts: Sequence[Segment], fit: LeastSquares) -> Change | Non
 
 @dataclass(frozen=True, eq=False)
 class _Comparison:
-    """Spans of rows compared with the rest, in the directions that both see.
+    """Spans of rows compared with the rest, in the directions that both see."""
 
-    Parameters
-    ----------
-    gain : array of shape (n_spans,)
-        Fall of the residual's square by separate parameters.
-    inside, outside : array of shape (n_spans, n_parameters)
-        Estimates from a span and from the rest.
-    directions : array of shape (n_spans, n_parameters, n_parameters)
-        Columns are directions.
-    variances : array of shape (n_spans, n_parameters)
-        Of the difference of both estimates along each direction; 0 where they are not compared.
-    """
-
-    gain: FloatArray
+    gain: FloatArray  # shape (n_spans,): fall of the residual's square by separate parameters
+    # inside, outside: shape (n_spans, n_parameters): estimates from a span and from the rest
     inside: FloatArray
     outside: FloatArray
-    directions: FloatArray
+    directions: FloatArray  # shape (n_spans, n_parameters, n_parameters): columns are directions
+    # shape (n_spans, n_parameters): of the difference of both estimates along each direction; 0 where they are
+    # not compared
     variances: FloatArray
 
     @classmethod

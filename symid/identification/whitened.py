@@ -23,30 +23,14 @@ _LEAST_ROWS = 4
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """Sums over consecutive rows.
+    """Sums over consecutive rows."""
 
-    Parameters
-    ----------
-    time : float
-        Of its first row, s.
-    of : int
-        Number of its log.
-    normal : array of shape (n_parameters, n_parameters)
-        Z'Z of the whitened columns.
-    slope : array of shape (n_parameters,)
-        Z'r of the residual.
-    square : float
-        r'r.
-    rows : int
-        How many there are.
-    """
-
-    time: float
-    of: int
-    normal: FloatArray
-    slope: FloatArray
-    square: float
-    rows: int
+    time: float  # of its first row, s
+    of: int  # number of its log
+    normal: FloatArray  # shape (n_parameters, n_parameters): Z'Z of the whitened columns
+    slope: FloatArray  # shape (n_parameters,): Z'r of the residual
+    square: float  # r'r
+    rows: int  # how many there are
 
 
 @dataclass(frozen=True, eq=False)

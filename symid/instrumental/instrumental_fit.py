@@ -19,17 +19,11 @@ from symid.identification import Observation
 
 @dataclass(frozen=True, eq=False)
 class InstrumentalFit:
-    """An estimate by instrumental variables, and how strong its instruments are.
+    """An estimate by instrumental variables, and how strong its instruments are."""
 
-    Parameters
-    ----------
-    fit : LeastSquares
-        The parameters with their classical covariance; rank and conditions are those of least squares.
-    correlation : float
-        Lowest canonical correlation between the columns of Z and of W: 1 if both span the same.
-    """
-
+    # the parameters with their classical covariance; rank and conditions are those of least squares
     fit: LeastSquares
+    # lowest canonical correlation between the columns of Z and of W: 1 if both span the same
     correlation: float
 
     def strength(self, effective_samples: float) -> float:

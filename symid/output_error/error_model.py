@@ -26,30 +26,15 @@ _VELOCITY_BAND = 0.2
 
 @dataclass(frozen=True, eq=False)
 class ErrorModel:
-    """Model and assumptions for the comparison with a log.
+    """Model and assumptions for the comparison with a log."""
 
-    Parameters
-    ----------
-    model : GeneratedModel
-        For the sensors used.
-    dynamics : ForwardDynamics
-        The axis.
-    preparation : Preparation
-        Of which `late` and `standstill` count.
-    force : {"held", "smooth", "simulated"}
-        Course of the forces between samples: held, smooth, or that of the simulated closed loop.
-    free_timing : bool
-        Whether the time by which the forces are recorded late is estimated.
-    loop : ClosedLoop, optional
-        Of a simulated force.
-    """
-
-    model: GeneratedModel
-    dynamics: ForwardDynamics
-    preparation: Preparation
+    model: GeneratedModel  # for the sensors used
+    dynamics: ForwardDynamics  # the axis
+    preparation: Preparation  # of which `late` and `standstill` count
+    # course of the forces between samples: held, smooth, or that of the simulated closed loop
     force: Literal["held", "smooth", "simulated"]
-    free_timing: bool = False
-    loop: ClosedLoop | None = None
+    free_timing: bool = False  # whether the time by which the forces are recorded late is estimated
+    loop: ClosedLoop | None = None  # of a simulated force
 
     def error(self, log: Log, late: float | None = None) -> RunError:
         """Error of a log, late readings where they belong; `late` (s) is that of the forces, else the preparation's.

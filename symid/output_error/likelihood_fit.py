@@ -41,27 +41,16 @@ _SAME = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class LikelihoodFit:
-    """Maximum-likelihood estimate.
+    """Maximum-likelihood estimate."""
 
-    Parameters
-    ----------
-    search : Search
-        Where it ended.
-    linear : LeastSquares
-        Of the model linearised there, in the order of `search.seen`, then the nuisance parameters.
-    correlated : CorrelatedCovariance
-        Its covariance, corrected for what correlation the innovations have left.
-    promising : tuple of mapping of str to float
-        Parameters of the trials that were left after their first iterations, best first.
-    parts : tuple of Segment
-        Sums over segments of the linearised model's rows.
-    """
-
-    search: Search
+    search: Search  # where it ended
+    # of the model linearised there, in the order of `search.seen`, then the nuisance parameters
     linear: LeastSquares
+    # its covariance, corrected for what correlation the innovations have left
     correlated: CorrelatedCovariance
+    # parameters of the trials that were left after their first iterations, best first
     promising: tuple[Mapping[str, float], ...]
-    parts: tuple[Segment, ...]
+    parts: tuple[Segment, ...]  # sums over segments of the linearised model's rows
 
     @property
     def cost(self) -> float:

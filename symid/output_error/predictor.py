@@ -23,19 +23,12 @@ _SETTLED = 1e-13
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
-    """Innovations of a sampled axis.
+    """Innovations of a sampled axis."""
 
-    Parameters
-    ----------
-    innovations : StateSpace
-        Its inputs are the readings without what forces add to them directly, and the effects of the forces on the
-        state; its outputs the innovations.
-    covariance : array of shape (n_outputs, n_outputs)
-        Of the innovations, for the noise that was assumed.
-    """
-
+    # its inputs are the readings without what forces add to them directly, and the effects of the forces on the
+    # state; its outputs the innovations
     innovations: StateSpace
-    covariance: FloatArray
+    covariance: FloatArray  # shape (n_outputs, n_outputs): of the innovations, for the noise that was assumed
 
 
 def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: FloatArray) -> Predictor:

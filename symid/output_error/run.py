@@ -56,52 +56,27 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class LogRun:
-    """A log, cut into stretches in which the axis moves; one after the other in each array.
+    """A log, cut into stretches in which the axis moves; one after the other in each array."""
 
-    Parameters
-    ----------
-    signals : tuple of str
-        Sensors, the columns of the readings.
-    period : float
-        Sampling period, s.
-    time : array of shape (n,)
-        Times of the whole log, s.
-    readings : array of shape (n_samples, n_outputs)
-        Their readings.
-    drive : array of shape (n_samples, n_parts, n_drives)
-        Drive forces in each part of the interval after each sample.
-    drive_at : array of shape (n_samples, n_drives)
-        Drive forces at the samples, as accelerometers see them.
-    drive_rate, drive_rate_at : array, shapes as those of the forces
-        Change of the forces for a recording that is later by one sample; 0 for held forces.
-    course : {"held", "smooth"}
-        Course of the forces between samples.
-    late : float
-        Samples by which the forces are taken to be recorded late.
-    forces : array of shape (n, n_drives)
-        The forces of the whole log.
-    kept : bool array of shape (n,)
-        Samples of the log that are in the stretches.
-    motions : tuple of Motion or None
-        Motion of each joint with nonlinear laws; None where sensors do not determine it.
-    starts : tuple of int
-        First sample of each stretch.
-    """
-
-    signals: tuple[str, ...]
-    period: float
-    time: FloatArray
-    readings: FloatArray
+    signals: tuple[str, ...]  # sensors, the columns of the readings
+    period: float  # sampling period, s
+    time: FloatArray  # shape (n,): times of the whole log, s
+    readings: FloatArray  # shape (n_samples, n_outputs): their readings
+    # shape (n_samples, n_parts, n_drives): drive forces in each part of the interval after each sample
     drive: FloatArray
+    # shape (n_samples, n_drives): drive forces at the samples, as accelerometers see them
     drive_at: FloatArray
+    # drive_rate, drive_rate_at: change of the forces for a recording that is later by one sample; 0 for held
+    # forces
     drive_rate: FloatArray
     drive_rate_at: FloatArray
-    course: Course
-    late: float
-    forces: FloatArray
-    kept: BoolArray
+    course: Course  # course of the forces between samples
+    late: float  # samples by which the forces are taken to be recorded late
+    forces: FloatArray  # shape (n, n_drives): the forces of the whole log
+    kept: BoolArray  # shape (n,): samples of the log that are in the stretches
+    # motion of each joint with nonlinear laws; None where sensors do not determine it
     motions: tuple[Motion | None, ...]
-    starts: tuple[int, ...]
+    starts: tuple[int, ...]  # first sample of each stretch
 
     @property
     def parts(self) -> int:

@@ -23,33 +23,19 @@ from symid.simulation import Plant
 
 @dataclass(frozen=True, eq=False)
 class SampledPlant:
-    """Matrices of the recursion; see the module.
+    """Matrices of the recursion; see the module."""
 
-    Parameters
-    ----------
-    transition : array of shape (n_states, n_states)
-        A.
-    effects : array of shape (n_parts, n_states, n_forces)
-        A_i G; forces are those of the drives, those of the joints' laws, the constant ones.
-    disturbances : array of shape (n_states, n_disturbed)
-        Effect of a force along the direction of each disturbed sensor, over a whole interval.
-    output : array of shape (n_outputs, n_states)
-        C.
-    feedthrough : array of shape (n_outputs, n_forces)
-        D.
-    disturbance_feedthrough : array of shape (n_outputs, n_disturbed)
-        The same for the disturbances.
-    n_drives : int
-        Number of drives.
-    """
-
-    transition: FloatArray
+    transition: FloatArray  # shape (n_states, n_states): A
+    # shape (n_parts, n_states, n_forces): A_i G; forces are those of the drives, those of the joints' laws, the
+    # constant ones
     effects: FloatArray
+    # shape (n_states, n_disturbed): effect of a force along the direction of each disturbed sensor, over a whole
+    # interval
     disturbances: FloatArray
-    output: FloatArray
-    feedthrough: FloatArray
-    disturbance_feedthrough: FloatArray
-    n_drives: int
+    output: FloatArray  # shape (n_outputs, n_states): C
+    feedthrough: FloatArray  # shape (n_outputs, n_forces): D
+    disturbance_feedthrough: FloatArray  # shape (n_outputs, n_disturbed): the same for the disturbances
+    n_drives: int  # number of drives
 
     @property
     def noise_effects(self) -> FloatArray:

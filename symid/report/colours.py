@@ -32,26 +32,18 @@ def in_dark(colour: str) -> str:
 
 @dataclass(frozen=True)
 class Palette:
-    """Colours of a figure. Measured curves are wide and pale, computed ones thin and strong, also in grey print.
+    """Colours of a figure. Measured curves are wide and pale, computed ones thin and strong, also in grey print."""
 
-    Parameters
-    ----------
-    paper, ink, grid : str
-        Background, text and lines, and lines behind the curves.
-    measured, model, residual, other : str
-        Curves; `other` is a third one.
-    fill : str
-        Areas, such as a body or a confidence ellipse.
-    """
-
+    # paper, ink, grid: background, text and lines, and lines behind the curves
     paper: str
     ink: str
     grid: str
+    # measured, model, residual, other: curves; `other` is a third one
     measured: str
     model: str
     residual: str
     other: str
-    fill: str
+    fill: str  # areas, such as a body or a confidence ellipse
 
     @property
     def style(self) -> Any:

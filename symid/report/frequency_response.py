@@ -55,30 +55,19 @@ class SensorMotion:
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """A frequency response from the drive force to a reading.
+    """A frequency response from the drive force to a reading."""
 
-    Parameters
-    ----------
-    force, signal, quantity, unit : str
-        The drive, the sensor, the quantity compared (velocity or acceleration) and the unit of the response.
-    frequency : array of shape (n,)
-        Hz.
-    measured : complex array of shape (n,)
-        H1 = S_uy / S_uu of the logs.
-    coherence : array of shape (n,)
-        abs(S_uy)^2 / (S_uu S_yy): 1 where the reading follows from the force alone.
-    identified : complex array of shape (n,)
-        Of the identified axis without its nonlinear laws.
-    """
-
+    # force, signal, quantity, unit: the drive, the sensor, the quantity compared (velocity or acceleration) and
+    # the unit of the response
     force: str
     signal: str
     quantity: str
     unit: str
-    frequency: FloatArray
-    measured: ComplexArray
+    frequency: FloatArray  # shape (n,): Hz
+    measured: ComplexArray  # shape (n,): H1 = S_uy / S_uu of the logs
+    # shape (n,): abs(S_uy)^2 / (S_uu S_yy): 1 where the reading follows from the force alone
     coherence: FloatArray
-    identified: ComplexArray
+    identified: ComplexArray  # shape (n,): of the identified axis without its nonlinear laws
 
     @property
     def order(self) -> int:

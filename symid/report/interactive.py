@@ -28,30 +28,18 @@ _MOST_POINTS = 20_000
 
 @dataclass(frozen=True)
 class Plots:
-    """Plots as pieces of a page.
+    """Plots as pieces of a page."""
 
-    Parameters
-    ----------
-    library : str
-        Script of the plotting library.
-    script : str
-        Script that draws.
-    signals, over_velocity, over_position, spectrum : str
-        Where it draws.
-    responses : mapping of str to str
-        Where it draws the frequency response of each sensor; none where the log does not excite the axis.
-    others : mapping of str to str
-        Where it draws the signals of further drives.
-    """
-
-    library: str
-    script: str
+    library: str  # script of the plotting library
+    script: str  # script that draws
+    # signals, over_velocity, over_position, spectrum: where it draws
     signals: str
     over_velocity: str
     over_position: str
     spectrum: str
+    # where it draws the frequency response of each sensor; none where the log does not excite the axis
     responses: Mapping[str, str]
-    others: Mapping[str, str]
+    others: Mapping[str, str]  # where it draws the signals of further drives
 
 
 def plots_of(found: Diagnosis) -> Plots:

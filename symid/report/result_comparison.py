@@ -25,30 +25,18 @@ _CERTAIN = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """Physical parameters of a result.
+    """Physical parameters of a result."""
 
-    Parameters
-    ----------
-    source, axis, status : str
-        Name of the file, and its axis and status; empty if missing.
-    values, deviations : mapping of str to float
-        SI; nan where a deviation is not known.
-    units : mapping of str to str
-        Of the parameters, where they are known.
-    covariance : array of shape (n, n) or None
-        Of the parameters in their order.
-    settings : mapping of str to object
-        With which they were found.
-    """
-
+    # source, axis, status: name of the file, and its axis and status; empty if missing
     source: str
     axis: str
     status: str
+    # values, deviations: SI; nan where a deviation is not known
     values: Mapping[str, float]
     deviations: Mapping[str, float]
-    units: Mapping[str, str] = field(default_factory=dict)
-    covariance: FloatArray | None = None
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)  # of the parameters, where they are known
+    covariance: FloatArray | None = None  # shape (n, n): of the parameters in their order
+    settings: Mapping[str, Any] = field(default_factory=dict)  # with which they were found
 
 
 def values_of(record: object, source: str) -> Values:

@@ -24,17 +24,6 @@ class ThroughDrive(Controller):
     A force is held from sample to sample; of a force that changes in between, by a lag or a delay of no whole number of
     samples, the mean acts.
 
-    Parameters
-    ----------
-    inner : Controller
-        Controller that commands the force.
-    drive : sequence of DriveImperfection
-        Imperfections of the drive of the axis.
-    sent : array of shape (n_samples,)
-        Receives the commanded force, unless the loop is linear: then `sent_along` has it.
-    period : float
-        Time between two samples, s.
-
     Examples
     --------
     >>> from symid.simulation.controller import OpenLoop
@@ -47,10 +36,11 @@ class ThroughDrive(Controller):
     ([0.0, 3.0, 4.0], [0.0, 4.0, 4.0])
     """
 
-    inner: Controller
-    drive: Sequence[DriveImperfection]
+    inner: Controller  # controller that commands the force
+    drive: Sequence[DriveImperfection]  # imperfections of the drive of the axis
+    # shape (n_samples,): receives the commanded force, unless the loop is linear: then `sent_along` has it
     sent: FloatArray
-    period: float
+    period: float  # time between two samples, s
 
     @cached_property
     def _lags(self) -> tuple[float, ...]:

@@ -26,20 +26,13 @@ class LoopLaw(NamedTuple):
     """The linear laws of all drives as one, in terms of w: the controllers' state, references, and readings.
 
     The references are position, velocity and acceleration for each drive.
-
-    Parameters
-    ----------
-    after : array of shape (n_state, n_state + 3 n_drives + n_signals)
-        The state after a sample is after @ w.
-    forces : array of shape (n_drives, n_state + 3 n_drives + n_signals)
-        The forces are forces @ w and given ones.
-    limits : array of shape (n_drives,)
-        Largest force of each drive for which the matrices are valid.
     """
 
+    # shape (n_state, n_state + 3 n_drives + n_signals): the state after a sample is after @ w
     after: FloatArray
+    # shape (n_drives, n_state + 3 n_drives + n_signals): the forces are forces @ w and given ones
     forces: FloatArray
-    limits: FloatArray
+    limits: FloatArray  # shape (n_drives,): largest force of each drive for which the matrices are valid
 
     @classmethod
     def of(cls, laws: Sequence[LinearLaw], places: Sequence[Sequence[int]], n_signals: int) -> LoopLaw:

@@ -19,47 +19,24 @@ IntArray = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class LawNumbers(NamedTuple):
-    """The laws of a plant, and programs: first one for each of their terms, then one for each misread sensor.
+    """The laws of a plant, and programs: first one for each of their terms, then one for each misread sensor."""
 
-    Parameters
-    ----------
-    directions : array of shape (n_laws, n)
-    timed : array of shape (n_laws,)
-        Which depend on more than the motion.
-    any_timed : bool
-    terms : array of shape (n_laws + 1,)
-        First term of each law, and the end of the last.
-    parameters : array of shape (n_terms,)
-    remembers : array of shape (n_terms,)
-        Memory on which each term depends, or -1.
-    operations, operands : arrays
-        All programs, one behind the other.
-    ends : array
-        Begin of each program, and the end of the last.
-    arguments, stack : arrays
-        Space for the programs.
-    slides : array of shape (n_memories, n)
-        Directions of the joints with a memory.
-    reaches : array of shape (n_memories,)
-        Displacement over which each builds up.
-    memories : array of shape (n_memories, 2)
-        Displacement at which each was left, and its state there.
-    """
-
-    directions: FloatArray
-    timed: np.ndarray[Any, np.dtype[np.bool_]]
+    directions: FloatArray  # shape (n_laws, n)
+    timed: np.ndarray[Any, np.dtype[np.bool_]]  # shape (n_laws,): which depend on more than the motion
     any_timed: bool
-    terms: IntArray
-    parameters: FloatArray
-    remembers: IntArray
+    terms: IntArray  # shape (n_laws + 1,): first term of each law, and the end of the last
+    parameters: FloatArray  # shape (n_terms,)
+    remembers: IntArray  # shape (n_terms,): memory on which each term depends, or -1
+    # operations, operands: all programs, one behind the other
     operations: IntArray
     operands: FloatArray
-    ends: IntArray
+    ends: IntArray  # begin of each program, and the end of the last
+    # arguments, stack: space for the programs
     arguments: FloatArray
     stack: FloatArray
-    slides: FloatArray
-    reaches: FloatArray
-    memories: FloatArray
+    slides: FloatArray  # shape (n_memories, n): directions of the joints with a memory
+    reaches: FloatArray  # shape (n_memories,): displacement over which each builds up
+    memories: FloatArray  # shape (n_memories, 2): displacement at which each was left, and its state there
 
     @classmethod
     def of(cls, loop: Loop) -> LawNumbers:
@@ -93,45 +70,21 @@ def _program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
 
 
 class ChannelNumbers(NamedTuple):
-    """References and sensors of a loop.
+    """References and sensors of a loop."""
 
-    Parameters
-    ----------
-    period : float
-        Time between two samples, s.
-    references : array of shape (n_samples, 3 n_drives)
-        Position, velocity and acceleration of each drive's reference.
-    readings : array of shape (n_signals,)
-        Receives the readings of the controlled signals.
-    noise : array of shape (n_samples, n_signals)
-        Their noise.
-    rows : array of shape (n_signals, 3 n)
-        Exact readings, as rows on displacements, velocities and accelerations.
-    ages : array of shape (n_signals,)
-        Whole samples by which each is late.
-    places : array of shape (n_signals,)
-        Row of `between` that it reads, or -1.
-    steps : array of shape (n_signals,)
-        Resolutions.
-    misread : array of shape (n_signals,)
-        Program of its error, or -1.
-    between : array of shape (n_between, 3 n)
-        Rows of the sensors that take a value between two samples.
-    pieces : array of shape (n_between,)
-        The piece of a sample at whose end they do.
-    """
-
-    period: float
+    period: float  # time between two samples, s
+    # shape (n_samples, 3 n_drives): position, velocity and acceleration of each drive's reference
     references: FloatArray
-    readings: FloatArray
-    noise: FloatArray
+    readings: FloatArray  # shape (n_signals,): receives the readings of the controlled signals
+    noise: FloatArray  # shape (n_samples, n_signals): their noise
+    # shape (n_signals, 3 n): exact readings, as rows on displacements, velocities and accelerations
     rows: FloatArray
-    ages: IntArray
-    places: IntArray
-    steps: FloatArray
-    misread: IntArray
-    between: FloatArray
-    pieces: IntArray
+    ages: IntArray  # shape (n_signals,): whole samples by which each is late
+    places: IntArray  # shape (n_signals,): row of `between` that it reads, or -1
+    steps: FloatArray  # shape (n_signals,): resolutions
+    misread: IntArray  # shape (n_signals,): program of its error, or -1
+    between: FloatArray  # shape (n_between, 3 n): rows of the sensors that take a value between two samples
+    pieces: IntArray  # shape (n_between,): the piece of a sample at whose end they do
 
     @classmethod
     def of(cls, loop: Loop, first_program: int) -> ChannelNumbers:
@@ -160,35 +113,21 @@ class ChannelNumbers(NamedTuple):
 
 
 class ModeNumbers(NamedTuple):
-    """Motion in a mode, cut into the pieces of a sample, in terms of z: state, drives' forces, varying laws' forces, 1.
+    """Motion in a mode, cut into the pieces of a sample, in terms of z: state, forces of drives and varying laws, 1."""
 
-    Parameters
-    ----------
-    begins : array of shape (n_pieces, 2 n + n_stuck, n_z)
-        State at the middle of each piece, and forces that stuck joints need at its begin.
-    ends : array of shape (n_pieces, 2 n + n_stuck + n_sliding, n_z)
-        State at the end of each piece; there, forces that stuck joints need, and speeds of sliding joints, positive
-        while they keep direction.
-    rates : array of shape (n, n_z)
-        Accelerations.
-    stuck, varying : arrays of int
-        Laws of the stuck joints, and laws that are not straight lines.
-    signs : array of shape (n_varying,)
-        Directions of the varying laws, 0 for both.
-    limits : array of shape (n_stuck, 2)
-        Lowest and highest force that each stuck joint can hold.
-    is_accelerated : bool
-        Whether a sensor reads an acceleration.
-    """
-
+    # shape (n_pieces, 2 n + n_stuck, n_z): state at the middle of each piece, and forces that stuck joints need
+    # at its begin
     begins: FloatArray
+    # shape (n_pieces, 2 n + n_stuck + n_sliding, n_z): state at the end of each piece; there, forces that stuck
+    # joints need, and speeds of sliding joints, positive while they keep direction
     ends: FloatArray
-    rates: FloatArray
+    rates: FloatArray  # shape (n, n_z): accelerations
+    # stuck, varying: laws of the stuck joints, and laws that are not straight lines
     stuck: IntArray
     varying: IntArray
-    signs: FloatArray
-    limits: FloatArray
-    is_accelerated: bool
+    signs: FloatArray  # shape (n_varying,): directions of the varying laws, 0 for both
+    limits: FloatArray  # shape (n_stuck, 2): lowest and highest force that each stuck joint can hold
+    is_accelerated: bool  # whether a sensor reads an acceleration
 
     @classmethod
     def of(cls, mode: StickSlipMode, loop: Loop) -> ModeNumbers:

@@ -19,23 +19,13 @@ _WHOLE = 1e-9
 
 
 class MotionRecord(NamedTuple):
-    """Exact motion at the samples of a controller, and forces between them.
+    """Exact motion at the samples of a controller, and forces between them."""
 
-    Parameters
-    ----------
-    states : array of shape (n_samples + 1, 2 n)
-        Displacements and velocities.
-    accelerations : array of shape (n_samples + 1, n)
-        Under the force before the sample; zero if no sensor reads one.
-    forces : array of shape (n_samples, n_drives)
-        Drive forces from each sample to the next.
-    between : array of shape (n_between, n_samples)
-        Values that sensors took between one sample and the next.
-    """
-
-    states: FloatArray
+    states: FloatArray  # shape (n_samples + 1, 2 n): displacements and velocities
+    # shape (n_samples + 1, n): under the force before the sample; zero if no sensor reads one
     accelerations: FloatArray
-    forces: FloatArray
+    forces: FloatArray  # shape (n_samples, n_drives): drive forces from each sample to the next
+    # shape (n_between, n_samples): values that sensors took between one sample and the next
     between: FloatArray
 
     @classmethod

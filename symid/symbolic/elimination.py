@@ -39,27 +39,13 @@ _FORCE = "force "
 
 @dataclass(frozen=True)
 class InputOutputModel:
-    """Equations of an axis in the signals of a set of sensors.
+    """Equations of an axis in the signals of a set of sensors."""
 
-    Parameters
-    ----------
-    source : InverseDynamicModel
-        Lagrange's equations.
-    operators : OperatorModel
-        The same equations as operators.
-    measured : tuple of Sensor
-        The sensors used.
-    equations : tuple of InputOutputEquation
-        As many as there are independent sensors.
-    assumptions : tuple of str
-        Assumptions made on the way.
-    """
-
-    source: InverseDynamicModel
-    operators: OperatorModel
-    measured: tuple[Sensor, ...]
-    equations: tuple[InputOutputEquation, ...]
-    assumptions: tuple[str, ...]
+    source: InverseDynamicModel  # Lagrange's equations
+    operators: OperatorModel  # the same equations as operators
+    measured: tuple[Sensor, ...]  # the sensors used
+    equations: tuple[InputOutputEquation, ...]  # as many as there are independent sensors
+    assumptions: tuple[str, ...]  # assumptions made on the way
 
 
 def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOutputModel:

@@ -25,45 +25,23 @@ from symid.symbolic.operators import OperatorModel, Row, add, by_power
 
 @dataclass(frozen=True)
 class RegressorTerm:
-    """One signal term of an equation and its coefficient.
+    """One signal term of an equation and its coefficient."""
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-        In flat signal names: ``q2_d3``, ``sign(q2_d1)``.
-    order : int
-        Order of derivative of the displacement in it; -1 for a constant.
-    smooth : bool
-        False for values of nonlinear laws.
-    coefficient : PolyElement
-        Polynomial in the physical parameters.
-    """
-
-    expression: sp.Expr
-    order: int
-    smooth: bool
-    coefficient: PolyElement
+    expression: sp.Expr  # in flat signal names: ``q2_d3``, ``sign(q2_d1)``
+    order: int  # order of derivative of the displacement in it; -1 for a constant
+    smooth: bool  # false for values of nonlinear laws
+    coefficient: PolyElement  # polynomial in the physical parameters
 
 
 @dataclass(frozen=True)
 class InputOutputEquation:
-    """sum(motion) = sum_kd force[k, d] F_d(k), all coefficients polynomials in the physical parameters.
+    """sum(motion) = sum_kd force[k, d] F_d(k), all coefficients polynomials in the physical parameters."""
 
-    Parameters
-    ----------
-    motion : tuple of RegressorTerm
-        Terms of the measured motion.
-    force : mapping of (int, str) to PolyElement
-        Coefficients of the drive forces by order of derivative and signal; empty if no drive enters.
-    multipliers : mapping of str to PolyElement
-        Multiplier of each body's balance.
-    dropped : tuple of sympy.Expr
-        Jumps such as ``sign(q2_d1)`` whose derivative the equation lacks: it is invalid where they jump.
-    """
-
-    motion: tuple[RegressorTerm, ...]
+    motion: tuple[RegressorTerm, ...]  # terms of the measured motion
+    # coefficients of the drive forces by order of derivative and signal; empty if no drive enters
     force: Mapping[tuple[int, str], PolyElement]
-    multipliers: Mapping[str, PolyElement]
+    multipliers: Mapping[str, PolyElement]  # multiplier of each body's balance
+    # jumps such as ``sign(q2_d1)`` whose derivative the equation lacks: it is invalid where they jump
     dropped: tuple[sp.Expr, ...] = ()
 
     @property

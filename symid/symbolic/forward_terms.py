@@ -34,37 +34,19 @@ class LawTerm(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ForwardTerms:
-    """The terms of the equation above.
+    """The terms of the equation above."""
 
-    Parameters
-    ----------
-    operators : OperatorModel
-        Balances from which they come, and the ring of the polynomials.
-    bodies : tuple of str
-        Free bodies, in the order of the displacements.
-    stiffness, damping, mass : Matrix of shape (n, n)
-        K, C and M.
-    drives : Matrix of shape (n, n_drives)
-        B.
-    constant : Matrix of shape (n, 1)
-        c.
-    laws : tuple of LawTerm
-        All nonlinear laws.
-    readings : mapping of str to Functional
-        Displacement of which each sensor reads a derivative.
-    constants : mapping of str to float
-        Known numbers that stand in the terms as symbols: ratios, gravity, known parameters.
-    """
-
-    operators: OperatorModel
-    bodies: tuple[str, ...]
+    operators: OperatorModel  # balances from which they come, and the ring of the polynomials
+    bodies: tuple[str, ...]  # free bodies, in the order of the displacements
+    # stiffness, damping, mass: shape (n, n): K, C and M
     stiffness: Matrix
     damping: Matrix
     mass: Matrix
-    drives: Matrix
-    constant: Matrix
-    laws: tuple[LawTerm, ...]
-    readings: Mapping[str, Functional]
+    drives: Matrix  # shape (n, n_drives): B
+    constant: Matrix  # shape (n, 1): c
+    laws: tuple[LawTerm, ...]  # all nonlinear laws
+    readings: Mapping[str, Functional]  # displacement of which each sensor reads a derivative
+    # known numbers that stand in the terms as symbols: ratios, gravity, known parameters
     constants: Mapping[str, float]
 
 

@@ -50,27 +50,14 @@ class LawInput:
 
 @dataclass(frozen=True)
 class InverseDynamicModel:
-    """Lagrange's equations d/dt dT/dq(1) - dT/dq + dV/dq + dD/dq(1) - Q = 0, one for each free body.
+    """Lagrange's equations d/dt dT/dq(1) - dT/dq + dV/dq + dD/dq(1) - Q = 0, one for each free body."""
 
-    Parameters
-    ----------
-    axis : Axis
-        The declaration.
-    constants : mapping of str to float
-        Known numbers that stand in the equations as symbols: ratios and gravity.
-    known : mapping of str to float
-        Parameters that are known and not 0, which stand in the equations as symbols too.
-    balances : tuple of sympy.Expr
-        Left-hand sides, with the values of nonlinear laws as symbols.
-    inputs : tuple of LawInput
-        These symbols with the expressions they represent.
-    """
-
-    axis: Axis
-    constants: Mapping[str, float]
+    axis: Axis  # the declaration
+    constants: Mapping[str, float]  # known numbers that stand in the equations as symbols: ratios and gravity
+    # parameters that are known and not 0, which stand in the equations as symbols too
     known: Mapping[str, float]
-    balances: tuple[sp.Expr, ...]
-    inputs: tuple[LawInput, ...]
+    balances: tuple[sp.Expr, ...]  # left-hand sides, with the values of nonlinear laws as symbols
+    inputs: tuple[LawInput, ...]  # these symbols with the expressions they represent
 
     @property
     def numbers(self) -> dict[str, float]:

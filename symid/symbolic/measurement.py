@@ -39,21 +39,12 @@ class RepeatedFunction:
 
 @dataclass(frozen=True)
 class Measurement:
-    """Sensors as a basis of measured functions, and the displacements that remain unknown.
+    """Sensors as a basis of measured functions, and the displacements that remain unknown."""
 
-    Parameters
-    ----------
-    basis : tuple of MeasuredFunction
-        Independent functions, by rising order of derivative.
-    repeated : tuple of RepeatedFunction
-        Sensors that add no function.
-    displacements : mapping of str to Row
-        Each body's displacement as a combination of basis functions (column ``"y<i>"``) and of the displacements of
-        unknown bodies (column: body name).
-    """
-
-    basis: tuple[MeasuredFunction, ...]
-    repeated: tuple[RepeatedFunction, ...]
+    basis: tuple[MeasuredFunction, ...]  # independent functions, by rising order of derivative
+    repeated: tuple[RepeatedFunction, ...]  # sensors that add no function
+    # each body's displacement as a combination of basis functions (column ``"y<i>"``) and of the displacements of
+    # unknown bodies (column: body name)
     displacements: Mapping[str, Functional]
 
     @property

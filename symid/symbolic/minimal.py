@@ -44,27 +44,13 @@ class MinimalParameter:
 
 @dataclass(frozen=True)
 class MinimalModel:
-    """y = D X for each equation, D being the regressor and X the minimal parameters.
+    """y = D X for each equation, D being the regressor and X the minimal parameters."""
 
-    Parameters
-    ----------
-    source : InputOutputModel
-        The eliminated equations.
-    parameters : tuple of MinimalParameter
-        X, in the paper's order.
-    output : tuple of sympy.Expr
-        y, one for each equation: a signal, less the terms of known parameters.
-    output_names : tuple of str
-        Flat name of that signal, with its sign.
-    regressor : tuple of tuple of sympy.Expr
-        D, in flat signal names.
-    """
-
-    source: InputOutputModel
-    parameters: tuple[MinimalParameter, ...]
-    output: tuple[sp.Expr, ...]
-    output_names: tuple[str, ...]
-    regressor: tuple[tuple[sp.Expr, ...], ...]
+    source: InputOutputModel  # the eliminated equations
+    parameters: tuple[MinimalParameter, ...]  # X, in the paper's order
+    output: tuple[sp.Expr, ...]  # y, one for each equation: a signal, less the terms of known parameters
+    output_names: tuple[str, ...]  # flat name of that signal, with its sign
+    regressor: tuple[tuple[sp.Expr, ...], ...]  # D, in flat signal names
 
     @property
     def written(self) -> tuple[str, ...]:

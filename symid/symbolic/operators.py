@@ -25,30 +25,16 @@ Row = dict[str, PolyElement]
 
 @dataclass(frozen=True)
 class OperatorModel:
-    """sum_b A[i, b](s) x_b + sum_w N[i, w] w + sum_k B[i, k] F_k = 0 for the balance of each free body i.
+    """sum_b A[i, b](s) x_b + sum_w N[i, w] w + sum_k B[i, k] F_k = 0 for the balance of each free body i."""
 
-    Parameters
-    ----------
-    source : InverseDynamicModel
-        Where the equations come from.
-    ring : PolyRing
-        Polynomials in s (first generator) and the physical parameters, unknown and known; known constants are in the
-        coefficient field.
-    motion : mapping of str to Row
-        Operators on the absolute displacements, by body and body.
-    inputs : mapping of str to Row
-        Coefficients of the nonlinear laws, by body and input symbol.
-    force : mapping of str to Row
-        Coefficients of the drive forces, by body and signal.
-    numbers : mapping of Symbol to Rational
-        Constants that are numbers in the coefficients.
-    """
-
-    source: InverseDynamicModel
+    source: InverseDynamicModel  # where the equations come from
+    # polynomials in s (first generator) and the physical parameters, unknown and known; known constants are in
+    # the coefficient field
     ring: PolyRing
-    motion: Mapping[str, Row]
-    inputs: Mapping[str, Row]
-    force: Mapping[str, Row]
+    motion: Mapping[str, Row]  # operators on the absolute displacements, by body and body
+    inputs: Mapping[str, Row]  # coefficients of the nonlinear laws, by body and input symbol
+    force: Mapping[str, Row]  # coefficients of the drive forces, by body and signal
+    # constants that are numbers in the coefficients
     numbers: Mapping[sp.Symbol, sp.Rational] = field(default_factory=dict)
 
     def element(self, expression: sp.Expr) -> Any:

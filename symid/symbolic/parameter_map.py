@@ -29,33 +29,20 @@ Identifiability = Literal["unique", "several", "none"]
 
 @dataclass(frozen=True)
 class ParameterMap:
-    """Maps between minimal and physical parameters.
+    """Maps between minimal and physical parameters."""
 
-    Parameters
-    ----------
-    functions : mapping of str to ParameterFunction
-        Minimal parameters in terms of the physical ones.
-    solution : TriangularSolution or None
-        Closed form of the inverse map, None if there is none.
-    inverse : tuple of mapping of str to sympy.Expr
-        Physical parameters in terms of the minimal ones, one mapping for each branch; empty without closed form.
-    identifiability : mapping of str to {"unique", "several", "none"}
-        Whether the sensors determine each physical parameter; of solutions in closed form only those count that have
-        the declared signs.
-    combinations : tuple of ParameterFunction
-        Determined functions of the parameters that are not determined themselves.
-    relations : int
-        How many more minimal than physical parameters are determined: relations that a right model satisfies.
-    counted : bool
-        Whether the solutions were counted; if not, "several" means: determined locally, number of solutions unknown.
-    """
-
-    functions: Mapping[str, ParameterFunction]
-    solution: TriangularSolution | None
+    functions: Mapping[str, ParameterFunction]  # minimal parameters in terms of the physical ones
+    solution: TriangularSolution | None  # closed form of the inverse map, None if there is none
+    # physical parameters in terms of the minimal ones, one mapping for each branch; empty without closed form
     inverse: tuple[Mapping[str, sp.Expr], ...]
+    # whether the sensors determine each physical parameter; of solutions in closed form only those count that
+    # have the declared signs
     identifiability: Mapping[str, Identifiability]
+    # determined functions of the parameters that are not determined themselves
     combinations: tuple[ParameterFunction, ...]
+    # how many more minimal than physical parameters are determined: relations that a right model satisfies
     relations: int
+    # whether the solutions were counted; if not, "several" means: determined locally, number of solutions unknown
     counted: bool
 
     @cached_property

@@ -30,23 +30,14 @@ Exponents = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Scaling:
-    """Powers of the ratios by which balances, columns and parameters are multiplied.
+    """Powers of the ratios by which balances, columns and parameters are multiplied."""
 
-    Parameters
-    ----------
-    balances, columns, parameters : mapping of str to Exponents
-        By name; parameter p is the power of the ratios times that of the scaled axis.
-    plain : PolyRing
-        Ring of the scaled axis, over the numbers.
-    ring : PolyRing
-        Ring of the axis.
-    """
-
+    # balances, columns, parameters: by name; parameter p is the power of the ratios times that of the scaled axis
     balances: Mapping[str, Exponents]
     columns: Mapping[str, Exponents]
     parameters: Mapping[str, Exponents]
-    plain: PolyRing
-    ring: PolyRing
+    plain: PolyRing  # ring of the scaled axis, over the numbers
+    ring: PolyRing  # ring of the axis
 
     def scaled(self, row: Row) -> Row:
         """A row of the scaled axis."""

@@ -21,18 +21,11 @@ LARGEST = 300
 
 @dataclass(frozen=True)
 class SolvedUnknown:
-    """One solved unknown.
+    """One solved unknown."""
 
-    Parameters
-    ----------
-    unknown : int
-        Index of the generator.
-    coefficients : tuple of PolyElement
-        Of the polynomial in the unknown, by falling power, in the unknowns solved later: two of them for
-        a linear equation, three for a quadratic one.
-    """
-
-    unknown: int
+    unknown: int  # index of the generator
+    # of the polynomial in the unknown, by falling power, in the unknowns solved later: two of them for a linear
+    # equation, three for a quadratic one
     coefficients: tuple[PolyElement, ...]
 
     @property
@@ -43,18 +36,10 @@ class SolvedUnknown:
 
 @dataclass(frozen=True)
 class TriangularSolution:
-    """Unknowns in the order in which they were solved; each is given by those behind it.
+    """Unknowns in the order in which they were solved; each is given by those behind it."""
 
-    Parameters
-    ----------
-    steps : tuple of SolvedUnknown
-        Solved unknowns.
-    left : tuple of PolyElement
-        Equations beyond closed form; empty if all is solved.
-    """
-
-    steps: tuple[SolvedUnknown, ...]
-    left: tuple[PolyElement, ...] = field(default=())
+    steps: tuple[SolvedUnknown, ...]  # solved unknowns
+    left: tuple[PolyElement, ...] = field(default=())  # equations beyond closed form; empty if all is solved
 
     @property
     def branches(self) -> int:

@@ -25,29 +25,14 @@ _MOST_MOVES = 200
 
 @dataclass(frozen=True)
 class Envelope:
-    """Limits of a motion.
+    """Limits of a motion."""
 
-    Parameters
-    ----------
-    limits : Limits
-        Travel, speed, acceleration and jerk.
-    seconds : float
-        Duration, about.
-    highest_hz : float
-        Highest frequency of a multisine.
-    sampling_period : float
-        s.
-    unit : str
-        Of the position.
-    hardest : float
-        Jerk that no motion may exceed; moves have that of the limits, a multisine has more.
-    """
-
-    limits: Limits
-    seconds: float
-    highest_hz: float
-    sampling_period: float
-    unit: str
+    limits: Limits  # travel, speed, acceleration and jerk
+    seconds: float  # duration, about
+    highest_hz: float  # highest frequency of a multisine
+    sampling_period: float  # s
+    unit: str  # of the position
+    # jerk that no motion may exceed; moves have that of the limits, a multisine has more
     hardest: float = np.inf
 
     @property

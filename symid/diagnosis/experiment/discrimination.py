@@ -43,21 +43,11 @@ _Judge = Callable[[State, State, Weighting], float]
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """Two causes that remain, the more probable one first.
+    """Two causes that remain, the more probable one first."""
 
-    Parameters
-    ----------
-    step : SelectionStep
-        Of the search, in which they were found.
-    pair : tuple of Confirmed
-        Both.
-    chance : float
-        Probability of the second, if one of the candidates is right.
-    """
-
-    step: SelectionStep
-    pair: tuple[Confirmed, Confirmed]
-    chance: float
+    step: SelectionStep  # of the search, in which they were found
+    pair: tuple[Confirmed, Confirmed]  # both
+    chance: float  # probability of the second, if one of the candidates is right
 
     @property
     def remains(self) -> bool:
@@ -162,17 +152,11 @@ class Separation:
     """How well readings distinguish the cause with which they were made from the other.
 
     The logarithm of the likelihood ratio of both is Gaussian.
-
-    Parameters
-    ----------
-    gain : float
-        Its mean, of models and noise.
-    distance : float
-        Its deviation: deviations of the noise by which the predictions of both differ, the values of both fitted, and
-        what the noise, which either model lets through otherwise, adds.
     """
 
-    gain: float
+    gain: float  # its mean, of models and noise
+    # its deviation: deviations of the noise by which the predictions of both differ, the values of both fitted,
+    # and what the noise, which either model lets through otherwise, adds
     distance: float
 
     @property

@@ -42,24 +42,12 @@ _MARGIN = 0.02
 
 @dataclass(frozen=True, eq=False)
 class SimulatedExperiment:
-    """Result of a simulated experiment, for the less favourable of both causes.
+    """Result of a simulated experiment, for the less favourable of both causes."""
 
-    Parameters
-    ----------
-    separations : tuple of Separation
-        How well the readings with each cause distinguish it from the other.
-    demand : Extremes
-        Of the driven joint; the jerk is that of the reference.
-    force : float
-        Largest drive force, in its unit.
-    records : tuple of Record
-        What the sensors read with either cause.
-    """
-
-    separations: tuple[Separation, ...]
-    demand: Extremes
-    force: float
-    records: tuple[Record, ...] = field(repr=False)
+    separations: tuple[Separation, ...]  # how well the readings with each cause distinguish it from the other
+    demand: Extremes  # of the driven joint; the jerk is that of the reference
+    force: float  # largest drive force, in its unit
+    records: tuple[Record, ...] = field(repr=False)  # what the sensors read with either cause
 
     @property
     def probability(self) -> float:

@@ -35,23 +35,14 @@ class Comparison:
     """Errors of several models on one record, with the same weights.
 
     Of an axis with several drives, levels, shares, signals and spectrum are those of one of them.
-
-    Parameters
-    ----------
-    weighting : Weighting
-        Of the record.
-    states : tuple of State or None
-        Models, simplest first: nominal, re-identified, with the first effect, the first two, ...
-    errors : tuple of array of shape (n_outputs, n_rows) or None
-        Their weighted errors, in multiples of the noise; nan where no row is kept.
-    drive : int
-        Whose force is looked at.
     """
 
-    weighting: Weighting
+    weighting: Weighting  # of the record
+    # models, simplest first: nominal, re-identified, with the first effect, the first two,
     states: tuple[State | None, ...]
+    # shape (n_outputs, n_rows): their weighted errors, in multiples of the noise; nan where no row is kept
     errors: tuple[FloatArray | None, ...]
-    drive: int = 0
+    drive: int = 0  # whose force is looked at
 
     @property
     def record(self) -> Record:

@@ -156,21 +156,11 @@ class Spectrum:
 
 @dataclass(frozen=True, eq=False)
 class DriveError:
-    """The force error of one of several drives.
+    """The force error of one of several drives."""
 
-    Parameters
-    ----------
-    gap : Gap
-        Its size before and after.
-    signals : Signals
-        For plots.
-    spectrum : Spectrum
-        For plots.
-    """
-
-    gap: Gap
-    signals: Signals
-    spectrum: Spectrum
+    gap: Gap  # its size before and after
+    signals: Signals  # for plots
+    spectrum: Spectrum  # for plots
 
 
 @dataclass(frozen=True)

@@ -30,18 +30,10 @@ _BOTH_SIGNS = 0.2
 
 @dataclass(frozen=True)
 class Damage:
-    """Faults of a recording.
+    """Faults of a recording."""
 
-    Parameters
-    ----------
-    fatal : tuple of str
-        Those that make the log useless, one sentence each.
-    noted : tuple of str
-        Those that do less harm.
-    """
-
-    fatal: tuple[str, ...] = ()
-    noted: tuple[str, ...] = ()
+    fatal: tuple[str, ...] = ()  # those that make the log useless, one sentence each
+    noted: tuple[str, ...] = ()  # those that do less harm
 
     @property
     def texts(self) -> tuple[str, ...]:

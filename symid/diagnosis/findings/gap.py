@@ -57,18 +57,10 @@ class Reversal:
 
 @dataclass(frozen=True)
 class NotRepeated:
-    """Part of the force error that is new each time where the motion repeats: no law of the motion explains it.
+    """Part of the force error that is new each time where the motion repeats: no law of the motion explains it."""
 
-    Parameters
-    ----------
-    period : float
-        Of the motion, s.
-    level : Level
-        Of that part of the error, with the effects found.
-    """
-
-    period: float
-    level: Level
+    period: float  # of the motion, s
+    level: Level  # of that part of the error, with the effects found
 
 
 @dataclass(frozen=True)

@@ -27,18 +27,10 @@ _FEWEST = 40
 
 @dataclass(frozen=True)
 class Repetition:
-    """A motion that repeats, and what does not repeat of an error.
+    """A motion that repeats, and what does not repeat of an error."""
 
-    Parameters
-    ----------
-    rows : int
-        From one repetition to the next.
-    rms : float
-        Of what is new each time, in the unit of the error.
-    """
-
-    rows: int
-    rms: float
+    rows: int  # from one repetition to the next
+    rms: float  # of what is new each time, in the unit of the error
 
 
 def repetition(motion: FloatArray, error: FloatArray, kept: BoolArray) -> Repetition | None:

@@ -35,26 +35,15 @@ _UNFELT = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """A fitted model, block by block.
+    """A fitted model, block by block."""
 
-    Parameters
-    ----------
-    columns : array of shape (n_columns, n_outputs, n_kept)
-        Derivatives of the weighted prediction, scaled to unit norm.
-    scale : array of shape (n_columns,)
-        Their norms before.
-    errors : array of shape (n_outputs, n_kept)
-        Weighted errors.
-    members : sequence of array
-        Rows of each block.
-    free : bool array of shape (n_columns,)
-        Values that are estimated again where a block is left out: not those in which the prediction is far from linear.
-    """
-
+    # shape (n_columns, n_outputs, n_kept): derivatives of the weighted prediction, scaled to unit norm
     columns: FloatArray
-    scale: FloatArray
-    errors: FloatArray
-    members: Sequence[IntArray]
+    scale: FloatArray  # shape (n_columns,): their norms before
+    errors: FloatArray  # shape (n_outputs, n_kept): weighted errors
+    members: Sequence[IntArray]  # rows of each block
+    # shape (n_columns,): values that are estimated again where a block is left out: not those in which the
+    # prediction is far from linear
     free: BoolArray
 
     @cached_property

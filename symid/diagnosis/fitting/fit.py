@@ -39,23 +39,13 @@ _ALLOWED_ERROR = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model fitted to a record.
+    """A model fitted to a record."""
 
-    Parameters
-    ----------
-    state : State
-        The model with its values.
-    weighting : Weighting
-        Of the errors.
-    begun : float
-        Inertia that the drive moved with the values that the axis was first given; nan if these are not known.
-    nominal : mapping of str to float
-        Values that the user gave; empty if there are none.
-    """
-
-    state: State
-    weighting: Weighting
+    state: State  # the model with its values
+    weighting: Weighting  # of the errors
+    # inertia that the drive moved with the values that the axis was first given; nan if these are not known
     begun: float = math.nan
+    # values that the user gave; empty if there are none
     nominal: Mapping[str, float] = field(default_factory=dict)
 
     def after(self, other: Fit) -> Fit:

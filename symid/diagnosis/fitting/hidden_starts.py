@@ -32,21 +32,11 @@ _KEPT = 2
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A model without the effect, and the effect with its first values.
+    """A model without the effect, and the effect with its first values."""
 
-    Parameters
-    ----------
-    state : State
-        Parameters to begin with.
-    weighting : Weighting
-        Of the errors.
-    placed : Placed
-        The effect.
-    """
-
-    state: State
-    weighting: Weighting
-    placed: Placed
+    state: State  # parameters to begin with
+    weighting: Weighting  # of the errors
+    placed: Placed  # the effect
 
     @classmethod
     def of(cls, fit: Fit, placed: Placed) -> Start:

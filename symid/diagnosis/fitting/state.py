@@ -32,29 +32,15 @@ the next step begins there."""
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A model with values, under a record.
+    """A model with values, under a record."""
 
-    Parameters
-    ----------
-    prediction : Prediction
-        Motion and prediction.
-    placed : tuple of Placed
-        Effects with values.
-    errors : array of shape (n_outputs, n_bins)
-        Measured less predicted outputs.
-    rows : array of shape (n_outputs, n_rows)
-        The same, weighted.
-    beginning : array of shape (n_starts, n_outputs, n_rows)
-        What an unknown state at the beginning of the log makes of them.
-    bounds : mapping of str to (float, float)
-        Least and largest values of masses and stiffnesses that a fit may take, SI.
-    """
-
-    prediction: Prediction
-    placed: tuple[Placed, ...]
-    errors: ComplexArray
-    rows: FloatArray
+    prediction: Prediction  # motion and prediction
+    placed: tuple[Placed, ...]  # effects with values
+    errors: ComplexArray  # shape (n_outputs, n_bins): measured less predicted outputs
+    rows: FloatArray  # shape (n_outputs, n_rows): the same, weighted
+    # shape (n_starts, n_outputs, n_rows): what an unknown state at the beginning of the log makes of them
     beginning: FloatArray
+    # least and largest values of masses and stiffnesses that a fit may take, SI
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def with_least(self, share: float, nominal: Mapping[str, float]) -> State:

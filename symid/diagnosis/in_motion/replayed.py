@@ -52,24 +52,12 @@ _STIFFEST = 50.0
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A log with the samples that count, as one drive sees it.
+    """A log with the samples that count, as one drive sees it."""
 
-    Parameters
-    ----------
-    log : Log
-        One run.
-    used : bool array of shape (n_samples,)
-        Samples that took no part in any choice.
-    record : Record
-        That it is part of.
-    drive : int
-        Which one.
-    """
-
-    log: Log
-    used: BoolArray
-    record: Record
-    drive: int = 0
+    log: Log  # one run
+    used: BoolArray  # shape (n_samples,): samples that took no part in any choice
+    record: Record  # that it is part of
+    drive: int = 0  # which one
 
     @property
     def signal(self) -> str:
@@ -148,21 +136,11 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Driver:
-    """Force that moves the simulated axis in addition to the measured one.
+    """Force that moves the simulated axis in addition to the measured one."""
 
-    Parameters
-    ----------
-    kind : str
-        "given", "identified" or "observer".
-    cascade : Cascade
-        Its gains.
-    share : float
-        Of the variance of the force that it explains; nan for an observer.
-    """
-
-    kind: Literal["given", "identified", "observer"]
-    cascade: Cascade
-    share: float
+    kind: Literal["given", "identified", "observer"]  # "given", "identified" or "observer"
+    cascade: Cascade  # its gains
+    share: float  # of the variance of the force that it explains; nan for an observer
 
 
 def _cutoff(record: Record) -> float:

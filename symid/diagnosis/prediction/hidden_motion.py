@@ -35,26 +35,15 @@ class Pointwise:
     """A law point by point: the force that opposes a joint; of dry friction its level.
 
     The sign of dry friction follows from the motion, and it holds the joint where it can.
-
-    Parameters
-    ----------
-    force : sympy expression
-        In displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load` and `values`.
-    values : mapping of str to float
-        Numbers by their names in `force`.
-    course : array of shape (n_fine,), optional
-        A factor that follows the time, on the fine grid.
-    reach : float, optional
-        Displacement over which Dahl's state z(1) = (v - abs(v) z) / reach builds up.
-    dry : bool
-        Whether it is dry friction.
     """
 
+    # in displacement q and velocity v of the joint, `_course`, Dahl's state `_z`, drive force `_load` and
+    # `values`
     force: sp.Expr
-    values: Mapping[str, float]
-    course: FloatArray | None = None
-    reach: float = math.inf
-    dry: bool = False
+    values: Mapping[str, float]  # numbers by their names in `force`
+    course: FloatArray | None = None  # shape (n_fine,): a factor that follows the time, on the fine grid
+    reach: float = math.inf  # displacement over which Dahl's state z(1) = (v - abs(v) z) / reach builds up
+    dry: bool = False  # whether it is dry friction
 
     @property
     def program(self) -> Program:
@@ -69,20 +58,13 @@ def _program(force: sp.Expr, names: tuple[str, ...]) -> Program:
 
 @dataclass(frozen=True, eq=False)
 class HiddenMotion:
-    """The hidden coordinate of a plant whose driven position is measured.
+    """The hidden coordinate of a plant whose driven position is measured."""
 
-    Parameters
-    ----------
-    free : array of shape (n_bodies,)
-        Displacements of the bodies for a unit of the hidden coordinate.
-    carried : array of shape (n_bodies,)
-        Displacements for a unit of the driven position held at rest, so that the hidden coordinate is but a deflection.
-    balance : array of shape (n_bodies,)
-        Combination of the bodies' balances that the drive does not enter.
-    """
-
-    free: FloatArray
+    free: FloatArray  # shape (n_bodies,): displacements of the bodies for a unit of the hidden coordinate
+    # shape (n_bodies,): displacements for a unit of the driven position held at rest, so that the hidden
+    # coordinate is but a deflection
     carried: FloatArray
+    # shape (n_bodies,): combination of the bodies' balances that the drive does not enter
     balance: FloatArray
 
 

@@ -24,21 +24,11 @@ _ENDS = 8
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Logs one after the other.
+    """Logs one after the other."""
 
-    Parameters
-    ----------
-    log : Log
-        All of them, with smooth ways in between.
-    recorded : bool array of shape (n_samples,)
-        Samples that belong to a log.
-    parts : tuple of Log
-        The logs as they were recorded.
-    """
-
-    log: Log
-    recorded: BoolArray
-    parts: tuple[Log, ...]
+    log: Log  # all of them, with smooth ways in between
+    recorded: BoolArray  # shape (n_samples,): samples that belong to a log
+    parts: tuple[Log, ...]  # the logs as they were recorded
 
 
 def joined(logs: Sequence[Log]) -> Joined:

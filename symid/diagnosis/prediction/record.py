@@ -49,29 +49,16 @@ _FINEST_READING = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A log of an axis, continued periodically, in the frequency domain.
+    """A log of an axis, continued periodically, in the frequency domain."""
 
-    Parameters
-    ----------
-    dynamics : ForwardDynamics
-        The axis.
-    log : Log
-        The run.
-    signals : tuple of str
-        Position sensors from whose motion everything is predicted, one for each drive, then the other sensors.
-    motion_hz : float
-        Highest frequency at which a driven position moves by more than its noise.
-    late : mapping of str to float
-        Time by which signals were recorded late, s; negative for a force that acts later than recorded.
-    driven_joints : dict
-        Joints whose motion is measured, which no model changes.
-    """
-
-    dynamics: ForwardDynamics
-    log: Log
+    dynamics: ForwardDynamics  # the axis
+    log: Log  # the run
+    # position sensors from whose motion everything is predicted, one for each drive, then the other sensors
     signals: tuple[str, ...]
-    motion_hz: float
+    motion_hz: float  # highest frequency at which a driven position moves by more than its noise
+    # time by which signals were recorded late, s; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
+    # joints whose motion is measured, which no model changes
     driven_joints: dict[Hashable, Any] = field(default_factory=dict, repr=False)
 
     @cached_property

@@ -24,21 +24,11 @@ _SHORTEST = 200
 
 @dataclass(frozen=True)
 class Recovered:
-    """Logs as their machine moved.
+    """Logs as their machine moved."""
 
-    Parameters
-    ----------
-    logs : tuple of Log
-        Without what the recorder did.
-    notes : tuple of str
-        What it did.
-    thinned : int
-        Samples recorded for one that is left.
-    """
-
-    logs: tuple[Log, ...]
-    notes: tuple[str, ...]
-    thinned: int
+    logs: tuple[Log, ...]  # without what the recorder did
+    notes: tuple[str, ...]  # what it did
+    thinned: int  # samples recorded for one that is left
 
 
 def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:

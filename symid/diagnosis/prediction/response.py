@@ -24,20 +24,13 @@ from symid.simulation import Plant
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Frequency responses of an axis at parameter values.
+    """Frequency responses of an axis at parameter values."""
 
-    Parameters
-    ----------
-    plant : Plant
-        The axis.
-    motion : array of shape (n_bins, n_bodies, n_bodies + n_drives)
-        Displacements for forces on the bodies and for the driven positions.
-    outputs : array of shape (n_outputs, n_bins, n_bodies + n_drives)
-        Drive forces and further readings for the same.
-    """
-
-    plant: Plant
+    plant: Plant  # the axis
+    # shape (n_bins, n_bodies, n_bodies + n_drives): displacements for forces on the bodies and for the driven
+    # positions
     motion: ComplexArray
+    # shape (n_outputs, n_bins, n_bodies + n_drives): drive forces and further readings for the same
     outputs: ComplexArray
 
     @property

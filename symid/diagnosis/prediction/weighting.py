@@ -33,30 +33,17 @@ _MOST_STARTS = 40
 
 @dataclass(frozen=True, eq=False)
 class Weighting:
-    """Errors as rows of unit variance.
+    """Errors as rows of unit variance."""
 
-    Parameters
-    ----------
-    record : Record
-        The log.
-    window : array of shape (n_rows,)
-        1 where the axis moves, falling smoothly to 0 where it rests and outside the log.
-    kept : bool array of shape (n_rows,)
-        Rows where the window is 1.
-    density : array of shape (n_outputs, n_bins)
-        1 / sqrt(S), scaled for the band.
-    restarts : array of shape (n_restarts, n_outputs, n_rows)
-        What unknown states at the beginning of each stretch of motion make of the rows.
-    allowed : bool array of shape (n_fine,), optional
-        Parts of the log that may be used.
-    """
-
-    record: Record
+    record: Record  # the log
+    # shape (n_rows,): 1 where the axis moves, falling smoothly to 0 where it rests and outside the log
     window: FloatArray
-    kept: BoolArray
-    density: FloatArray
+    kept: BoolArray  # shape (n_rows,): rows where the window is 1
+    density: FloatArray  # shape (n_outputs, n_bins): 1 / sqrt(S), scaled for the band
+    # shape (n_restarts, n_outputs, n_rows): what unknown states at the beginning of each stretch of motion make
+    # of the rows
     restarts: FloatArray
-    allowed: BoolArray | None = None
+    allowed: BoolArray | None = None  # shape (n_fine,): parts of the log that may be used
     _begun: dict[str, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     def rows(self, errors: ComplexArray) -> FloatArray:
@@ -176,21 +163,11 @@ def _window(moving: BoolArray, margin: int, taper: int) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Autoregression:
-    """Autoregressive model of weighted errors, which makes them white.
+    """Autoregressive model of weighted errors, which makes them white."""
 
-    Parameters
-    ----------
-    coefficients : array of shape (n_outputs, order, n_outputs)
-        Share of past rows in the next.
-    whitening : array of shape (n_outputs, n_outputs)
-        Makes what is left white with unit variance.
-    usable : bool array of shape (n_rows,)
-        Rows whose past is kept too.
-    """
-
-    coefficients: FloatArray
-    whitening: FloatArray
-    usable: BoolArray
+    coefficients: FloatArray  # shape (n_outputs, order, n_outputs): share of past rows in the next
+    whitening: FloatArray  # shape (n_outputs, n_outputs): makes what is left white with unit variance
+    usable: BoolArray  # shape (n_rows,): rows whose past is kept too
 
     def apply(self, rows: FloatArray) -> FloatArray:
         """White rows, of shape (..., n_outputs * n_usable), from weighted ones of shape (..., n_outputs, n_rows)."""

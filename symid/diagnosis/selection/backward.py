@@ -31,21 +31,11 @@ _RIVALS = 3
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """An effect of the whole model.
+    """An effect of the whole model."""
 
-    Parameters
-    ----------
-    placed : Placed
-        With its values in the whole model.
-    step : SelectionStep
-        In which it was chosen, with its rivals.
-    lost : float
-        Sum of squares of the force errors on blocks left out, of the model without it.
-    """
-
-    placed: Placed
-    step: SelectionStep
-    lost: float
+    placed: Placed  # with its values in the whole model
+    step: SelectionStep  # in which it was chosen, with its rivals
+    lost: float  # sum of squares of the force errors on blocks left out, of the model without it
 
     @property
     def is_timing(self) -> bool:

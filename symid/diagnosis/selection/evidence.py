@@ -103,21 +103,15 @@ def is_there(step: SelectionStep) -> float:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Probabilities of the verdicts, adding up to 1.
+    """Probabilities of the verdicts, adding up to 1."""
 
-    Parameters
-    ----------
-    no_gap, parameters, effect, unexplained : float
-        Probabilities.
-    holds : bool
-        Whether what was found is more than noise, and takes away a share of the gap that counts. It may still stand for
-        something that no effect of the library is: the less it takes away, the more so.
-    """
-
+    # no_gap, parameters, effect, unexplained: probabilities
     no_gap: float
     parameters: float
     effect: float
     unexplained: float
+    # whether what was found is more than noise, and takes away a share of the gap that counts. It may still stand
+    # for something that no effect of the library is: the less it takes away, the more so
     holds: bool = False
 
     @property
@@ -141,28 +135,17 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Errors:
-    """Force errors on the validation data.
+    """Force errors on the validation data."""
 
-    Parameters
-    ----------
-    nominal, reidentified, explained : float
-        In multiples of the noise; nominal is None if no values are given.
-    left : float
-        Share of the re-identified model's excess that stays; nan if it has none.
-    stationary : bool
-        Whether the re-identified model errs alike however the axis moves.
-    relative : float
-        Error of the re-identified model relative to the force; inf if it is not known.
-    others : float
-        Largest error of the re-identified model in a reading that it predicts, in multiples of its noise.
-    """
-
+    # nominal, reidentified, explained: in multiples of the noise; nominal is None if no values are given
     nominal: float | None
     reidentified: float
     explained: float
-    left: float
-    stationary: bool = False
+    left: float  # share of the re-identified model's excess that stays; nan if it has none
+    stationary: bool = False  # whether the re-identified model errs alike however the axis moves
+    # error of the re-identified model relative to the force; inf if it is not known
     relative: float = math.inf
+    # largest error of the re-identified model in a reading that it predicts, in multiples of its noise
     others: float = 0.0
 
     @property

@@ -22,21 +22,11 @@ _BLIND = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """An effect at a place with its best shape and amplitudes by projection.
+    """An effect at a place with its best shape and amplitudes by projection."""
 
-    Parameters
-    ----------
-    placed : Placed
-        Effect, place and values.
-    gain : float
-        Gain of the logarithm of the likelihood, errors taken as they are.
-    white_gain : float
-        The same after an autoregressive model of the errors.
-    """
-
-    placed: Placed
-    gain: float
-    white_gain: float
+    placed: Placed  # effect, place and values
+    gain: float  # gain of the logarithm of the likelihood, errors taken as they are
+    white_gain: float  # the same after an autoregressive model of the errors
 
     @property
     def penalised_gain(self) -> float:

@@ -17,30 +17,14 @@ LATE_READING = "sensor_delay"
 
 @dataclass(frozen=True, eq=False)
 class Confirmed:
-    """A candidate fitted with all parameters free.
+    """A candidate fitted with all parameters free."""
 
-    Parameters
-    ----------
-    fit : Fit
-        The model with it.
-    gain : float
-        Of the logarithm of the likelihood over the model without it, on blocks left out.
-    certainty : float
-        Probability that it predicts such blocks better than the model without it.
-    squares : array of shape (n_outputs, n_blocks)
-        Sums of squares of its errors of each of these blocks.
-    odds : float
-        Logarithm of its prior odds.
-    spoils : bool
-        Whether it makes the error of another output grow by much.
-    """
-
-    fit: Fit
-    gain: float
-    certainty: float
-    squares: FloatArray
-    odds: float = 0.0
-    spoils: bool = False
+    fit: Fit  # the model with it
+    gain: float  # of the logarithm of the likelihood over the model without it, on blocks left out
+    certainty: float  # probability that it predicts such blocks better than the model without it
+    squares: FloatArray  # shape (n_outputs, n_blocks): sums of squares of its errors of each of these blocks
+    odds: float = 0.0  # logarithm of its prior odds
+    spoils: bool = False  # whether it makes the error of another output grow by much
 
     @property
     def penalised_gain(self) -> float:
@@ -71,26 +55,14 @@ class Confirmed:
 
 @dataclass(frozen=True, eq=False)
 class SelectionStep:
-    """One step of the search.
+    """One step of the search."""
 
-    Parameters
-    ----------
-    before : Fit
-        The model without the effect of this step.
-    confirmed : tuple of Confirmed
-        Candidates that were fitted, the largest gain first.
-    screened : tuple of Candidate
-        All candidates.
-    refused : frozenset of (str, str)
-        Effects and places that were fitted and not confirmed: mostly as no machine can have the values found.
-    beside_others : bool
-        Whether gains are those beside all other effects, and not over the model before.
-    """
-
-    before: Fit
-    confirmed: tuple[Confirmed, ...]
-    screened: tuple[Candidate, ...]
+    before: Fit  # the model without the effect of this step
+    confirmed: tuple[Confirmed, ...]  # candidates that were fitted, the largest gain first
+    screened: tuple[Candidate, ...]  # all candidates
+    # effects and places that were fitted and not confirmed: mostly as no machine can have the values found
     refused: frozenset[Key] = frozenset()
+    # whether gains are those beside all other effects, and not over the model before
     beside_others: bool = False
 
     @property
