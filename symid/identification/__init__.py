@@ -14,7 +14,7 @@ from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.predicted_output import Prediction, predict
 from symid.identification.residuals import EquationResidual
 from symid.identification.settings import Preparation
-from symid.identification.timing import Timing, timing_of
+from symid.identification.timing import Timing, delays_of
 
 __all__ = [
     "Bias",
@@ -30,6 +30,7 @@ __all__ = [
     "SharedIdentification",
     "Timing",
     "bias_of",
+    "delays_of",
     "distrusted",
     "excerpts",
     "found_from",
@@ -45,6 +46,5 @@ __all__ = [
     "read_axis_log",
     "read_mapping",
     "stated_period",
-    "timing_of",
     "with_fixed",
 ]

@@ -3,7 +3,7 @@
 Each log is prepared and sampled (`observe`), all of them together are solved by weighted least squares in which every
 equation of every log has its own weight (`estimate`), the deviations are corrected for the correlation of the
 residual (`corrected_covariance`), and the minimal parameters are mapped to physical ones (`physical_estimates`).
-Errors that no deviation shows are examined last: a force recorded at another time than it acts (`timing_of`),
+Errors that no deviation shows are examined last: a force recorded at another time than it acts (`delays_of`),
 noise in W and differences that only approximate derivatives (`bias_of`).
 """
 
@@ -25,6 +25,7 @@ from symid.estimation import (
     corrected_covariance_of_blocks,
 )
 from symid.identification.bias import Bias, Correction, bias_of_instruments
+from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
 from symid.identification.cutoff import Estimation, Trial, least_uncertain
@@ -41,7 +42,7 @@ from symid.identification.row_blocks import blocks_of_runs
 from symid.identification.settings import Preparation, said_declared
 from symid.identification.smoothing import slow_update, smoothing_of
 from symid.identification.stability import greatest_change, scatter
-from symid.identification.timing import drift_of, timing_of
+from symid.identification.timing import delays_of, likeliest
 from symid.identification.trust import Faults, distrust
 from symid.identification.verdict import verdict
 from symid.identification.whitened import Segment, segments, whitened
@@ -229,8 +230,14 @@ def distrusted(
     if instruments is not None:
         whole = [log.window(0, log.n_samples) for log in logs]
         bias = bias_of_instruments(model, whole, found.observations, fit, instruments)
-    examined = replace(found, timing=timing_of(model, parts, fit), bias=bias, scatter=spread)
-    return judged(distrust(examined, _faults(examined, fit, parts, sums)))
+    delays = delays_of(model, parts, fit)
+    examined = replace(found, timing=likeliest(delays), bias=bias, scatter=spread)
+    drift = (
+        drift_by_rows(parts, fit, model.forces)
+        or lag_of(model, parts, fit, examined.timing)
+        or drift_within_a_row(parts, fit, delays)
+    )
+    return judged(distrust(examined, _faults(examined, fit, parts, sums, drift)))
 
 
 def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
@@ -239,14 +246,13 @@ def _scatter(sums: Sequence[Segment], fit: LeastSquares) -> FloatArray:
 
 
 def _faults(
-    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment]
+    found: Identification, fit: LeastSquares, parts: Sequence[Excerpt], sums: Sequence[Segment], drift: str
 ) -> Faults:
     """Contradictions to the estimate, in words: of a channel, a part of the logs, the force's size or its clock."""
     model = found.model
     inflation = sum(fit.rows) / max(found.correlated.effective_samples, 1.0)
     change = greatest_change(sums, fit)
     more = ColumnTests(model, parts, fit, list(whitened(parts, fit)), inflation)
-    drift = drift_of(model, parts, fit) or lag_of(model, parts, fit, found.timing) or more.clock_drift()
     return Faults(
         recording=fault_of(model, parts, fit)
         or smoothing_of(model, parts)

@@ -19,7 +19,7 @@ from symid.codegen import GeneratedModel
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
-from symid.identification.lag_scan import delayed_together, shiftable
+from symid.identification.lag_scan import shiftable
 from symid.identification.misfit import unexplained
 from symid.identification.observation import SignalRows
 from symid.identification.recording import is_switched
@@ -27,8 +27,6 @@ from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
 """Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
-_WORST_CLOCK = 0.02
-"""Relative difference of two clocks; a delay that grows faster along a log has another cause."""
 _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
@@ -131,23 +129,6 @@ class ColumnTests:
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
                     "correct its unit, sign or gain (--unit, --gain)"
-                )
-        return ""
-
-    def clock_drift(self) -> str:
-        """Whether a delay grows along the logs by less than a row, in words; empty if none does."""
-        Z, rest, y = _of_all(self.rows)
-        period = self.parts[0].log.sampling_period
-        for names in delayed_together(self.model):
-            grown = [self._growing(r, self.parts[r.part].moved(*names).slope) for r in self.rows]
-            drift = _Column.of(Z, rest, np.concatenate(grown), y)
-            certain = max(self.criteria.clock_explains, self._certain(rest, self.criteria.clock_certain))
-            longest = _WORST_CLOCK * period * max(part.log.n_samples for part in self.parts)
-            if drift.share > certain and self.criteria.clock_drift * period < abs(drift.factor) < longest:
-                return (
-                    f"the time of {' and '.join(names)} drifts by {drift.factor / period:+.2g} samples from begin to "
-                    "end of the log against the other signals: clocks run at different rates; resample by their own "
-                    "time stamps"
                 )
         return ""
 

@@ -28,7 +28,7 @@ _SETTLED = 0.01
 _MOST_ROUNDS = 8
 _FARTHEST = 0.25
 """Periods of the cutoff frequency, beyond which a delay of filtered signals is not unique."""
-_WORTH_MOVING = 0.7
+WORTH_MOVING = 0.7
 """Part of the residual's power that another lag must leave at most, for the search to begin there."""
 _AS_MUCH = 1.5
 """Times the residual's power at the best lag of the scan that a delay refined from zero may leave."""
@@ -36,10 +36,6 @@ _PREFERENCE = 1.25
 """Times the residual that a late sensor must leave less than a late force."""
 _ROWS_A_DEVIATION = 6.0
 """A delay that is only scanned is known to half a row, taken as three deviations."""
-_DRIFTED_ROWS = 2
-"""Rows by which the delays of two thirds must differ: noise moves them by one."""
-_UNEVEN = 0.2
-"""Part of their difference by which the delay of the middle third may differ from the mean of the others."""
 _TOGETHER = 0.9
 """Residual that must be left at most where all signals but one are moved: noise in W makes 0.97 of it."""
 _SIGNIFICANT = 5.0
@@ -73,6 +69,8 @@ class Timing:
         Residual with the delay taken out, as part of that without.
     parameters : array of shape (n_parameters,)
         Minimal parameters with the delay taken out.
+    moved : tuple of str
+        Signals that were moved to find it: this one, or all others.
     is_force : bool
         Whether the signal is the force, which may be held from sample to sample.
     """
@@ -84,6 +82,7 @@ class Timing:
     declared: float
     remaining: float
     parameters: FloatArray
+    moved: tuple[str, ...]
     is_force: bool = True
 
     @property
@@ -139,8 +138,8 @@ def _microseconds(seconds: float, digits: int) -> str:
     return np.format_float_positional(1e6 * seconds, digits, unique=False, fractional=False, trim="-")
 
 
-def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> Timing | None:
-    """Estimate the delay of the force, or of a sensor that explains more, from the logs that were identified from.
+def delays_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> tuple[Timing, ...]:
+    """Estimate the delay of the force, and of each sensor that can be moved, from the logs that were identified from.
 
     Every signal is first moved by up to a second, row by row; from where the residual is least, the delay is refined.
 
@@ -155,15 +154,21 @@ def timing_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares
 
     Returns
     -------
-    Timing or None
-        None if the rows do not determine a delay.
+    tuple of Timing
+        Those that the rows determine.
     """
     found = []
     for names in delayed_together(model):  # all others early is the one late that laws depend on
         signal = names[0] if len(names) == 1 else next(name for name in model.measured if name not in names)
         timing = _timing_of(model, parts, fit, names, signal)
-        if timing and (len(names) == 1 or timing.remaining < _TOGETHER):
+        if timing:
             found.append(timing)
+    return tuple(found)
+
+
+def likeliest(delays: Sequence[Timing]) -> Timing | None:
+    """The delay that explains most; that of the force if none is significant, None if that is not determined."""
+    found = [timing for timing in delays if len(timing.moved) == 1 or timing.remaining < _TOGETHER]
     certain = [timing for timing in found if timing.is_significant]
     of_force = [timing for timing in found if timing.is_force]
     if certain:
@@ -178,11 +183,11 @@ def _timing_of(
     """Delay of a signal: of itself, or of all others, which are then early by it."""
     scanned = scan(parts, fit, names)
     late, left, there = scanned.best
-    shifting = [_Shifting(part, names) for part in parts]
+    shifting = [Shifting(part, names) for part in parts]
     near = _refined(parts, shifting, fit, 0.0)
     found: _Delay | None
     # motion that repeats itself fits as well a period later: a delay near zero that explains as much comes first
-    if left >= _WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
+    if left >= WORTH_MOVING or (near is not None and near.remaining**2 <= _AS_MUCH * left):
         found = near
     else:  # to a row, where it cannot be refined
         chosen = parts[0].observation.preparation
@@ -201,6 +206,7 @@ def _timing_of(
         declared=parts[0].observation.preparation.late.get(signal, 0.0),
         remaining=found.remaining,
         parameters=found.parameters,
+        moved=names,
         is_force=signal in model.forces,
     )
 
@@ -233,7 +239,7 @@ class _Delay:
 
 
 def _refined(
-    parts: Sequence[Excerpt], shifting: Sequence[_Shifting], fit: LeastSquares, start: float
+    parts: Sequence[Excerpt], shifting: Sequence[Shifting], fit: LeastSquares, start: float
 ) -> _Delay | None:
     """The delay near a start, by Gauss and Newton; None if it runs away."""
     period = parts[0].log.sampling_period
@@ -263,28 +269,7 @@ def _refined(
     return _Delay(late, float(correlated.standard_deviations[-1]), remaining, X)
 
 
-def drift_of(model: GeneratedModel, parts: Sequence[Excerpt], fit: LeastSquares) -> str:
-    """Whether a force's clock runs at another rate: its delay grows from third to third of the logs; in words."""
-    return next(filter(None, (_drift_of_force(parts, fit, force) for force in model.forces)), "")
-
-
-def _drift_of_force(parts: Sequence[Excerpt], fit: LeastSquares, force: str) -> str:
-    thirds = [scan(parts, fit, (force,), (k,)).best for k in range(3)]
-    (first, left_first, _), (middle, left_middle, _), (last, left_last, _) = thirds
-    row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
-    grows = abs(first - last) >= _DRIFTED_ROWS * row
-    is_even = abs(2 * middle - first - last) <= _DRIFTED_ROWS * row + _UNEVEN * abs(last - first)
-    lags, lefts = np.abs([first, middle, last]), np.array([left_first, left_middle, left_last])
-    better = np.all((lags <= row) | (lefts < _WORTH_MOVING)) and lefts[np.argmax(lags)] < _WORTH_MOVING
-    if not (grows and is_even and better):
-        return ""
-    return (
-        f"{force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its clock "
-        "runs at another rate; resample it by its own time stamps"
-    )
-
-
-class _Shifting:
+class Shifting:
     """Rows of a log of which some signals are moved in time."""
 
     def __init__(self, part: Excerpt, names: tuple[str, ...]) -> None:

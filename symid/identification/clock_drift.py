@@ -1,0 +1,109 @@
+"""Do two clocks run at the same rate? A delay that grows along the logs.
+
+By rows it shows in the best lags of the thirds of the logs. Below a row it shows at the constant delay found before,
+where the residual no longer depends on a delay to second order: the derivative of the residual by the delay, times the
+time within the log, is one more column. Its deviation is that of the scatter between blocks of the logs, so that
+whatever else the model lacks counts as noise from block to block (K.-Y. Liang and S. Zeger, Biometrika 73, 1986).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from symid.estimation import LeastSquares
+from symid.identification.criteria import CRITERIA, Criteria
+from symid.identification.excerpts import Excerpt
+from symid.identification.lag_scan import scan
+from symid.identification.timing import WORTH_MOVING, Shifting, Timing
+
+_WORST_CLOCK = 0.02
+"""Relative difference of two clocks; a delay that grows faster along a log has another cause."""
+_BLOCKS = 12
+"""Blocks of all logs together, 3 of a part at least."""
+_LINE = 2
+"""Parameters of a line through the delays of blocks."""
+_DRIFTED_ROWS = 2
+"""Rows by which the delays of two thirds must differ: noise moves them by one."""
+_UNEVEN = 0.2
+"""Part of their difference by which the delay of the middle third may differ from the mean of the others."""
+_INDEPENDENT = 1e-8
+"""Part of the power of the column of growth that the others must leave of it."""
+
+
+class _Growth(NamedTuple):
+    """Seconds by which a delay grows, their deviation, and the part of the residual's power that they take away."""
+
+    seconds: float = 0.0
+    deviation: float = 0.0
+    explained: float = 0.0
+
+
+def drift_by_rows(parts: Sequence[Excerpt], fit: LeastSquares, forces: Sequence[str]) -> str:
+    """Whether the delay of a force grows by rows from third to third of the logs, in words; empty if none does."""
+    row = parts[0].log.sampling_period * (parts[0].observation.preparation.decimation or 1)
+    for force in forces:
+        thirds = [scan(parts, fit, (force,), (k,)).best for k in range(3)]
+        first, middle, last = (lag.late for lag in thirds)
+        grows = abs(first - last) >= _DRIFTED_ROWS * row
+        is_even = abs(2 * middle - first - last) <= _DRIFTED_ROWS * row + _UNEVEN * abs(last - first)
+        lags, lefts = np.abs([first, middle, last]), np.array([lag.left for lag in thirds])
+        better = np.all((lags <= row) | (lefts < WORTH_MOVING)) and lefts[np.argmax(lags)] < WORTH_MOVING
+        if grows and is_even and better:
+            return (
+                f"{force} is {1e3 * first:.3g} ms late in the first third and {1e3 * last:.3g} ms in the last: its "
+                "clock runs at another rate; resample it by its own time stamps"
+            )
+    return ""
+
+
+def drift_within_a_row(
+    parts: Sequence[Excerpt], fit: LeastSquares, delays: Sequence[Timing], criteria: Criteria = CRITERIA
+) -> str:
+    """Whether one of the delays grows along the logs by less than rows show, in words; empty if none does."""
+    period = parts[0].log.sampling_period
+    longest = _WORST_CLOCK * period * max(part.log.n_samples for part in parts)
+    for delay in delays:
+        growth = _growth(parts, fit, delay)
+        size = abs(growth.seconds)
+        is_certain = size > criteria.clock_certain * growth.deviation
+        matters = growth.explained > criteria.clock_explains and size > criteria.clock_drift * period
+        if is_certain and matters and size < longest:
+            return (
+                f"the time of {' and '.join(delay.moved)} drifts by {growth.seconds / period:+.2g} samples from begin "
+                "to end of the log against the other signals: clocks run at different rates; resample by their own "
+                "time stamps"
+            )
+    return ""
+
+
+def _growth(parts: Sequence[Excerpt], fit: LeastSquares, delay: Timing) -> _Growth:
+    """Growth of a delay from begin to end of the logs, by least squares beside the parameters and its mean."""
+    rows, growing, blocks = [], [], []
+    each = max(3, round(_BLOCKS / len(parts)))
+    for k, part in enumerate(parts):
+        late = delay.late if delay.signal in delay.moved else -delay.late
+        seen = Shifting(part, delay.moved).with_tangent(late, delay.parameters)
+        times = np.concatenate([other.observation.time for other in parts if other.of == part.of])
+        course = (seen.time - times.min()) / np.ptp(times) - 0.5
+        place = each * k + np.arange(seen.time.size) * each // seen.time.size
+        for j, used in enumerate(seen.valid):
+            weight = fit.weights[part.of * len(seen.valid) + j]
+            rows.append(weight * np.column_stack([seen.W[j], seen.y[j]])[used])
+            growing.append(rows[-1][:, -2] * course[used])
+            blocks.append(place[used])
+    every, column, block = np.concatenate(rows), np.concatenate(growing), np.concatenate(blocks)
+    columns = every[:, :-1] / np.maximum(np.linalg.norm(every[:, :-1], axis=0), np.finfo(float).tiny)
+    both = np.column_stack([column, every[:, -1]])
+    own, left = (both - columns @ np.linalg.lstsq(columns, both, rcond=None)[0]).T
+    power = float(own @ own)
+    if power <= _INDEPENDENT * float(column @ column):
+        return _Growth()
+    growth = float(own @ left) / power
+    sums = np.bincount(block, own * (left - growth * own))
+    n = np.unique(block).size
+    deviation = np.sqrt(float(sums @ sums) * n / max(n - _LINE, 1)) / power
+    explained = growth**2 * power / max(float(left @ left), np.finfo(float).tiny)
+    return _Growth(growth, float(deviation), explained)
