@@ -24,8 +24,6 @@ Values = TypeVar("Values", bound=npt.NDArray[Any])
 def read_only(values: Values) -> Values:
     """View of an array that cannot be written to.
 
-    Examples
-    --------
     >>> read_only(np.zeros(2)).flags.writeable
     False
     """
@@ -38,8 +36,6 @@ def read_only(values: Values) -> Values:
 def fast_length(least: int) -> int:
     """Smallest number from `least` on that has no prime factor above 5: its Fourier transform is fast.
 
-    Examples
-    --------
     >>> fast_length(7), fast_length(1000), fast_length(1001)
     (8, 1000, 1024)
     """

@@ -35,8 +35,6 @@ _KINDS: Final = (
 def irregular(path: str | os.PathLike[str]) -> str | None:
     """Kind of a file that is not regular, whose reading might never end; None for a regular file.
 
-    Examples
-    --------
     >>> irregular("/"), irregular(__file__)
     ('a folder', None)
     """
@@ -76,8 +74,6 @@ def read_json(file: str | os.PathLike[str]) -> Any:
 def is_finite_number(value: object) -> bool:
     """Whether a value of a JSON file is a number that is finite; true and false are none.
 
-    Examples
-    --------
     >>> [is_finite_number(value) for value in (1, 2.5, True, "1", float("nan"), None)]
     [True, True, False, False, False, False]
     """
@@ -92,8 +88,6 @@ def is_finite_number(value: object) -> bool:
 def shortened(value: object, longest: int = 60) -> str:
     """How a value of a JSON file is named in a message.
 
-    Examples
-    --------
     >>> shortened("12"), shortened([0] * 100, 10)
     ("'12'", '[0, 0, ...')
     """
@@ -112,8 +106,6 @@ def replacing(file: str | os.PathLike[str]) -> Iterator[Path]:
 
     A link stays a link to the file that is replaced. A pipe or a device, such as /dev/stdout, is written to.
 
-    Examples
-    --------
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     with replacing(Path(folder) / "a.txt") as path:
     ...         _ = path.write_text("whole")
@@ -153,8 +145,6 @@ def write_whole(file: str | os.PathLike[str], text: str) -> None:
 def free_name(file: Path, suffix: str) -> Path:
     """The first of FILE.SUFFIX, FILE.SUFFIX2, FILE.SUFFIX3, ... that is not there.
 
-    Examples
-    --------
     >>> free_name(Path("no_such_file.csv"), ".before").name
     'no_such_file.csv.before'
     """

@@ -18,8 +18,6 @@ class Shown:
     How each kind looks is written in `symid.report.views`, above all results: it is opened when one is shown, so that
     computing needs no drawing.
 
-    Examples
-    --------
     >>> from symid import load_axis
     >>> load_axis("rigid_1m")
     <Axis rigid_1m: motor moved by F, measured by q, parameters M, Fv, Fs>
@@ -40,8 +38,6 @@ class Shown:
     def summary(self) -> str:
         """The text that the command line prints.
 
-        Examples
-        --------
         >>> from symid import derive
         >>> print(derive("rigid_1m").summary().splitlines()[3])
             F = Fs*sign(q_motor_d1) + Fv*q_motor_d1 + M*q_motor_d2

@@ -13,8 +13,6 @@ _DERIVATIVE = re.compile(r"(?P<signal>.+)_d(?P<order>[1-9]\d*)")
 def is_signal_name(name: str) -> bool:
     """Whether `name` can name a signal or parameter: an identifier that does not look like a derivative.
 
-    Examples
-    --------
     >>> is_signal_name("ddq1"), is_signal_name("q2_d1"), is_signal_name("2q")
     (True, False, False)
     """
@@ -24,8 +22,6 @@ def is_signal_name(name: str) -> bool:
 def derivative_name(signal: str, order: int) -> str:
     """Flat name of the derivative of a signal.
 
-    Examples
-    --------
     >>> derivative_name("q2", 3), derivative_name("q2", 0)
     ('q2_d3', 'q2')
     """
@@ -35,8 +31,6 @@ def derivative_name(signal: str, order: int) -> str:
 def split_derivative(name: str) -> tuple[str, int]:
     """Signal and order that a flat name stands for; the inverse of `derivative_name`.
 
-    Examples
-    --------
     >>> split_derivative("q2_d3"), split_derivative("Fm")
     (('q2', 3), ('Fm', 0))
     """

@@ -16,8 +16,6 @@ def visible(text: str) -> str:
 
     A lone surrogate, by which Python keeps a byte of a file name that is not UTF-8, is written as that byte.
 
-    Examples
-    --------
     >>> print(visible("a\x1b[2Jb\udce9"))
     a\x1b[2Jb\xe9
     """
@@ -34,8 +32,6 @@ def _written(match: re.Match[str]) -> str:
 def one_line(text: str) -> str:
     r"""Visible text without line ends and double spaces.
 
-    Examples
-    --------
     >>> one_line("two\n  lines")
     'two lines'
     """
@@ -45,8 +41,6 @@ def one_line(text: str) -> str:
 def counted(count: int, one: str, many: str = "") -> str:
     """A count and its noun, in the plural where there are several.
 
-    Examples
-    --------
     >>> counted(1, "log"), counted(2, "log"), counted(0, "axis", "axes")
     ('1 log', '2 logs', '0 axes')
     """

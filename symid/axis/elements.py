@@ -68,8 +68,6 @@ class Parametrised:
     def named(self, field: str) -> str:
         """Name of the parameter in a field; a known value is named after the element and the field.
 
-        Examples
-        --------
         >>> Body("load", mass=12.5).named("mass"), Body("load", mass="Ml").named("mass")
         ('load_mass', 'Ml')
         """

@@ -193,8 +193,6 @@ class GainAsymmetry(DriveImperfection):
 def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
     """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay.
 
-    Examples
-    --------
     >>> [type(item).__name__ for item in in_order([ActuatorLag(1e-3), ForceLimit(9.0), GainAsymmetry(0.1)])]
     ['GainAsymmetry', 'ForceLimit', 'ActuatorLag']
     """

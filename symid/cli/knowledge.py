@@ -70,8 +70,6 @@ def known_by_log(values: tuple[str, ...], axis: Axis, logs: int) -> list[dict[st
 def quantity(text: str, unit: Unit, what: str) -> float:
     """A number with or without a unit, in SI.
 
-    Examples
-    --------
     >>> quantity("12.5kg", Unit.of("kg"), "--fix M"), quantity("3 kN", Unit.of("N"), "--fix Fs"), quantity(
     ...     "7", Unit.of("N"), "--fix Fs"
     ... )

@@ -126,8 +126,6 @@ def page_of(file: str | None) -> Path | None:
 def cascade_gains(values: tuple[str, ...]) -> dict[str, float]:
     """Gains of ``--controller-gain`` by the fields of a cascade.
 
-    Examples
-    --------
     >>> cascade_gains(("Kpp=30",))
     {'position_gain': 30.0}
     """
@@ -147,8 +145,6 @@ def held_force(signals: tuple[str, ...], axis: Axis) -> bool | None:
 def bytes_of(text: str, what: str) -> int:
     """Bytes of a text such as ``512MB``.
 
-    Examples
-    --------
     >>> bytes_of("1.5GB", "--memory")
     1500000000
     """
@@ -219,8 +215,6 @@ def number(text: str, what: str) -> float:
 def seconds_of(text: str, what: str) -> float:
     """A time such as 125us or -0.0001, in seconds.
 
-    Examples
-    --------
     >>> seconds_of("125us", "--late q2")
     0.000125
     """
@@ -281,8 +275,6 @@ _UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 def as_json(record: object, *, ascii_only: bool = False) -> str:
     r"""Text of a record; numbers that are not finite become null, what terminals obey is escaped.
 
-    Examples
-    --------
     >>> print(as_json({"a\udce9": float("nan")}), end="")
     {
       "a\udce9": null

@@ -40,8 +40,6 @@ class _Printer(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
 def code(expression: sp.Expr) -> str:
     """NumPy code of an expression.
 
-    Examples
-    --------
     >>> code(sp.sympify("-sign(q_d1) + 2*q"))
     '2*q - np.sign(q_d1)'
     """

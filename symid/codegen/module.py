@@ -89,8 +89,6 @@ def physical_parameters({minimal_arguments}, branch=0):
 def module_text(model: DerivedModel) -> str:
     """Source text of the module of a derived model; the same for the same declaration on every machine.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.symbolic.pipeline import derive
     >>> "def regressor(F, q_d1, q_d2):" in module_text(derive(load_axis("rigid_1m")))
@@ -197,8 +195,6 @@ def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, fl
 def _is_linear(entry: sp.Expr, constants: Collection[sp.Symbol]) -> bool:
     """Whether an entry is linear in the signals, or constant: filtering the signals then filters it.
 
-    Examples
-    --------
     >>> q, r = sp.symbols("q r")
     >>> [_is_linear(entry, [r]) for entry in (r * q + 1, q**3, q * r * sp.Symbol("v"), sp.sign(q))]
     [True, False, False, False]

@@ -37,8 +37,6 @@ def generated_folder(axis_path: Path) -> Path:
 def module_name(axis: str, measured: Sequence[str]) -> str:
     """Name of a generated module, without suffix.
 
-    Examples
-    --------
     >>> module_name("direct_2m1s", ("q2", "ddq1"))
     'direct_2m1s__q2_ddq1'
     """
@@ -221,8 +219,6 @@ def stored_module(
 ) -> StoredModule:
     """Text of the module that `load_generated` runs; GeneratedModuleError if it does not exist.
 
-    Examples
-    --------
     >>> stored_module("emps").name
     'emps__q.py'
     """

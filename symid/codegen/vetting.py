@@ -50,8 +50,6 @@ _EXPRESSIONS: Final = (
 def signed(text: str) -> str:
     r"""Text of a module with a last line that holds its hash.
 
-    Examples
-    --------
     >>> require_vetted(signed("a = 1\n"))
     """
     return f"{text.rstrip()}\n\n{_MARK}{_hash(text.rstrip())}\n"

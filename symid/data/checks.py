@@ -53,8 +53,6 @@ def inspect_finite(time: FloatArray, signals: Mapping[str, FloatArray], before: 
 
     `before` counts the rows before the first of these samples, in messages.
 
-    Examples
-    --------
     >>> inspect_finite(np.arange(2.0), {"q": np.array([1.0, np.nan])}, before=10)[0][:49]
     "'q' has 1 value empty or not finite, the first at"
     """
@@ -94,8 +92,6 @@ def inspect_steps(time: FloatArray, signals: Mapping[str, FloatArray], before: i
     A jump is a step that differs from both the step before it and the one after it by far more than the steps
     nearby do. A change of speed, such as an impact, does not count. The positions or angles lack no values.
 
-    Examples
-    --------
     >>> t = np.arange(100) / 10.0
     >>> inspect_steps(t, {"q": np.sin(t) + (t > 5.0)})[0]
     "'q' jumps by 1.03 at t = 5.1 s (row 52): split the log there, or repair the channel"

@@ -117,8 +117,6 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
 class ClockOfBlocks:
     """The clock of times that come block by block, each found as `inspect_clock` does.
 
-    Examples
-    --------
     >>> clock = ClockOfBlocks()
     >>> clock.add(np.arange(60) / 250.0), clock.add(np.arange(60, 120) / 250.0)
     ((), ())
@@ -184,8 +182,6 @@ def written_step(time: FloatArray) -> float:
 def place_of(time: FloatArray, sample: int, before: int = 0) -> str:
     """Time and row of a sample in messages; `before` counts the rows before the first of these times.
 
-    Examples
-    --------
     >>> place_of(np.array([0.0, 0.5]), 1, before=10)
     't = 0.5 s (row 12)'
     """

@@ -135,8 +135,6 @@ def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) ->
 def split_unit(header: str) -> tuple[str, str | None]:
     """Name and unit of a header.
 
-    Examples
-    --------
     >>> split_unit("q2 [mm]"), split_unit("q2")
     (('q2', 'mm'), ('q2', None))
     """

@@ -17,8 +17,6 @@ def power_density(x: FloatArray, sampling_frequency: float, segment: int) -> tup
 
     Means of periodograms of Hann-weighted segments that overlap by half (P. D. Welch, 1967).
 
-    Examples
-    --------
     >>> frequency, density = power_density(np.sin(2 * np.pi * 50 * np.arange(4000) / 1000), 1000.0, 500)
     >>> float(frequency[density.argmax()]), round(float(density.sum() * frequency[1]), 3)
     (50.0, 0.5)
@@ -41,8 +39,6 @@ def incoherent_density(
     (1 - coherence) times the density, corrected for the share that any signals take from an estimate by few segments
     (J. S. Bendat, A. G. Piersol, Random Data, section 9.2); `x` has at least twice `segment` samples.
 
-    Examples
-    --------
     >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
     >>> y = noise[0]  # a filter that takes a part of a segment would lower the coherence
     >>> x = 3.0 * y + 0.1 * noise[1]

@@ -149,8 +149,6 @@ def with_unit(column: ForeignColumn, unit: str) -> ForeignColumn:
 def _sign_and_magnitude(values: FloatArray) -> str:
     """Whether a register holds the sign in a bit of its own, as those of bus servos do, in words.
 
-    Examples
-    --------
     >>> load = np.tile([0, 12, 250, 387, 25, 0, 1061, 1299, 1361, 1111], 3)
     >>> _sign_and_magnitude(load)
     '0 to 387 and 1024 to 1361 look like sign and magnitude with the sign in bit 10: write negative numbers'
@@ -181,8 +179,6 @@ def _rises_evenly(values: FloatArray) -> bool:
 def split_header(header: str) -> tuple[str, str | None]:
     """Name and unit of a foreign header; a number in brackets is that of an axis or channel.
 
-    Examples
-    --------
     >>> split_header("Time (ms)"), split_header("Torque %"), split_header("data(:,1)"), split_header("load (4)")
     (('Time', 'ms'), ('Torque', '%'), ('data(:,1)', None), ('load (4)', None))
     """

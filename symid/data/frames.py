@@ -34,8 +34,6 @@ def table_of(frame: Frame) -> Table:
 
     An index of pandas that is called ``t`` is a column too. LogError if columns differ in length, or it is not a frame.
 
-    Examples
-    --------
     >>> table = table_of({"t": [0.0, 0.1], "q [mm]": [1, 2]})
     >>> table.headers, table.read([1])[0].tolist()
     (('t', 'q [mm]'), [1.0, 2.0])

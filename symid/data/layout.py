@@ -87,8 +87,6 @@ class Layout:
 def uncommented(line: str) -> str:
     """A line without the mark of a comment at its beginning, as programs write it before names.
 
-    Examples
-    --------
     >>> uncommented("# t q F")
     't q F'
     """

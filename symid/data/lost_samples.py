@@ -37,8 +37,6 @@ _MOST = 0.05
 def dropped(x: FloatArray) -> BoolArray:
     """Samples that are exactly 0 with values of one sign far from 0 on both sides, within three samples.
 
-    Examples
-    --------
     >>> dropped(np.where(np.arange(30) == 7, 0.0, np.linspace(5.0, 6.0, 30))).nonzero()[0].tolist()
     [7]
     """
@@ -92,8 +90,6 @@ def step_of(x: FloatArray) -> float:
     Of few values, some come again among every sixteenth sample too: only then are all of them sorted. A short log of
     counts has few values that come again, but each is a whole number of steps from the others.
 
-    Examples
-    --------
     >>> counts = np.round(200 * np.sin(np.arange(300) / 40))
     >>> step_of(counts), step_of(counts + 1e-3 * np.random.default_rng(0).standard_normal(300))
     (1.0, 0.0)
@@ -118,8 +114,6 @@ def restored(
     Where a recorder lost a sample of a signal far from 0, each row in which all signals are exactly 0, and in the rows
     beside it none is, was lost as a whole. Positions, in `smooth`, are restored by a cubic spline, others by lines.
 
-    Examples
-    --------
     >>> q = 1.0 + np.arange(80) / 10
     >>> values, notes = restored({"q": np.where(np.arange(80) % 26 == 5, 0.0, q)}, ["q"])
     >>> bool(np.allclose(values["q"], q)), notes[0][:30]
@@ -145,8 +139,6 @@ def without_repeated_rows(
 ) -> tuple[dict[str, FloatArray], list[str]]:
     """Signals without rows that were lost and filled with the row before, and a note on them.
 
-    Examples
-    --------
     >>> t = np.arange(2000) / 1000
     >>> row = np.arange(2000) - (np.arange(2000) % 97 == 50)
     >>> whole = {"q": np.sin(t), "F": np.cos(5 * t)}

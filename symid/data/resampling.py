@@ -37,8 +37,6 @@ def resampled(
     a zero-phase Butterworth filter removes what it cannot represent. Up to ten samples in a row that are missing (nan)
     are filled; a longer gap is an error. The signals keep the span in which all of them were recorded.
 
-    Examples
-    --------
     >>> t = np.arange(400) / 400 + 5e-4 * np.random.default_rng(0).uniform(-1, 1, 400)
     >>> found, notes = resampled({"q": np.sin(5 * t)}, {"q": t}, 400.0)
     >>> float(np.max(np.abs(found["q"] - np.sin(5 * found["t"])))) < 1e-6, notes[0]

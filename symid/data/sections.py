@@ -25,8 +25,6 @@ Loop = Callable[[FloatArray, FloatArray, FloatArray], None]
 def butterworth(order: int, share: float) -> FloatArray:
     """Low-pass of an order with its cutoff at a share of the Nyquist frequency, shape (n_sections, 6) as scipy has it.
 
-    Examples
-    --------
     >>> butterworth(2, 0.5).round(4).tolist()
     [[0.2929, 0.5858, 0.2929, 1.0, -0.0, 0.1716]]
     """
@@ -36,8 +34,6 @@ def butterworth(order: int, share: float) -> FloatArray:
 def chebyshev(order: int, ripple_db: float, share: float) -> FloatArray:
     """Low-pass of type I with its cutoff, where the ripple ends, at a share of the Nyquist frequency.
 
-    Examples
-    --------
     >>> chebyshev(2, 3.0, 0.5).round(4).tolist()
     [[0.213, 0.426, 0.213, 1.0, -0.2483, 0.4518]]
     """
@@ -89,8 +85,6 @@ def run(sections: FloatArray, x: FloatArray, states: FloatArray) -> tuple[FloatA
 
     The states, of shape (n_rows, n_sections, 2), are those before the first samples.
 
-    Examples
-    --------
     >>> run(np.array([[0.5, 0.0, 0.0, 1.0, -0.5, 0.0]]), np.array([[1.0, 0.0]]), np.zeros((1, 1, 2)))[0].tolist()
     [[0.5, 0.25]]
     """

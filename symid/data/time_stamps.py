@@ -23,8 +23,6 @@ _ZONE: Final = r"\s?(Z|[+-]\d\d:?\d\d)$"
 def is_stamp(text: str) -> bool:
     """Whether a text is a moment.
 
-    Examples
-    --------
     >>> [is_stamp(text) for text in ("2026-11-21T10:00:00.001Z", "10:00:00,5", "2026", "q")]
     [True, True, False, False]
     """
@@ -36,8 +34,6 @@ def seconds_of_stamps(texts: Sequence[str] | pl.Series) -> FloatArray | None:
 
     Times of day that pass midnight go on into the next day.
 
-    Examples
-    --------
     >>> seconds_of_stamps(["2026-11-21 10:00:00.250", "2026-11-21 10:00:01"]).tolist()
     [0.0, 0.75]
     >>> seconds_of_stamps(["23:59:59", "00:00:01"]).tolist()

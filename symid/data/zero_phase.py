@@ -48,8 +48,6 @@ class Piece:
 def pieces(n_samples: int, reach: int) -> Iterator[Piece]:
     """Pieces of a signal, each with `reach` samples on either side, or as many as there are.
 
-    Examples
-    --------
     >>> [(piece.start, piece.stop, piece.first, piece.last) for piece in pieces(200_000, 10)]
     [(0, 131072, 0, 131082), (131072, 200000, 131062, 200000)]
     """

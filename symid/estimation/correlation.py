@@ -104,8 +104,6 @@ class ResidualCovariance:
 def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
     """Return sums over t of x_i(t) x_j(t+k), shape (n, n, 2 max_lag + 1), k from -max_lag; x is 0 outside.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> lagged_products(np.array([[1.0, 2.0]]), 1).round(12).tolist()
     [[[2.0, 5.0, 2.0]]]
@@ -124,8 +122,6 @@ def lagged_products(x: FloatArray, max_lag: int) -> FloatArray:
 def default_max_lag(samples: int) -> int:
     """Return how far correlation is looked for: 10 sqrt(samples), a quarter of the samples at most.
 
-    Examples
-    --------
     >>> default_max_lag(10_000), default_max_lag(100)
     (1000, 25)
     """
@@ -141,8 +137,6 @@ def correlation_length(covariance: FloatArray, samples: int) -> int | None:
     Where nothing is that quiet, the bound is widened to what Bartlett's variance, sum of r^2 / N, gives for a
     correlated residual, as long as it stays below 0.5. gamma_ij(k) is given for one log or for each of several.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> gamma = np.zeros((1, 1, 41))
     >>> gamma[0, 0, 19:22] = 0.5, 1.0, 0.5
@@ -175,8 +169,6 @@ def effective_samples(covariance: FloatArray, rows: tuple[int, ...]) -> float:
 
     N_j / sum over k of r_jj(k)^2, summed over the equations; `covariance` should already be tapered.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> effective_samples(np.array([[[0.5, 1.0, 0.5]]]), (300,))
     200.0
@@ -188,8 +180,6 @@ def effective_samples(covariance: FloatArray, rows: tuple[int, ...]) -> float:
 def flat_top(max_lag: int, length: int) -> FloatArray:
     """Return the trapezoid that is 1 to lag `length`, 0 from 2 `length`; shape (2 max_lag + 1,).
 
-    Examples
-    --------
     >>> flat_top(3, 2).tolist()
     [0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5]
     """

@@ -49,8 +49,6 @@ class RankAnalysis:
 def condition_number(singular_values: FloatArray) -> float:
     """Return largest over smallest singular value; inf where the smallest is 0.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> condition_number(np.array([4.0, 2.0])), condition_number(np.array([1.0, 0.0]))
     (2.0, inf)
@@ -65,8 +63,6 @@ def analyse_rank(R: FloatArray, rows: int) -> RankAnalysis:
     The rank counts singular values above eps max(rows, parameters, 100) times the largest, columns having
     unit norm: what rounding in W itself and in its factorisation leaves of an exact dependency lies below.
 
-    Examples
-    --------
     Two equal columns: only the sum of the parameters is determined, the third is by itself.
 
     >>> import numpy as np

@@ -202,8 +202,6 @@ def checked_observation(
 ) -> tuple[FloatArray, FloatArray, BoolArray | None]:
     """Return W, y as float arrays and `valid` with one row for each equation.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> checked_observation(np.ones((2, 3, 1)), np.ones((2, 3)), np.ones(3, dtype=bool))[2].shape
     (2, 3)
@@ -228,8 +226,6 @@ def checked_observation(
 def triangle(rows: FloatArray) -> FloatArray:
     """Return the square upper triangular factor of the QR factorisation, for any number of rows.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> triangle(np.array([[-2.0, 4.0]])).tolist()
     [[-2.0, 4.0], [0.0, 0.0]]

@@ -75,8 +75,6 @@ def references_apart(
 ) -> list[tuple[Trajectory, ...]]:
     """References of drives that differ by at most `apart`: common moves, and multisines of other phases for each.
 
-    Examples
-    --------
     >>> found = references_apart(Limits((-0.2, 0.2), 1.0, 8.0, 500.0), 1e-3, 2, 4.0, 1000.0, 0.0)
     >>> bool(max(np.abs(a.position - b.position).max() for a, b in found) <= 1e-3)
     True

@@ -48,8 +48,6 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]  # sympy has no types
 def c_code(expression: sp.Expr) -> str:
     """C code of an expression; every number in it is a double.
 
-    Examples
-    --------
     >>> x = sp.Symbol("x")
     >>> c_code(sp.Rational(1, 2) * x**3 - sp.sign(x) * abs(x))
     '(1.0/2.0)*(x*x*x) - fabs(x)*sign(x)'
@@ -60,8 +58,6 @@ def c_code(expression: sp.Expr) -> str:
 def c_name(name: str) -> str:
     """A name that C leaves free; names of parameters and signals do not end with an underscore.
 
-    Examples
-    --------
     >>> c_name("Mm"), c_name("double")
     ('Mm', 'double_')
     """
@@ -72,8 +68,6 @@ def c_name(name: str) -> str:
 def assignments(targets: Sequence[str], expressions: Sequence[sp.Expr], taken: Iterable[str]) -> list[str]:
     """Statements that write expressions into targets; what they share is computed once before.
 
-    Examples
-    --------
     >>> a, b = sp.symbols("a b")
     >>> assignments(["u", "w"], [sp.sin(a + b), 2 * sp.sin(a + b)], ())
     ['const double c0 = sin(a + b);', 'u = c0;', 'w = 2.0*c0;']

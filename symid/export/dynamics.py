@@ -70,8 +70,6 @@ class SymbolicDynamics:
 def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     """Forward dynamics of an axis as expressions.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> dynamics = symbolic_dynamics(load_axis("rigid_1m"))
     >>> dynamics.mass, dynamics.laws[0].force

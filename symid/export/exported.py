@@ -42,8 +42,6 @@ def losses_of_imperfections(
 ) -> Iterator[str]:
     """Losses of a format that has no imperfections but those of some kinds.
 
-    Examples
-    --------
     >>> from symid.axis import ActuatorDelay, load_axis
     >>> list(losses_of_imperfections(load_axis("rigid_1m").with_effect(ActuatorDelay(1e-3)), "URDF"))
     ['ActuatorDelay: URDF has no such element; left out: f(t) = F(t - 0.001 s).']
@@ -56,8 +54,6 @@ def losses_of_imperfections(
 def losses_of_signals(axis: Axis) -> Iterator[str]:
     """Losses of every format: values that belong to a log and not to the axis, and noise of the recorded force.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> list(losses_of_signals(load_axis("motor_bench")))
     ['Pt: it differs from log to log; give 0 for an axis whose zeros are known.']

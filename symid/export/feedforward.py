@@ -29,8 +29,6 @@ class Feedforward:
 def feedforward(axis: Axis) -> Feedforward:
     """Force that a motion of the drive needs.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> feedforward(load_axis("direct_2m1s")).force
     Fsm*sign(velocity_) + Fvm*velocity_ + Mm*acceleration_

@@ -111,8 +111,6 @@ class Mechanism:
 def mechanism(axis: Axis, values: Mapping[str, float]) -> Mechanism:
     """The axis as inertias and simple properties.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> found = mechanism(load_axis("rigid_1m"), {"M": 95.0, "Fv": 200.0, "Fs": 20.0})
     >>> found.paths[(("motor", 1.0),)].frictionloss

@@ -262,8 +262,6 @@ class _Writer:
 def _written(number: float) -> str:
     """A number in full, without a needless point.
 
-    Examples
-    --------
     >>> _written(200.0), _written(0.1)
     ('200', '0.1')
     """

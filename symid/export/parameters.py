@@ -100,8 +100,6 @@ def _table(
 def correlation(covariance: FloatArray) -> FloatArray:
     """Correlation of a covariance; nan where a deviation is 0 or not known.
 
-    Examples
-    --------
     >>> correlation(np.array([[4.0, 3.0], [3.0, 9.0]])).tolist()
     [[1.0, 0.5], [0.5, 1.0]]
     """

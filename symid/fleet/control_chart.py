@@ -243,8 +243,6 @@ def _segmented(
 def slope_penalty(runs: int) -> float:
     """Penalty of a slope in the criterion: a chi-square of one in a hundred, and more for long series.
 
-    Examples
-    --------
     >>> round(slope_penalty(100), 1)
     11.2
     """

@@ -19,8 +19,6 @@ from symid.fleet.row import FACTORS
 def packed(found: LogFactors) -> str:
     """Factors as text: all numbers, little-endian, in base 64.
 
-    Examples
-    --------
     >>> factor = TriangularFactor.empty(1).update(np.array([[3.0], [4.0]]), np.array([3.0, 4.0]))
     >>> text = packed(LogFactors("a", (factor,), np.eye(1)))
     >>> len(text), unpacked("a", text).factors[0].rows

@@ -26,8 +26,6 @@ def table_of(
 
     Columns of a diagnosis, or of triangular factors for a joint estimate, are added if asked for.
 
-    Examples
-    --------
     >>> table_of([{"log": "a.csv", "M": 5.0}], ["M"], False).select("log", "M", "status").row(0)
     ('a.csv', 5.0, None)
     """

@@ -77,8 +77,6 @@ def read_results(file: str | Path) -> pl.DataFrame:
 def with_safe_cells(table: pl.DataFrame) -> pl.DataFrame:
     """The table with an apostrophe before texts that a spreadsheet would take for formulas; `read_results` drops it.
 
-    Examples
-    --------
     >>> with_safe_cells(pl.DataFrame({"log": ["=1+1.csv", "-2.csv", "a.csv"]}))["log"].to_list()
     ["'=1+1.csv", "'-2.csv", 'a.csv']
     """
@@ -119,8 +117,6 @@ def checked_results(table: pl.DataFrame) -> pl.DataFrame:
 def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
     """Parameters in a table: columns that have a column of standard deviations beside them.
 
-    Examples
-    --------
     >>> parameter_names(pl.DataFrame({"log": ["a"], "M": [1.0], "M_std": [0.1], "seconds": [2.0]}))
     ('M',)
     """
@@ -131,8 +127,6 @@ def parameter_names(table: pl.DataFrame) -> tuple[str, ...]:
 def groups(table: pl.DataFrame, by_folder: bool = False) -> tuple[Group, ...]:
     """Rows by axis, apart for each set of sensors; also by folder of logs, where that identifies the machine.
 
-    Examples
-    --------
     >>> table = pl.DataFrame({"log": ["x/1.csv", "y/1.csv"], "axis": ["emps"] * 2, "status": ["ok"] * 2})
     >>> [group.name for group in groups(table, by_folder=True)]
     ['emps in x', 'emps in y']
@@ -175,8 +169,6 @@ def _sensors(table: pl.DataFrame) -> pl.Expr:
 def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
     """A column as numbers; nan where a value is missing or its square is not finite.
 
-    Examples
-    --------
     >>> numbers(pl.DataFrame({"M": [1.0, None]}), "M").tolist()
     [1.0, nan]
     """
@@ -189,8 +181,6 @@ def numbers(rows: pl.DataFrame, column: str) -> FloatArray:
 def moments(rows: pl.DataFrame) -> Sequence[datetime] | None:
     """When each log was recorded, in UTC; None if that is not known of every row, or all are of one moment.
 
-    Examples
-    --------
     >>> moments(pl.DataFrame({"recorded": ["2026-03-01T06:00:00Z"]}))[0].isoformat()
     '2026-03-01T06:00:00+00:00'
     """
@@ -227,8 +217,6 @@ class EffectCount:
 def count_effects(found: Iterable[tuple[str, object, object]]) -> tuple[EffectCount, ...]:
     """Effects over the fleet, the most frequent first, from axis, effect (or none) and place of each log.
 
-    Examples
-    --------
     >>> count_effects([("emps", "backlash", "load"), ("rig", None, None), ("emps", "backlash", "load")])
     (EffectCount(effect='backlash', at='load', logs=2, axes={'emps': 2}),)
     """

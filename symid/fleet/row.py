@@ -53,8 +53,6 @@ TEXT_COLUMNS = tuple(n for n, kind in {**BEFORE, **AFTER, **DIAGNOSIS, FACTORS: 
 def finite(value: Any) -> Value:
     """A number as rows hold it: None for nan, infinity and a missing value.
 
-    Examples
-    --------
     >>> finite(float("nan")), finite(2)
     (None, 2.0)
     """
@@ -67,8 +65,6 @@ def finite(value: Any) -> Value:
 def with_deviations(values: Mapping[str, float], deviations: FloatArray) -> dict[str, Value]:
     """Columns of parameters and of their standard deviations.
 
-    Examples
-    --------
     >>> with_deviations({"M": 5.0}, [0.1])
     {'M': 5.0, 'M_std': 0.1}
     """

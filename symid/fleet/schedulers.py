@@ -46,8 +46,6 @@ class Processes:
     One job works in this very process, which then shares the fate of a log that kills it. A process that takes longer
     than `seconds` for a task is ended as if the task had killed it.
 
-    Examples
-    --------
     >>> list(Processes(1).run(abs, [-1, 2]))
     [(-1, 1), (2, 2)]
     """

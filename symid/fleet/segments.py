@@ -82,8 +82,6 @@ class TrendSegment:
 class Series:
     """Values in order of time.
 
-    Examples
-    --------
     >>> Series(np.arange(3.0), np.array([1.0, 3.0, 5.0]), np.ones(3)).segment(0, 3, sloping=True).slope
     2.0
     """
@@ -166,8 +164,6 @@ class TrendChange:
 def cut(series: Series, slope_penalty: float) -> tuple[TrendSegment, ...]:
     """Segments of least cost, each slope penalised.
 
-    Examples
-    --------
     >>> time = np.arange(40.0)
     >>> values = np.where(time < 25, 1.0, 2.0) + 0.1 * np.random.default_rng(0).standard_normal(40)
     >>> series = Series(time, values, np.full(40, 100.0))

@@ -110,8 +110,6 @@ class SpreadVerdict:
 def robust_deviation(values: FloatArray) -> float:
     """Standard deviation of normal values from their median absolute deviation, which stray values do not move.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> round(robust_deviation(np.array([1.0, 2.0, 3.0, 1000.0])), 2)
     1.48
@@ -179,8 +177,6 @@ def spread_between(values: npt.ArrayLike, deviations: npt.ArrayLike) -> Spread:
 def generalised_statistic(x: FloatArray, variance: FloatArray, between: float) -> float:
     """Q of values with the variances that their intervals promise, at a variance between runs.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> generalised_statistic(np.array([0.0, 2.0]), np.ones(2), 1.0)
     1.0
@@ -193,8 +189,6 @@ def generalised_statistic(x: FloatArray, variance: FloatArray, between: float) -
 def variance_at(x: FloatArray, variance: FloatArray, target: float) -> float:
     """Variance between runs at which Q is the target; 0 where Q is below it without any.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> round(variance_at(np.array([0.0, 2.0]), np.ones(2), 1.0), 9)
     1.0
@@ -206,8 +200,6 @@ def variance_at(x: FloatArray, variance: FloatArray, target: float) -> float:
 def variance_where_zero(excess: Callable[[float], float], high: float) -> float:
     """Variance up to `high` at which a falling function of it is zero; 0 where it is nowhere positive.
 
-    Examples
-    --------
     >>> round(variance_where_zero(lambda tau2: 3.0 - tau2, 10.0), 9), variance_where_zero(lambda tau2: -1.0, 10.0)
     (3.0, 0.0)
     """

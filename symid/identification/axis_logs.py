@@ -18,8 +18,6 @@ def axis_columns(
 ) -> tuple[dict[str, Unit], Mapping[str, tuple[str, float]]]:
     """Signals and units that an axis expects of a log, and the commands from which its forces can be made.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> axis_columns(load_axis("emps"))[1]
     {'F': ('vir', 35.15065188248547)}
@@ -128,8 +126,6 @@ def measured_signals(
 def require_changing(log: AnyLog, names: Iterable[str]) -> None:
     """LogError if one of the signals that the log holds is constant; a long log was checked when it was opened.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> log = Log.from_arrays({"F": np.cos(np.arange(100.0)), "q": np.zeros(100)}, sampling_period=0.01)
     >>> try:

@@ -105,8 +105,6 @@ def take_off(model: GeneratedModel, W: FloatArray, y: FloatArray, levels: Sequen
 def direction(velocity: FloatArray) -> FloatArray:
     """Sign of a velocity, which changes once in a reversal; while the machine stands it stays what it was.
 
-    Examples
-    --------
     >>> direction(np.array([1.0, 0.001, -0.001, 0.001, -0.001, -1.0, 0.0, -0.001, -1.0])).tolist()
     [1.0, 1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0]
     """

@@ -199,8 +199,6 @@ def least_uncertain(
 def _upward(highest: float) -> list[float]:
     """Factors in steps up to the highest.
 
-    Examples
-    --------
     >>> _upward(3.0), _upward(0.9)
     ([1.6, 3.0], [])
     """

@@ -44,8 +44,6 @@ def noise_levels(model: GeneratedModel, log: AnyLog, *, forces: bool = True) -> 
     of the encoder's: it is left out. Of a log above a million samples, evenly spread excerpts are taken; forces are
     left out on demand.
 
-    Examples
-    --------
     >>> from symid.codegen import load_generated
     >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
     >>> log = Log.from_arrays({"q": 1e-6 * noise[0], "F": 3.0 * noise[1]}, sampling_period=1e-3)
@@ -90,8 +88,6 @@ def spread_excerpts(log: AnyLog, name: str) -> FloatArray:
 def noise_deviations(model: GeneratedModel, log: Log) -> dict[str, float]:
     """Standard deviation of the white noise of each signal, SI, by `noise_levels`.
 
-    Examples
-    --------
     >>> from symid.codegen import load_generated
     >>> noise = np.random.default_rng(0).standard_normal((2, 20_000))
     >>> log = Log.from_arrays({"q": 2.0 * noise[0], "F": 3.0 * noise[1]}, sampling_period=1e-3)

@@ -305,8 +305,6 @@ def _leave_out(
 def _near(flags: BoolArray, margin: int) -> BoolArray:
     """Samples with a flag among those up to `margin` before and after them.
 
-    Examples
-    --------
     >>> _near(np.array([False, True, False, False]), 1).tolist()
     [True, True, True, False]
     """

@@ -64,8 +64,6 @@ def fault_of(
 def channel_fault(x: FloatArray, name: str, criteria: Criteria = CRITERIA, *, is_force: bool = True) -> str:
     """Fault of the samples of a channel, in words; empty without one.
 
-    Examples
-    --------
     >>> x = np.sin(np.arange(4000) / 50) + 1e-6 * np.random.default_rng(0).standard_normal(4000)
     >>> channel_fault(x, "F")
     ''
@@ -144,8 +142,6 @@ def is_switched(force: FloatArray) -> bool:
 
     What rounding leaves of a small force passes 0 between both levels, and changes often.
 
-    Examples
-    --------
     >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.tile([0.0, 1.0, 0.0, -1.0], 9))
     (True, False)
     """

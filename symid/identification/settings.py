@@ -114,8 +114,6 @@ def said_declared(
 
     A force that is held acts `hold` seconds later still.
 
-    Examples
-    --------
     >>> said_declared({"q": 3e-3, "F": -1e-3}, {"q": 3e-3, "F": -2e-3})
     ('q is read 3 ms late, as the axis declares: this is taken off',)
     >>> said_declared({"F": -1e-3}, {"F": -1e-3})
@@ -144,8 +142,6 @@ def with_hold(
 ) -> dict[str, float]:
     """Seconds by which signals were recorded late; a force that is held acts half a sample after it is recorded.
 
-    Examples
-    --------
     >>> with_hold({"F": 1e-3}, "F", held=True, sampling_period=1e-3)
     {'F': 0.0005}
     """

@@ -69,8 +69,6 @@ def smoothing_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: Crit
 def updated_every(x: FloatArray) -> tuple[int, int]:
     """Samples from one update of a channel to the next, and the place of the first; 1 and 0 if all are its own.
 
-    Examples
-    --------
     >>> x = np.random.default_rng(0).standard_normal(500)
     >>> updated_every(np.repeat(x, 4)[1:]), updated_every(x)
     ((4, 3), (1, 0))
@@ -100,8 +98,6 @@ def slow_update(x: FloatArray, name: str) -> str:
 def interpolated_from(x: FloatArray) -> int:
     """Spacing of the samples between which a signal was interpolated linearly; 0 if it was not.
 
-    Examples
-    --------
     >>> x = np.random.default_rng(0).standard_normal(1000)
     >>> interpolated_from(np.interp(np.arange(4000) / 4, np.arange(1000), x)), interpolated_from(x)
     (4, 0)
@@ -123,8 +119,6 @@ def interpolated_from(x: FloatArray) -> int:
 def averaged_over(x: FloatArray) -> int:
     """Samples over which a signal was averaged; 0 if that cannot be seen.
 
-    Examples
-    --------
     >>> x = np.random.default_rng(0).standard_normal(4000)
     >>> averaged_over(np.convolve(x, np.full(21, 1 / 21), mode="valid")), averaged_over(x)
     (21, 0)

@@ -29,8 +29,6 @@ def starts(
 
     Physical parameters that are `signed` may be negative; they begin at 0.
 
-    Examples
-    --------
     >>> def forward(p):
     ...     return np.array([p[0] + p[1], p[0] / p[1], p[0] * p[1]])
     >>> first = next(starts(forward, forward(np.array([2e5, 3.0])), np.full(3, 1e-9), np.zeros(2, dtype=bool)))

@@ -130,8 +130,6 @@ class Timing:
 def _microseconds(seconds: float, digits: int) -> str:
     """Microseconds without a power of ten.
 
-    Examples
-    --------
     >>> _microseconds(-0.035, 4), _microseconds(1.23456e-4, 4)
     ('-35000', '123.5')
     """

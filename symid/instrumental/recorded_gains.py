@@ -25,8 +25,6 @@ def cascade_of_log(
     and its first three factors give the gains. They need not be exact: instruments have to resemble the motion, and
     must not hold its noise.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.simulation import chirp, plant_of, simulate
     >>> axis, values = load_axis("rigid_1m"), {"M": 5.0, "Fv": 3.0, "Fs": 0.0}

@@ -43,8 +43,6 @@ class Whitening:
     def of(cls, errors: FloatArray, order: int = _ORDER) -> Whitening:
         """Model fitted to errors of shape (n_samples, n_signals) by least squares.
 
-        Examples
-        --------
         >>> noise = np.random.default_rng(0).standard_normal((4000, 1))
         >>> errors = noise.copy()
         >>> for k in range(1, len(errors)):

@@ -32,8 +32,6 @@ class Models(NamedTuple):
 def models_of(axis: Axis, measured: Sequence[str]) -> Models:
     """Models of an axis for output error; EliminationError if it cannot be derived without the hidden laws either.
 
-    Examples
-    --------
     >>> from symid.axis import CoulombFriction, load_axis
     >>> axis = load_axis("ballscrew_2m1s")
     >>> hidden = axis.with_effect(CoulombFriction(axis.bodies[1], "Fsl"))

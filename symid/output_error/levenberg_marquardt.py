@@ -46,8 +46,6 @@ def minimise(
     central differences; no argument moves further than `longest` in one iteration. The iterations end where the sum of
     squares falls by less than `tolerance`, relatively.
 
-    Examples
-    --------
     >>> found = minimise(lambda x: np.array([x[0] - 3, x[0] * x[1] - 6]), np.ones(2), np.full(2, 1e-6))
     >>> found.x.round(6).tolist()
     [3.0, 2.0]

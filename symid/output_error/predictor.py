@@ -37,8 +37,6 @@ def predictor(plant: SampledPlant, force_noise: FloatArray, reading_noise: Float
     `force_noise` holds the standard deviations of the noise of the logged forces, then of the disturbances;
     `reading_noise` those of the readings.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.output_error.sampled_plant import sampled_plant
     >>> from symid.simulation import plant_of

@@ -86,8 +86,6 @@ def plausible(
     Masses and stiffnesses are taken together or not at all; no parameter may be negative that must not be, and no mass
     further from the rough ones than a factor of 300.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.codegen import load_generated
     >>> from symid.simulation import forward_dynamics

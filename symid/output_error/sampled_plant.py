@@ -58,8 +58,6 @@ def sampled_plant(
 
     Forces are constant in each of the parts of an interval; a disturbing force acts along each disturbed sensor.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.simulation import plant_of
     >>> plant = plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 1.0})

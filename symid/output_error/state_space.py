@@ -23,8 +23,6 @@ class StateSpace:
     def free_response(self, n_samples: int, forgotten: float = 0.0) -> FloatArray:
         """Outputs from each unit initial state, of shape (n_samples, p, n); shorter if it falls to `forgotten` before.
 
-        Examples
-        --------
         >>> system = StateSpace(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
         >>> system.free_response(4).ravel().tolist()
         [1.0, 0.5, 0.25, 0.125]
@@ -44,8 +42,6 @@ class StateSpace:
     def response(self, inputs: FloatArray, starts: Sequence[int]) -> FloatArray:
         """Outputs for inputs, one signal a column, from a zero state at each start: ascending, the first of them 0.
 
-        Examples
-        --------
         >>> system = StateSpace(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
         >>> system.response(np.array([[1.0], [0.0], [0.0], [1.0]]), [0, 2]).ravel().tolist()
         [0.0, 1.0, 0.0, 0.0]

@@ -32,8 +32,6 @@ def means_over(x: FloatArray, residual: FloatArray) -> Means:
 
     0 is an edge if the signal changes its sign.
 
-    Examples
-    --------
     >>> found = means_over(np.repeat([-1.0, 2.0], 8), np.repeat([-3.0, 4.0], 8))
     >>> found.places.tolist(), found.values.tolist(), found.doubt.tolist()
     ([-1.0, 2.0], [-3.0, 4.0], [0.0, 0.0])
@@ -51,8 +49,6 @@ def means_over(x: FloatArray, residual: FloatArray) -> Means:
 def seen_range(residual: FloatArray, *means: Means) -> tuple[float, float]:
     """Range of a residual without its rarest values, which contains all means.
 
-    Examples
-    --------
     >>> low, high = seen_range(np.array([-1.0, 1.0]), Means(np.zeros(1), np.array([4.0]), np.zeros(1)))
     >>> round(low, 3), round(high, 3)
     (-1.287, 4.297)

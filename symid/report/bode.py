@@ -46,8 +46,6 @@ def draw_bode(place: Any, response: FrequencyResponse, palette: Palette) -> None
 def correlated_pairs(covariance: FloatArray) -> list[tuple[int, int, float]]:
     """Pairs of parameters whose correlation exceeds `CORRELATED` in size, the strongest first.
 
-    Examples
-    --------
     >>> correlated_pairs(np.array([[1.0, 0.9, 0.1], [0.9, 1.0, -0.6], [0.1, -0.6, 1.0]]))
     [(0, 1, 0.9), (1, 2, -0.6)]
     """

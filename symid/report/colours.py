@@ -19,8 +19,6 @@ def in_dark(colour: str) -> str:
     Inverting maps a channel c to 0.91 - 0.82 c; turning the hue by half a circle mirrors each channel at the luminance
     Y (W3C Filter Effects, weights 0.213, 0.715, 0.072): together 0.91 + 0.82 (c - 2 Y).
 
-    Examples
-    --------
     >>> in_dark("#FFFFFF"), in_dark(MEASURED)
     ('#171717', '#4dabdf')
     """

@@ -40,8 +40,6 @@ class ReportConsole(Console):
 def plain(text: str, style: str = "") -> Text:
     r"""Text of one style, its control characters written out.
 
-    Examples
-    --------
     >>> plain("a[b]\x1b").plain
     'a[b]\\x1b'
     """

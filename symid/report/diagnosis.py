@@ -171,8 +171,6 @@ def print_diagnosis(record: dict[str, Any], console: Console | None = None) -> N
 def closed_line(gap: dict[str, Any]) -> str:
     """Closed fraction of the gap as text, with its interval.
 
-    Examples
-    --------
     >>> closed_line({"closed_fraction": 0.964, "closed_interval": [0.941, 0.978]})
     '96 % (94 to 98 %) of the way from the re-identified model to the noise floor is closed'
     >>> closed_line({"closed_fraction": float("nan"), "closed_interval": [float("nan")] * 2})
@@ -247,8 +245,6 @@ def _effects_table(record: dict[str, Any]) -> TextTable:
 def removes(removed: Mapping[str, float]) -> str:
     """Share of the gap that an effect takes away, with its interval.
 
-    Examples
-    --------
     >>> removes({"share": 0.934, "low": 0.91, "high": 0.95})
     '93 % (91 to 95 %)'
     """

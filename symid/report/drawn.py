@@ -23,8 +23,6 @@ class Drawn(Figure):
 def apart(svg: str, name: str) -> str:
     """An SVG element whose identifiers begin with a name, for a page that holds several.
 
-    Examples
-    --------
     >>> apart('<svg id="a"><use xlink:href="#a" clip-path="url(#b)"/></svg>', "fit")
     '<svg id="fit-a"><use xlink:href="#fit-a" clip-path="url(#fit-b)"/></svg>'
     """

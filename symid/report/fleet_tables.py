@@ -115,8 +115,6 @@ def change_record(change: TrendChange) -> dict[str, Any]:
 def moment(when: datetime | float) -> str:
     """A time of a run as reports write it; the number of the log where times are not known.
 
-    Examples
-    --------
     >>> moment(datetime(2026, 3, 1, 6, 30)), moment(12.0)
     ('2026-03-01 06:30', 'log 13')
     """
@@ -126,8 +124,6 @@ def moment(when: datetime | float) -> str:
 def change_sentence(change: TrendChange) -> str:
     """A change in words: parameter, time and size.
 
-    Examples
-    --------
     >>> change_sentence(TrendChange("step", 29, 29.0, 28.0, 30.0, 0.5, 0.05, (0.4, 0.6), 4.0, 4.5))
     'steps by +12.5 % (+10 to +15 %) at log 30, between log 29 and log 31'
     """

@@ -146,8 +146,6 @@ def has_response(axis: Axis, values: Mapping[str, float]) -> bool:
 def degrees_of(response: ComplexArray) -> FloatArray:
     """Phase in degrees; nan where it jumps by a turn, which breaks a line there.
 
-    Examples
-    --------
     >>> degrees_of(np.array([1j, -1.0 + 0.1j, -1.0 - 0.1j])).round().tolist()
     [90.0, 174.0, nan]
     """
@@ -161,8 +159,6 @@ def identified_response(
 ) -> ComplexArray:
     """Response of a derivative of a sensor's displacement to the drive force, r s^k (M s^2 + C s + K)^-1 B.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> values = {"M": 2.0, "Fv": 0.0, "Fs": 1.0}
     >>> abs(identified_response(load_axis("rigid_1m"), values, "q", np.array([1 / (2 * np.pi)]), 1)).tolist()

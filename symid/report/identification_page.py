@@ -64,8 +64,6 @@ def write_identification_html(
 def fit_percent(y: FloatArray, predicted: FloatArray) -> float:
     """Fit of a prediction, 100 (1 - |y - predicted| / |y - mean y|), %: 100 where it is exact, 0 of the mean.
 
-    Examples
-    --------
     >>> fit_percent(np.array([0.0, 2.0]), np.array([0.5, 1.5]))
     50.0
     """

@@ -148,8 +148,6 @@ def envelope(values: FloatArray, most: int) -> FloatArray:
     Two values for each bundle, at the places of `envelope_places`, nan where the whole bundle is nan; a curve of at
     most `most` points stays as it is.
 
-    Examples
-    --------
     >>> envelope(np.array([0.0, 9.0, 1.0, 2.0, -5.0, 3.0, 4.0, 5.0]), most=4).tolist()
     [0.0, 9.0, -5.0, 5.0]
     """
@@ -169,8 +167,6 @@ def envelope(values: FloatArray, most: int) -> FloatArray:
 def envelope_places(places: FloatArray, most: int) -> FloatArray:
     """Places of the points of an envelope: beginning and middle of each bundle, the same for all curves.
 
-    Examples
-    --------
     >>> envelope_places(np.arange(8.0), most=4).tolist()
     [0.0, 2.0, 4.0, 6.0]
     """

@@ -38,8 +38,6 @@ def _cells(error: dict[str, Any]) -> tuple[str, ...]:
 def _fit(per_cent: float) -> str:
     """A fit in per cent, near 100 with the digits that distinguish it from 100.
 
-    Examples
-    --------
     >>> _fit(99.99312), _fit(96.64), _fit(-31.2), _fit(100.0), _fit(float("nan"))
     ('99.9931 %', '96.6 %', '-31.2 %', '100 %', '–')
     """

@@ -12,8 +12,6 @@ _LARGE = 3.0
 def significant(value: float, digits: int = 4) -> str:
     """A number with its significant digits.
 
-    Examples
-    --------
     >>> significant(3.14159), significant(float("nan"))
     ('3.142', '–')
     """
@@ -23,8 +21,6 @@ def significant(value: float, digits: int = 4) -> str:
 def with_deviation(value: float, deviation: float) -> str:
     """A value with the digits that its standard deviation leaves, and the deviation to two digits.
 
-    Examples
-    --------
     >>> with_deviation(88.6143, 0.123), with_deviation(22140.0, 614.2), with_deviation(3.0, float("nan"))
     ('88.61 ± 0.12', '22140 ± 614', '3')
     >>> with_deviation(1.00034e9, 2.1e6), with_deviation(6.1e-4, 2.3e-5)
@@ -53,8 +49,6 @@ def with_deviation(value: float, deviation: float) -> str:
 def multiple(value: float) -> str:
     """Multiples of the noise floor.
 
-    Examples
-    --------
     >>> multiple(1.0423), multiple(12.34), multiple(1244.2), multiple(float("inf"))
     ('1.04 ×', '12.3 ×', '1244 ×', '–')
     """
@@ -66,8 +60,6 @@ def multiple(value: float) -> str:
 def times(value: float, floor: float) -> str:
     """An error in multiples of a noise floor.
 
-    Examples
-    --------
     >>> times(6.0, 2.0), times(6.0, 0.0)
     ('3 ×', '–')
     """
@@ -77,8 +69,6 @@ def times(value: float, floor: float) -> str:
 def percent(value: float, digits: int = 3) -> str:
     """A share as a percentage.
 
-    Examples
-    --------
     >>> percent(0.0483), percent(0.97), percent(float("nan"))
     ('4.83 %', '97 %', '–')
     """
@@ -88,8 +78,6 @@ def percent(value: float, digits: int = 3) -> str:
 def share(value: float) -> str:
     """A share in whole percent.
 
-    Examples
-    --------
     >>> share(0.624), share(0.002), share(0.0)
     ('62 %', '< 1 %', '0 %')
     """
@@ -101,8 +89,6 @@ def share(value: float) -> str:
 def probability(value: float) -> str:
     """A probability, never rounded to certainty.
 
-    Examples
-    --------
     >>> probability(0.934), probability(0.99999), probability(1e-9), probability(0.0)
     ('0.93', '> 0.999', '< 0.001', '0')
     """
@@ -118,8 +104,6 @@ def probability(value: float) -> str:
 def change(value: float, reference: float) -> str:
     """Change against a reference, in percent of it; as a factor where it is large.
 
-    Examples
-    --------
     >>> change(88.6, 90.0), change(0.5, 20.0), change(3.0, 0.5), change(1.0, float("nan"))
     ('-1.56 %', '-97.5 %', '× 6', '–')
     """
@@ -132,8 +116,6 @@ def change(value: float, reference: float) -> str:
 def band(low: float, high: float) -> str:
     """A frequency band; an end that is not finite is open.
 
-    Examples
-    --------
     >>> band(0.5, 12.25), band(float("nan"), 8.0), band(40.0, float("inf"))
     ('0.5–12.2 Hz', 'below 8 Hz', 'above 40 Hz')
     """
@@ -147,8 +129,6 @@ def band(low: float, high: float) -> str:
 def words(name: str) -> str:
     """The name of an effect as words.
 
-    Examples
-    --------
     >>> words("load_dependent_friction")
     'load dependent friction'
     """
@@ -158,8 +138,6 @@ def words(name: str) -> str:
 def capitalize_first(text: str) -> str:
     """A sentence with a capital first letter; names within it keep their letters.
 
-    Examples
-    --------
     >>> capitalize_first("within noise of Fs")
     'Within noise of Fs'
     """

@@ -29,8 +29,6 @@ _MINIMAL = re.compile(r"X\d+")
 def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
     """Each signal of a log over time, SI.
 
-    Examples
-    --------
     >>> log = Log.from_arrays({"q": [0.0, 0.1], "F": [1.0, 2.0]}, sampling_period=0.5)
     >>> [axes.get_ylabel() for axes in log_figure(log).axes]
     ['q', 'F']

@@ -43,8 +43,6 @@ def correlation(residual: FloatArray, other: FloatArray, used: BoolArray, lags: 
 
     Their means over the rows used are taken off. Lags are in rows, shorter than the log.
 
-    Examples
-    --------
     >>> x = np.random.default_rng(0).standard_normal(2000)
     >>> found = correlation(x, x, np.ones(2000, bool), range(0, 21))
     >>> float(found.value[0]), found.outside

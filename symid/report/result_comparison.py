@@ -42,8 +42,6 @@ class Values:
 def values_of(record: object, source: str) -> Values:
     """Parameters in the JSON of `symid identify`, `symid diagnose` or a user; SettingError if it holds none.
 
-    Examples
-    --------
     >>> values_of({"M": 5.0, "Fv": {"value": 1.0, "std": 0.1}}, "P.json").deviations["Fv"]
     0.1
     """

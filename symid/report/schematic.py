@@ -66,8 +66,6 @@ def schematic_svg(axis: Axis, palette: Palette = LIGHT) -> str:
 def schematic(axis: Axis, palette: Palette = LIGHT) -> Drawn:
     """The schematic of an axis as a figure; each sign has the name of its element as group id.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> (axes,) = schematic(load_axis("rigid_1m")).axes
     >>> [text.get_text() for text in axes.texts if text.get_text()]

@@ -73,8 +73,6 @@ _TICKS = 6
 class Scale:
     """Scale of bars up to a multiple of the noise floor: linear up to 25, logarithmic from half of that on.
 
-    Examples
-    --------
     >>> Scale(10.0).percent(5.0), Scale(5000.0).logarithmic, Scale(5000.0).percent(50.0)
     (50.0, True, 50.0)
     >>> Scale(10.0).ticks, Scale(1244.0).ticks

@@ -24,8 +24,6 @@ class ThroughDrive(Controller):
     A force is held from sample to sample; of a force that changes in between, by a lag or a delay of no whole number of
     samples, the mean acts.
 
-    Examples
-    --------
     >>> from symid.simulation.controller import OpenLoop
     >>> late = ThroughDrive(OpenLoop(np.array([0.0, 4.0, 4.0])), (ActuatorDelay(0.25),), np.zeros(3), 1.0)
     >>> state, acting = late.start, []

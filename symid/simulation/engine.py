@@ -168,8 +168,6 @@ def _value(series: FloatArray, time: float) -> FloatArray:
 def _first_zero(series: FloatArray, end: float) -> float:
     """Where a polynomial that is negative at `end` falls to zero, by Newton's method within bounds.
 
-    Examples
-    --------
     >>> _first_zero(np.array([1.0, 0.0, -4.0]), 1.0), _first_zero(np.array([0.0, -1.0]), 1.0)
     (0.5, 0.0)
     """

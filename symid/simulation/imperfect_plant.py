@@ -62,8 +62,6 @@ class Dahl:
 
     `state` is z at the displacement `place` of the last update.
 
-    Examples
-    --------
     >>> friction = Dahl(np.ones(1), 1.0)
     >>> for place in (1.0, 2.0, 1.0):
     ...     friction.settle(place)
@@ -174,8 +172,6 @@ def direction_of(axis: Axis, joint: Joint, bodies: Sequence[str]) -> FloatArray:
 
     A free body that the plant lacks has no mass: springs alone may act on it.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> axis = load_axis("direct_2m1s")
     >>> direction_of(axis, axis.bodies[1], [body.name for body in axis.bodies]).tolist()

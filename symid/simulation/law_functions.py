@@ -16,8 +16,6 @@ from symid.codegen.lowering import code
 def law_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
     """Law expression in q, v and further `numbers` as a function of two numbers and these.
 
-    Examples
-    --------
     >>> law_function(sp.sympify("v*q"))(2.0, 3.0)
     6.0
     >>> law_function(sp.sympify("v/speed"), ("speed",))(0.0, 1.0, 0.5)
@@ -30,8 +28,6 @@ def law_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable
 def array_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable[..., FloatArray]:
     """Law expression in q and v as a function of two arrays; `numbers` as in `law_function`.
 
-    Examples
-    --------
     >>> array_function(sp.sympify("v*q"))(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
     [6.0, 4.0]
     """
@@ -49,8 +45,6 @@ class Scalar:
 
     All others come from NumPy.
 
-    Examples
-    --------
     >>> np_ = Scalar()
     >>> np_.sign(-2.0), np_.heaviside(0.0, 0.5), np_.exp(1e3), float(np_.sqrt(4.0))
     (-1.0, 0.5, inf, 2.0)

@@ -103,8 +103,6 @@ def law_force(law: JointLaw, sign: float, q: float, v: float) -> float:
 class StickSlipModes:
     """All modes of a plant, each made when first met.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.simulation.forward_dynamics import plant_of
     >>> modes = StickSlipModes(plant_of(load_axis("rigid_1m"), {"M": 2.0, "Fv": 0.0, "Fs": 4.0}))

@@ -36,8 +36,6 @@ class Program:
 def program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
     """The program of an expression of the law language in symbols named as the arguments; SymidError for any other.
 
-    Examples
-    --------
     >>> from symid.simulation.evaluation import evaluate
     >>> short = program(sp.sympify("v*abs(q)/2"), ("q", "v"))
     >>> evaluate(short.operations, short.operands, np.array([-3.0, 4.0]), np.zeros(short.depth))

@@ -18,8 +18,6 @@ _WHOLE: Final = 1e-9  # a duration this close to whole sampling periods, relativ
 def positive(value: float, what: str, unit: str) -> float:
     """The value itself, as a float; SettingError if it is not positive and finite.
 
-    Examples
-    --------
     >>> positive(2, "dwell", "s")
     2.0
     """
@@ -33,8 +31,6 @@ def intervals(seconds: float, sampling_period: float, what: str) -> int:
 
     SettingError if that is impossible, or the samples are more than `MOST_SAMPLES`; `what` names the duration in it.
 
-    Examples
-    --------
     >>> intervals(0.3, 0.1, "dwell"), intervals(0.31, 0.1, "dwell")
     (3, 4)
     """
@@ -58,8 +54,6 @@ def envelope(
     The flanks, of `n_fade` of all `n_intervals`, are polynomials of degree 7 whose first three derivatives vanish at
     both ends, so that a faded motion begins and ends at rest with neither velocity, acceleration nor jerk.
 
-    Examples
-    --------
     >>> value, slope, bend = envelope(8, 4, 0.5)
     >>> value.tolist()[:5], slope.tolist()[2], bend.tolist()[2]
     ([0.0, 0.070556640625, 0.5, 0.929443359375, 1.0], 1.09375, 0.0)

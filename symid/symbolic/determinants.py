@@ -26,8 +26,6 @@ class TooLargeError(Exception):
 class Minors:
     """Minors of a matrix, from its non-zero entries by row and column, and the 1 of their ring.
 
-    Examples
-    --------
     >>> from sympy import QQ
     >>> from sympy.polys.rings import PolyRing
     >>> ring = PolyRing(("x", "y"), QQ)
@@ -80,8 +78,6 @@ class Minors:
 def connected(rows: Mapping[K, Collection[C]], columns: Sequence[C]) -> list[tuple[list[K], list[C]]]:
     """Groups of rows that share columns, with these columns, both in the given order.
 
-    Examples
-    --------
     >>> connected({"a": [1], "b": [2], "c": [3, 1]}, [1, 2, 3])
     [(['b'], [2]), (['a', 'c'], [1, 3])]
     """

@@ -51,8 +51,6 @@ class InputOutputModel:
 def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOutputModel:
     """Eliminate every displacement that the sensors do not measure.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.symbolic.lagrange import inverse_dynamics
     >>> axis = load_axis("direct_2m1s")

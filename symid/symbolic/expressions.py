@@ -47,8 +47,6 @@ def parameter_symbol(name: str) -> sp.Symbol:
 def exact(value: float) -> sp.Rational:
     """A known number as it was written: 0.35 is 7/20, not the nearest binary fraction.
 
-    Examples
-    --------
     >>> exact(0.35), exact(12)
     (7/20, 12)
     """
@@ -59,8 +57,6 @@ def exact(value: float) -> sp.Rational:
 def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
     """Expression of a law's term in q, v and the names of shape parameters.
 
-    Examples
-    --------
     >>> law_expression("v*positive(v)").free_symbols
     {v}
     """
@@ -79,8 +75,6 @@ def law_expression(text: str, numbers: tuple[str, ...] = ()) -> sp.Expr:
 def imperfection_law(element: Imperfection) -> sp.Expr:
     """Formula of an imperfection in q, v, `FORCE`, `READING`, `TIME` and `MEMORY`.
 
-    Examples
-    --------
     >>> from symid.axis import ForceLimit
     >>> imperfection_law(ForceLimit(25.0))
     Min(25.0, Max(-25.0, F))
@@ -97,8 +91,6 @@ def misread(axis: Axis, signal: str) -> sp.Expr | None:
 def imperfection_rate(element: Imperfection) -> sp.Expr:
     """Time derivative of its memory, in the same symbols.
 
-    Examples
-    --------
     >>> from symid.axis import ActuatorLag
     >>> imperfection_rate(ActuatorLag(0.5))
     2.0*F - 2.0*z

@@ -53,8 +53,6 @@ class ForwardTerms:
 def forward_terms(axis: Axis) -> ForwardTerms:
     """Terms of the forward dynamics of an axis.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> terms = forward_terms(load_axis("rigid_1m"))
     >>> terms.mass, terms.laws[0].parameter, terms.laws[0].expression

@@ -155,8 +155,6 @@ class Kinematics:
 def inverse_dynamics(axis: Axis) -> InverseDynamicModel:
     """Lagrange's equations of an axis: the paper's [3] and [4], for any axis.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> print(inverse_dynamics(load_axis("rigid_1m")).equations[0])
     Eq(F, Fs*sign(q_motor_d1) + Fv*q_motor_d1 + M*q_motor_d2)

@@ -85,8 +85,6 @@ class _Row:
 def minimise(model: InputOutputModel) -> MinimalModel:
     """Minimal parameters and regressor of the eliminated equations.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> from symid.symbolic.elimination import eliminate
     >>> from symid.symbolic.lagrange import inverse_dynamics

@@ -63,8 +63,6 @@ class ParameterMap:
 def parameter_map(model: MinimalModel) -> ParameterMap:
     """Parameter map of a minimal model.
 
-    Examples
-    --------
     >>> from symid.symbolic.pipeline import derive
     >>> from symid.axis import load_axis
     >>> parameter_map(derive(load_axis("direct_2m1s"), ("q2",)).minimal).inverse[0]["Mm"]

@@ -23,8 +23,6 @@ _WORTH_A_COPY = 500
 def times(first: PolyElement, second: PolyElement) -> PolyElement:
     """Product of two polynomials of one ring.
 
-    Examples
-    --------
     >>> ring = PolyRing(("x", "y"), QQ)
     >>> x, y = ring.gens
     >>> times((x + y) ** 40, x - y) == (x + y) ** 40 * (x - y)
@@ -38,8 +36,6 @@ def times(first: PolyElement, second: PolyElement) -> PolyElement:
 def quotient(polynomial: PolyElement, divisor: PolyElement) -> PolyElement:
     """Quotient of a polynomial by one that divides it.
 
-    Examples
-    --------
     >>> ring = PolyRing(("x", "y"), QQ)
     >>> x, y = ring.gens
     >>> quotient((x + y) ** 3, x + y) == (x + y) ** 2
@@ -53,8 +49,6 @@ def quotient(polynomial: PolyElement, divisor: PolyElement) -> PolyElement:
 def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElement | None:
     """Quotient of a polynomial by another, None where that does not divide it.
 
-    Examples
-    --------
     >>> x, y = PolyRing(("x", "y"), QQ).gens
     >>> quotient_if_whole(x * y + x, y + 1), quotient_if_whole(x, y + 1)
     (x, None)
@@ -78,8 +72,6 @@ def quotient_if_whole(polynomial: PolyElement, divisor: PolyElement) -> PolyElem
 def common_divisor(polynomials: Sequence[PolyElement]) -> PolyElement:
     """Greatest common divisor of some polynomials, at least one.
 
-    Examples
-    --------
     >>> ring = PolyRing(("x", "y"), QQ)
     >>> x, y = ring.gens
     >>> common_divisor([x**2 - y**2, (x + y) ** 2]).monic()

@@ -19,8 +19,6 @@ class SpanRow(NamedTuple):
 class Span:
     """The space spanned by the vectors added so far, with every member's coordinates in them.
 
-    Examples
-    --------
     >>> from sympy import QQ
     >>> span = Span()
     >>> span.add({"a": QQ(1), "b": QQ(1)}), span.add({"b": QQ(2)}), span.add({"a": QQ(1)})

@@ -58,8 +58,6 @@ def triangular_solution(
     The exact field of the polynomials holds the right-hand sides. A `simple` solution has only linear steps whose
     leading coefficient is a monomial: these neither lose nor invent solutions.
 
-    Examples
-    --------
     >>> from sympy import QQ
     >>> from sympy.polys.rings import PolyRing
     >>> x, y = PolyRing(("x", "y"), QQ).gens

@@ -58,8 +58,6 @@ class BoundSearch:
 def largest(errors: Errors) -> float:
     """Largest magnitude among the errors that are determined; inf if none is.
 
-    Examples
-    --------
     >>> largest({"M": -2.0, "Fv": 1.0, "Fs": float("nan")})
     2.0
     """

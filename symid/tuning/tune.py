@@ -102,8 +102,6 @@ def distortion_db(differences: int) -> float:
 
     The paper takes 0.08 dB for 4 differences and 0.045 dB for 2, which makes 0.01 + 0.0175 m.
 
-    Examples
-    --------
     >>> [round(distortion_db(m), 4) for m in (2, 3, 4)]
     [0.045, 0.0625, 0.08]
     """

@@ -38,8 +38,6 @@ def axis_of(given: AnyAxis) -> Axis:
 def of_any_axis(function: Callable[Concatenate[Axis, P], R]) -> Callable[Concatenate[AnyAxis, P], R]:
     """A function of a declared axis as one that takes it by name, path or model too.
 
-    Examples
-    --------
     >>> of_any_axis(lambda axis: axis.drives[0].signal)("rigid_1m")
     'F'
     """

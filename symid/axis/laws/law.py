@@ -187,8 +187,6 @@ def is_finite(value: object) -> bool:
 def written(number: float) -> str:
     """A number as text for an expression, the same for 1, 1.0 and a NumPy number; anything else as it is.
 
-    Examples
-    --------
     >>> written(1), written(0.02), written("wide")
     ('1.0', '0.02', "'wide'")
     """

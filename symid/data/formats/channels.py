@@ -38,8 +38,6 @@ class Channel:
 def vector(array: npt.NDArray[Any]) -> FloatArray | str:
     """An array as a column of numbers, moments as seconds from the first, or a sentence on what it holds.
 
-    Examples
-    --------
     >>> vector(np.array([[1, 2, 3]])).tolist(), vector(np.eye(2))[:24]
     ([1.0, 2.0, 3.0], 'is an array of 2 x 2 whe')
     """
@@ -59,8 +57,6 @@ def vector(array: npt.NDArray[Any]) -> FloatArray | str:
 def table_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Table:
     """Arrays of numbers by name as a table; single values and texts are left out, a matrix is its columns.
 
-    Examples
-    --------
     >>> table_of_arrays({"t": np.arange(9), "data": np.zeros((9, 2)), "gain": np.array(2.0)}).headers
     ('t', 'data(:,1)', 'data(:,2)')
     """
@@ -104,8 +100,6 @@ def table_of_channels(channels: Sequence[Channel]) -> Table:
 def short_names(paths: Sequence[tuple[str, ...]]) -> list[str]:
     """The last parts of paths where they differ, and whole paths with points where they do not.
 
-    Examples
-    --------
     >>> short_names([("run", "t"), ("a", "q"), ("b", "q")])
     ['t', 'a.q', 'b.q']
     """

@@ -90,8 +90,6 @@ def table_of_messages(messages: Iterable[tuple[str, int, object]]) -> Table:
     otherwise by its recording. Elements of arrays are named by the names that stand beside them, as in ``JointState``,
     or by their numbers.
 
-    Examples
-    --------
     >>> joints = {"name": ["x", "y"], "position": [0.1, 0.2]}
     >>> table_of_messages([("/joints", 5, joints), ("/joints", 7, joints)]).headers
     ('joints.x.position', 'joints.y.position', 't')

@@ -126,8 +126,6 @@ def with_parts(placed: Iterable[Placed]) -> tuple[Placed, ...]:
 def dahl_state(q: FloatArray, reach: float) -> FloatArray:
     """State of Dahl's model for a course of displacements, from 0; exact where the motion between points is monotone.
 
-    Examples
-    --------
     >>> dahl_state(np.array([0.0, 1.0, 2.0, 1.0]), 1.0).round(3).tolist()
     [0.0, 0.632, 0.865, -0.314]
     """

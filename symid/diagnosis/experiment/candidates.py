@@ -61,8 +61,6 @@ class Envelope:
 def candidate_motions(envelope: Envelope) -> list[Trajectory]:
     """Motions within a envelope, each named after what it does; those that do not fit are left out.
 
-    Examples
-    --------
     >>> limits = Limits((0.0, 0.3), speed=0.5, acceleration=4.0, jerk=80.0)
     >>> found = candidate_motions(Envelope(limits, seconds=4.0, highest_hz=50.0, sampling_period=1e-3, unit="m"))
     >>> found[0].name

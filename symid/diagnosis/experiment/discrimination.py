@@ -163,8 +163,6 @@ class Separation:
     def probability(self) -> float:
         """That the right one is the likelier.
 
-        Examples
-        --------
         Predictions two deviations apart, of which one is exact.
 
         >>> round(Separation(gain=2.0, distance=2.0).probability, 4)

@@ -38,8 +38,6 @@ def repetition(motion: FloatArray, error: FloatArray, kept: BoolArray) -> Repeti
 
     Position and error at evenly spaced rows, of shape (n,); the error counts at the `kept` ones.
 
-    Examples
-    --------
     >>> t = np.arange(4000) / 1000
     >>> new = np.random.default_rng(1).standard_normal(t.size)
     >>> found = repetition(np.sin(2 * np.pi * t), 5 * np.cos(6 * np.pi * t) + new, np.ones(t.size, dtype=bool))

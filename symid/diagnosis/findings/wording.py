@@ -33,8 +33,6 @@ _ADVICE |= {
 def spoken(effect: str, at: str = "") -> str:
     """An effect, at its place if one is given, as one says it.
 
-    Examples
-    --------
     >>> spoken("stribeck_friction", "motor")
     'stribeck friction at motor'
     """

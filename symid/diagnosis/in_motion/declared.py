@@ -80,8 +80,6 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
 def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:
     """A sentence for each inertia and stiffness that is not positive: a log that does not fix them lets them go there.
 
-    Examples
-    --------
     >>> from symid.axis import load_axis
     >>> impossible_values(load_axis("rigid_1m"), {"M": -2.0, "Fv": 1.0, "Fs": 1.0})
     ('M = -2 is impossible for a real axis: these logs do not fix it, and the axis may run away in simulation',)

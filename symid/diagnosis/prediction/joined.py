@@ -34,8 +34,6 @@ class Joined:
 def joined(logs: Sequence[Log]) -> Joined:
     """Logs one after the other, with the signals that all of them have.
 
-    Examples
-    --------
     >>> one = Log.from_arrays({"q": np.zeros(100)}, sampling_period=0.01)
     >>> both = joined([one, one])
     >>> both.log.n_samples, int(both.recorded.sum())

@@ -31,8 +31,6 @@ def quantisation_lines(
     `motion` is the part of the reading in the band of the motion; `noise` the standard deviation of white noise with
     the density of the reading beyond it.
 
-    Examples
-    --------
     >>> t = np.arange(8000) / 1000
     >>> path = 0.3 * t  # 30 steps a second
     >>> lines = quantisation_lines(0.01, path, 1000.0, 1e-4, np.array([30.0, 45.0]))
@@ -59,8 +57,6 @@ def rounding_error(x: FloatArray) -> FloatArray | None:
     Between two changes of the reading the motion passes from half a step before to half a step after, evenly. Where the
     reading changes at every sample, all errors are as likely.
 
-    Examples
-    --------
     >>> path = 0.2 * np.sin(np.arange(4000) / 300)
     >>> error = rounding_error(np.round(path / 0.001) * 0.001)
     >>> bool(abs(error.std() * 12**0.5 / 0.001 - 1.0) < 0.2), rounding_error(path) is None

@@ -34,8 +34,6 @@ class Recovered:
 def recovered(axis: Axis, logs: Sequence[Log]) -> Recovered:
     """Logs of one machine without lost samples, at the rate of their slowest sensor.
 
-    Examples
-    --------
     >>> from symid import load_axis
     >>> t = np.arange(4000) / 4000
     >>> slow = {"F": np.sin(20 * t), "q": np.repeat(np.sin(20 * t[::4]), 4)}

@@ -16,8 +16,6 @@ _AROUND = 0.05
 def near(turns: BoolArray, rate: float) -> BoolArray:
     """Samples within some time of those at which the axis turns or stands; `rate` in Hz.
 
-    Examples
-    --------
     >>> near(np.array([True, False, False, False]), 20.0).tolist()
     [True, True, False, False]
     """

@@ -25,8 +25,6 @@ _LEVELS = ("coulomb_friction", "stribeck_friction", "position_dependent_friction
 def temperature(best: float) -> float:
     """Temperature by which gains in log-likelihood are divided, from that of the best candidate.
 
-    Examples
-    --------
     >>> temperature(1000.0)
     7.0
     """
