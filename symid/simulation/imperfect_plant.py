@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.axis import (
     Axis,
     CoulombFriction,
     Imperfection,
-    Joint,
     JointImperfection,
     PayloadChange,
     PreslidingFriction,
 )
-from symid.errors import SettingError
 from symid.simulation.forward_dynamics import plant_of
 from symid.simulation.law_functions import array_function, law_function
-from symid.simulation.plant import JointLaw, Plant, ScaledLaw
+from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
 from symid.symbolic.expressions import imperfection_law, misread
-from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import carriers, relative_to_absolute
 
 _FINE, _MOST_STEPS = 0.5, 50
 """Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
@@ -91,7 +86,7 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     plant, added = plant_of(axis, values), []
     for element in axis.elements:
         if isinstance(element, JointImperfection):
-            direction = direction_of(axis, element.at, plant.bodies)
+            direction = direction_of(element.at, plant.bodies)
             added.append((direction, _law(axis, element, direction, values, moment)))
     found = [(0.0, _with_laws(plant, added))]
     for change in sorted(changes, key=lambda change: change.time):
@@ -148,7 +143,7 @@ def steps_for(axis: Axis, plant: Plant, parameters: Mapping[str, float], period:
     most = 1.0
     for element in axis.elements:
         if isinstance(element, PreslidingFriction):
-            direction = direction_of(axis, element.at, plant.bodies)
+            direction = direction_of(element.at, plant.bodies)
             mobility = float(direction @ np.linalg.solve(plant.mass, direction))
             stiffness = 2.0 * presliding_level(axis, element, parameters) / element.reach
             most = max(most, period * math.sqrt(max(stiffness * mobility, 0.0)) / _FINE)
@@ -165,27 +160,3 @@ def _with_laws(plant: Plant, added: list[tuple[FloatArray, ScaledLaw]]) -> Plant
             JointLaw(laws[same].direction if terms else direction, (*terms, term), timed=True)
         ]
     return replace(plant, laws=tuple(laws))
-
-
-def direction_of(axis: Axis, joint: Joint, bodies: Sequence[str]) -> FloatArray:
-    """Row whose product with the absolute displacements of a plant's bodies is the displacement in a joint.
-
-    A free body that the plant lacks has no mass: springs alone may act on it.
-
-    >>> from symid.axis import load_axis
-    >>> axis = load_axis("direct_2m1s")
-    >>> direction_of(axis, axis.bodies[1], [body.name for body in axis.bodies]).tolist()
-    [-1.0, 1.0]
-    """
-    kinematics, free = Kinematics(axis), axis.free_bodies
-    displacement = kinematics.displacement(joint)
-    numbers = {sp.Symbol(name): value for name, value in kinematics.constants.items()}
-    shares = {body.name: displacement.coeff(kinematics.symbol(body)).xreplace(numbers) for body in free}
-    row = relative_to_absolute(
-        {name: float(share) for name, share in shares.items() if share}, carriers(axis)
-    )
-    if massless := [name for name, share in row.items() if share and name not in bodies]:
-        raise SettingError(
-            f"an imperfection acts on body {massless[0]!r}, which has no mass: give it one to simulate"
-        )
-    return np.array([row.get(name, 0.0) for name in bodies])

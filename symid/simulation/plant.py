@@ -6,7 +6,7 @@ bodies, F the drive forces, d_j the direction of a joint and f_j the nonlinear l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -14,6 +14,9 @@ import numpy as np
 import sympy as sp
 
 from symid.arrays import FloatArray
+from symid.axis import Between, Body, Ground
+from symid.axis.elements import Joint
+from symid.errors import SettingError
 
 LawFunction = Callable[[float, float], float]
 
@@ -179,3 +182,44 @@ def condensed(dynamics: Any, T: Any, bodies: tuple[str, ...]) -> Any:
         laws=tuple(replace(law, direction=law.direction @ T) for law in dynamics.laws),
         sensors={name: SensorRow(row @ T, order) for name, (row, order) in dynamics.sensors.items()},
     )
+
+
+def direction_of(joint: Joint, bodies: Sequence[str]) -> FloatArray:
+    """Row whose product with the absolute displacements of a plant's bodies is the displacement in a joint.
+
+    A free body that the plant lacks has no mass: springs alone may act on it.
+
+    >>> from symid.axis import load_axis
+    >>> axis = load_axis("direct_2m1s")
+    >>> direction_of(axis.bodies[1], [body.name for body in axis.bodies]).tolist()
+    [-1.0, 1.0]
+    """
+    row = dict.fromkeys(bodies, 0.0)
+    for name, share in _shares(joint):
+        row[name] = row.get(name, 0.0) + share
+    if massless := [name for name, share in row.items() if share and name not in bodies]:
+        raise SettingError(
+            f"an imperfection acts on body {massless[0]!r}, which has no mass: give it one to simulate"
+        )
+    return np.array([row[name] for name in bodies])
+
+
+def _shares(joint: Joint) -> Iterator[tuple[str, float]]:
+    """Displacement in a joint as a sum of factors times the displacements of free bodies."""
+    if isinstance(joint, Between):
+        yield from _absolute(joint.second, 1.0)
+        yield from _absolute(joint.first, -joint.ratio)
+    elif joint.gears:
+        yield from ((name, gear.ratio * share) for gear in joint.gears for name, share in _shares(gear.to))
+    else:
+        yield joint.name, 1.0
+        if joint.carrier is not None:
+            yield joint.carrier.name, -1.0
+
+
+def _absolute(body: Body | Ground, factor: float) -> Iterator[tuple[str, float]]:
+    """The same of a multiple of the displacement of a body against the ground."""
+    if isinstance(body, Body):
+        yield from ((name, factor * share) for name, share in _shares(body))
+        if isinstance(body.on, Body) and body.on.turns == body.turns:  # else it turns by its own coordinate
+            yield from _absolute(body.on, factor)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from axes.gears_and_weights import rack_and_pinion_case
 
 from symid import (
     ActuatorDelay,
@@ -25,7 +26,7 @@ from symid import (
 )
 from symid.errors import DeclarationError
 from symid.simulation import Cascade, OpenLoop, Trajectory, plant_of, simulate, trapezoids
-from symid.simulation.imperfect_plant import direction_of
+from symid.simulation.plant import direction_of
 
 AXIS = load_axis("rigid_1m")
 MOTOR = AXIS.bodies[0]
@@ -163,11 +164,17 @@ def test_directions_are_those_of_the_derivation() -> None:
         values = dict.fromkeys(axis.physical_parameters, 1.0)
         derived = {tuple(law.direction) for law in plant_of(axis, values).laws}
         declared = {
-            tuple(direction_of(axis, law.at, [body.name for body in axis.free_bodies]))
+            tuple(direction_of(law.at, [body.name for body in axis.free_bodies]))
             for law in axis.laws
             if isinstance(law, CoulombFriction)
         }
         assert declared <= derived
+
+
+def test_a_load_on_a_geared_carriage_moves_by_its_own_coordinate() -> None:
+    axis = rack_and_pinion_case().declared
+    load = next(body for body in axis.bodies if body.name == "load")
+    assert direction_of(load, ["pinion", "load"]).tolist() == [0.0, 1.0]
 
 
 def test_faults_are_said_and_files_written() -> None:

@@ -15,9 +15,10 @@ from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.prediction.hidden_motion import Pointwise, integrated_motion
 from symid.diagnosis.prediction.joint import Joint
-from symid.diagnosis.prediction.places import direction_of, place_of
+from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.response import Response, noise_weights, response_of
+from symid.simulation.plant import direction_of
 
 Impedance = tuple[FloatArray, ComplexArray]
 """Direction over the bodies and dynamic stiffness."""
