@@ -100,6 +100,13 @@ class Estimation:
         least = _ROWS_LEFT * found.fit.solution.size if factor < 1.0 else 0
         return found if min(found.fit.rows) >= least else None
 
+    def widest(self, first: Trial) -> Trial:
+        """Rows and estimate at the cutoff that leaves most rows: half a period of it is lost at each reversal."""
+        if self.preparation.cutoff_hz is not None:
+            return first
+        others = [self.scaled(first, factor) for factor in _upward(self.highest(first, is_coherent=False))]
+        return max([first, *filter(None, others)], key=lambda one: sum(one.fit.rows))
+
     def left(self, found: Trial) -> float:
         """Largest residual of an equation as part of its output, beyond noise; inf without all parameters."""
         if found.fit.status != "ok":
@@ -110,11 +117,11 @@ class Estimation:
         ]
         return float(np.max(unexplained(self.model, seen, found.fit))) if seen else 0.0
 
-    def highest(self, first: Trial) -> float:
-        """Times the cutoffs of a trial that the logs allow."""
-        order = self.preparation.difference_order
+    def highest(self, first: Trial, *, is_coherent: bool = True) -> float:
+        """Times the cutoffs of a trial that the logs allow, with forces and motion coherent or not."""
+        order, place = self.preparation.difference_order, 1 if is_coherent else 2
         return min(
-            cutoff_range(log, self.model, order)[1] / _cutoff(run)
+            cutoff_range(log, self.model, order)[place] / _cutoff(run)
             for log, run in zip(self.logs, first.runs, strict=True)
         )
 
@@ -170,7 +177,8 @@ def least_uncertain(
     few = sum(log.n_samples for log in estimation.logs) <= _MANY_ROWS
     is_open = estimation.preparation.cutoff_hz is None and in_memory and few
     if is_open and best.status == "too_few_rows":  # half a period of the cutoff is lost at each reversal
-        others = (estimation.scaled(first, factor) for factor in _upward(estimation.highest(first)))
+        highest = estimation.highest(first, is_coherent=False)
+        others = (estimation.scaled(first, factor) for factor in _upward(highest))
         wider = (widened(other) for other in others if other is not None)
         return next((one for one in wider if one.status != "too_few_rows"), best)
     if not is_open or best.status != "ok" or np.max(sizes, initial=0.0) <= CRITERIA.precise:

@@ -130,6 +130,8 @@ def identify(
 
     parts_of = lru_cache(maxsize=1)(partial(excerpts, model, every))
     trial = estimation.trial()
+    if trial.fit.status == "too_few_rows":
+        trial = estimation.widest(trial)
     if not examine or trial.fit.status != "ok":
         return judged(found_at(trial))
     found = least_uncertain(estimation, trial, found_at)

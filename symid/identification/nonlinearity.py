@@ -27,6 +27,8 @@ from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5
 """Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
+_NO_DRIFT = 1.0
+"""Change of a gain from begin to end of a log, as part of it, from which on another cause made it."""
 _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
@@ -106,7 +108,7 @@ class ColumnTests:
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
             drift = _Column.of(Z, rest, np.concatenate(grown), y)
             certain = self._certain(rest, self.criteria.gain_certain)
-            if drift.share > certain and abs(drift.factor) > self.criteria.gain_drift:
+            if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _NO_DRIFT:
                 return (
                     f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the "
                     "same motion takes: its gain drifts, or the machine changes; identify the parts apart (--trim)"

@@ -217,18 +217,19 @@ def faithful_band(log: AnyLog, model: GeneratedModel, difference_order: int) -> 
     return share * log.sampling_frequency
 
 
-def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> tuple[float, float]:
-    """Cutoff to begin with, and the highest that the log and differences of an order allow, in Hz.
+def cutoff_range(log: AnyLog, model: GeneratedModel, difference_order: int) -> tuple[float, float, float]:
+    """Cutoff to begin with, the highest to which forces and motion are coherent, and the highest of all, in Hz.
 
-    Both stay in the quiet band. The first also stays below 1.5 times the coherent band and where differences of the
-    paper's order are faithful, the other one below 3 times the coherent band and where those of this order are.
+    All stay in the quiet band. The first also stays below 1.5 times the coherent band and where differences of the
+    paper's order are faithful, the second below 3 times the coherent band and, as the last, where those of this order
+    are.
     """
     spectra = Spectra.of(log, model)
     coherent, quiet = coherent_band(log, model, spectra), quiet_band(log, model, spectra)
     first = min(_MARGIN * coherent, quiet, faithful_band(log, model, _BAND_ORDER))
     order = max(difference_order, _BAND_ORDER)
-    highest = min(_HIGHEST_MARGIN * coherent, quiet, faithful_band(log, model, order))
-    return float(f"{first:.3g}"), highest
+    highest = min(quiet, faithful_band(log, model, order))
+    return float(f"{first:.3g}"), min(_HIGHEST_MARGIN * coherent, highest), highest
 
 
 def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Preparation:
@@ -241,7 +242,7 @@ def completed(given: Preparation, log: AnyLog, model: GeneratedModel) -> Prepara
     rate = log.sampling_frequency
     cutoff = given.cutoff_hz
     if cutoff is None:
-        cutoff, _ = cutoff_range(log, model, given.difference_order)
+        cutoff, *_ = cutoff_range(log, model, given.difference_order)
     decimation = given.decimation or max(1, int(0.8 * rate / (2 * cutoff)))
     reach = max(model.highest_derivatives.values()) * given.difference_order // 2
     edge = min(math.ceil(3 * rate / cutoff) + reach, log.n_samples // 10)

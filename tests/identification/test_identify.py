@@ -133,6 +133,22 @@ def test_too_few_rows_is_a_status() -> None:
     assert found.physical_parameters == {}
 
 
+def test_slow_log_of_many_reversals_takes_a_higher_cutoff() -> None:
+    """Ten samples between reversals: at the first cutoff, 5 % of the sampling frequency, none is left."""
+    t = np.arange(800) / 40.0
+    terms = list(zip((0.9, 1.4, 1.7, 1.9), (0.3, 1.0, 2.0, 4.0), (0.1, 0.1, 0.2, 0.2), strict=True))
+    q, v, a = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
+    for hz, phase, size in terms:
+        w = 2 * np.pi * hz
+        q += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w**2 * np.sin(w * t + phase)
+    log = Log.from_arrays({"q": q, "F": 3.0 * a + 8.0 * v + 20.0 * np.sign(v) + 5.0}, sampling_period=0.025)
+    found = identify(load_generated("emps"), log)
+    true = {"M": 3.0, "Fv": 8.0, "Fc": 20.0, "OF": 5.0}
+    assert found.physical_parameters == pytest.approx(true, rel=0.1)
+
+
 def test_a_structure_that_the_log_does_not_show_is_not_ok() -> None:
     """The axis has no load on the motor: no values of it are right."""
     log = direct_log(noise=1.0)
