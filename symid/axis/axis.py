@@ -109,8 +109,8 @@ class Axis(Shown):
         if isinstance(self.drive, tuple):
             signals = ", ".join(drive.signal for drive in self.drive)
             raise SettingError(
-                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): feed-forward and the next experiment "
-                "take an axis with one; identify it (methods wls, ols, iv and oe), tune or diagnose it"
+                f"axis {self.name!r} has {len(self.drive)} drives ({signals}): feed-forward takes an axis "
+                "with one; identify, tune or diagnose it, or export it to C, an FMU or MJCF"
             )
 
     @cached_property

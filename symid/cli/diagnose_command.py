@@ -10,6 +10,7 @@ import click
 from click import argument, option
 
 from symid.axis import axis_path, load_axis, write_axis
+from symid.cli.excite_command import references_log
 from symid.cli.log_options import known_late, log_options, read_log_of
 from symid.cli.options import (
     cascade_gains,
@@ -105,8 +106,6 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
         raise SettingError("--nominal and --simulated both define the simulation: give one of them")
     limits = numbers(options["limits"], "--limit", _LIMITS)
     experiment = reference_file(options["experiment"]) if options["experiment"] else None
-    if experiment:
-        declared.require_one_drive()  # before the diagnosis takes its time
     page, written = page_of(options["report"]), options["write_axis"] and axis_path(options["write_axis"])
     with working("diagnosing"):
         if simulated:
@@ -137,6 +136,8 @@ def _write_axis(found: Diagnosis, file: Path) -> None:
     write_json(explained.values, str(file.with_suffix(".json")))
     for sentence in explained.left_out:
         say(sentence, err=True)
+    if tied := [change.name for change in found.parameters if not change.is_determined]:
+        say(f"{', '.join(tied)}: the log determines combinations only, other values fit as well", err=True)
 
 
 def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> Diagnosis:
@@ -145,5 +146,5 @@ def _with_experiment(found: Diagnosis, limits: dict[str, float], file: Path) -> 
         planned = next_experiment_of(found, **limits)
     if planned.trajectory is None:
         return replace(found, next_experiment=planned.text, planned=planned)
-    write_log(planned.trajectory.as_log(), file)
+    write_log(references_log(found.axis, planned.paths), file)
     return replace(found, next_experiment=f"{planned.text} Its reference is in {file}.", planned=planned)

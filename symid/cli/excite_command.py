@@ -101,11 +101,11 @@ def command(axis: str, file: str, output: str, json_file: str | None, **options:
         seeds=options["seeds"],
         track=lambda every: tracked(every, "references"),
     )
-    write_log(_as_log(declared, found.best.references), output)
+    write_log(references_log(declared, found.best.references), output)
     give_result(_record(found, experiment, output), json_file, lambda _: _print(found, experiment, output))
 
 
-def _as_log(axis: Axis, paths: Sequence[Trajectory]) -> Log:
+def references_log(axis: Axis, paths: Sequence[Trajectory]) -> Log:
     """Commanded positions: one column where all drives share it, else one for each but the first."""
     log = paths[0].as_log()
     own = {
@@ -175,5 +175,5 @@ def _print(found: Design, experiment: IdentificationTrial, output: str) -> None:
     for name in best.relative:
         cells = ("" if one is None else f"{100 * one.relative[name]:.3g} %" for one in every.values())
         say(f"  {name:<{width}}" + "".join(f"  {cell or 'not determined':>18}" for cell in cells))
-    columns = " and ".join(("t", *_as_log(experiment.axis, best.references).signals))
+    columns = " and ".join(("t", *references_log(experiment.axis, best.references).signals))
     say(f"wrote {output}: columns {columns} at {1 / motion.sampling_period:g} Hz")

@@ -26,15 +26,15 @@ def with_deviation(value: float, deviation: float) -> str:
     >>> with_deviation(1.00034e9, 2.1e6), with_deviation(6.1e-4, 2.3e-5)
     ('(1.0003 ± 0.0021)e9', '(6.10 ± 0.23)e-4')
 
-    One that is not determined has an infinite deviation.
+    One with an infinite deviation is not shown: any value would do as well.
 
     >>> with_deviation(53.147, float("inf"))
-    '53.15 ± ∞'
+    'not determined'
     """
     if not math.isfinite(value):
         return MISSING
     if deviation == math.inf:
-        return f"{significant(value)} ± ∞"
+        return "not determined"
     if not math.isfinite(deviation) or deviation <= 0:
         return significant(value)
     exponent = math.floor(math.log10(max(abs(value), deviation)))

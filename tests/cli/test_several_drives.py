@@ -65,17 +65,6 @@ def test_two_drives_from_simulation_to_a_page_and_a_batch(
     capsys.readouterr()
 
 
-def test_the_next_experiment_takes_one_drive_and_says_so_in_one_line(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert simulated("--seconds", "4", "--trajectory", "chirp") == 0
-    capsys.readouterr()
-    assert run("diagnose", "gantry", "run.csv", "--nominal", "P.json", "--next-experiment", "next.csv") == 2
-    said = capsys.readouterr().err
-    assert "axis 'gantry' has 2 drives (F1, F2)" in said
-    assert said.count("\n") == 1
-
-
 def test_tuning_takes_a_reference_of_each_drive(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = "--trajectory paths.csv --measured q1,q2 --rate 4000 --max-lowpass-error 0.1"
     assert run("tune", "gantry", "--parameters", "P.json", *options.split(), "--json", "tuned.json") == 0

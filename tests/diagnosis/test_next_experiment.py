@@ -67,8 +67,8 @@ def test_the_simulated_axis_keeps_the_limits(found) -> None:
     assert run.demand.jerk <= 100.0 * (1 + 1e-6)
     assert run.force <= 1.02 * 400.0
     narrow = Limits((0.0, 0.5 * run.demand.highest), speed=1.0)
-    assert "travel is exceeded" in run.exceeds(narrow, 1e9)
-    assert "force reaches" in run.exceeds(Limits((-1.0, 1.0)), 0.5 * run.force)
+    assert "travel is exceeded" in run.exceeds(narrow, {"F": 1e9})
+    assert "force reaches" in run.exceeds(Limits((-1.0, 1.0)), {"F": 0.5 * run.force})
 
 
 def test_the_record_says_how_surely_it_decides(found) -> None:

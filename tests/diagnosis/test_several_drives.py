@@ -13,6 +13,7 @@ from axes.driven_gantry import COGGING, DELAY, GAIN, HASTE, PITCH, SLOW, STRIBEC
 
 from symid import Axis, Body, Diagnosis, Drive, Log, Position, ViscousFriction, diagnose
 from symid.diagnosis import next_experiment_of
+from symid.diagnosis.experiment.discrimination import shares_of
 from symid.errors import LogError, SettingError
 from symid.report.diagnosis import diagnosis_record, print_diagnosis
 from symid.report.diagnosis_page import write_html
@@ -142,9 +143,37 @@ def test_two_drives_need_two_controllers() -> None:
         diagnose(axis(), log(), nominal=TRUE, library=(), controller=[Cascade("q1", HASTE, GAIN, 0.0)])
 
 
-def test_no_next_experiment_is_designed_for_several_drives() -> None:
-    with pytest.raises(SettingError, match="take an axis with one"):
-        next_experiment_of(found("delay"))
+def test_the_next_experiment_moves_both_drives_as_the_log_did() -> None:
+    planned = next_experiment_of(found("delay"))
+    assert planned.causes == (("delay", "F1"), ("actuator_lag", "F1"))
+    left, right = planned.paths
+    assert planned.trajectory is not None
+    assert np.array_equal(left.position, planned.trajectory.position)
+    apart = np.ptp(right.position - left.position)
+    assert apart < 1e-9  # no skew is commanded
+    assert "All drives follow it as they did in the log, alike." in planned.text
+    assert "cannot be an element of an axis" in planned.message  # what a drive does is declared of all drives
+
+
+def test_the_next_experiment_is_simulated_with_both_drives() -> None:
+    named = found("cogging")
+    planned = next_experiment_of(named)
+    assert planned.causes == (("cogging", "left"), ("encoder_ripple", "q2"))
+    assert planned.probability > 0.9
+    assert planned.simulated is not None
+    for name, force in planned.simulated.forces.items():
+        assert 0.02 * force < force <= 1.03 * np.abs(named.record.log[name]).max()
+
+
+def test_drives_that_run_against_each_other_go_on_so() -> None:
+    """A mirrored axis: the second motor counts backwards, from another zero."""
+    run = log()
+    turned = {"q2": 0.3 - run["q2"], "F2": -run["F2"]}
+    like = found().record
+    mirrored = replace(like, log=replace(run, signals={**run.signals, **turned}))
+    plain, share = shares_of(mirrored)
+    assert (plain.factor, plain.offset, share.factor) == (1.0, 0.0, -1.0)
+    assert share.offset == pytest.approx(0.3, abs=1e-3)
 
 
 def test_each_drive_needs_a_position() -> None:

@@ -10,7 +10,14 @@ import numpy as np
 
 from symid.diagnosis.effects import Key
 from symid.diagnosis.experiment.candidates import Envelope
-from symid.diagnosis.experiment.discrimination import LEAST_LOG_ODDS, Rivals, Trial, simulated_trials, trials
+from symid.diagnosis.experiment.discrimination import (
+    LEAST_LOG_ODDS,
+    Rivals,
+    Trial,
+    shares_of,
+    simulated_trials,
+    trials,
+)
 from symid.diagnosis.experiment.simulated import SimulatedExperiment, simulated_experiment
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.wording import spoken
@@ -38,7 +45,7 @@ class Experiment:
     causes : tuple of (str, str)
         Effects and places that remain; empty if none do.
     trajectory : Trajectory or None
-        Reference that best distinguishes them; None if no motion does.
+        Reference that best distinguishes them, of several drives that of the first; None if no motion does.
     odds : float
         Expected odds of the right one against the other after it, without the log so far; nan without trajectory.
     considered : mapping of str to float
@@ -50,6 +57,8 @@ class Experiment:
     further : mapping of (str, str) to float
         Probability that the motion tells the first cause from each further one that remains; nan if that cannot be
         simulated.
+    paths : tuple of Trajectory
+        Reference of each drive: the others follow the first one as they did in the log.
     """
 
     text: str
@@ -60,6 +69,7 @@ class Experiment:
     simulated: SimulatedExperiment | None = None
     message: str = ""
     further: Mapping[Key, float] = field(default_factory=dict)
+    paths: tuple[Trajectory, ...] = ()
 
     @property
     def probability(self) -> float:
@@ -91,7 +101,7 @@ def next_experiment_of(
     jerk : float, optional
         Of the reference, SI; by default that of moves is 20 times the acceleration, and that of a multisine is free.
     force : float, optional
-        Largest drive force, SI.
+        Largest force of every drive, SI.
     seconds : float, optional
         Duration, s.
 
@@ -130,25 +140,26 @@ def next_experiment_of(
     seen = limits_seen(record)
     ends = (seen.travel[0] if lowest is None else lowest, seen.travel[1] if highest is None else highest)
     limits = Limits(ends, speed or seen.speed, acceleration or seen.acceleration)
-    drive = record.log[record.dynamics.axis.only_drive.signal]
     envelope = _envelope(record, limits, seconds or record.duration, jerk)
-    largest = force or float(np.abs(drive).max())
-    best = simulated_trials(rivals, trials(rivals, envelope, largest))
+    forces = {name: force or float(np.abs(record.log[name]).max()) for name in record.forces}
+    best = simulated_trials(rivals, trials(rivals, envelope, forces))
     considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
     penalised_gain = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
     if not penalised_gain:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
-    chosen, run, message = _kept(rivals, penalised_gain, limits, largest)
+    chosen, run, message = _kept(rivals, penalised_gain, limits, forces)
     if chosen is None:
         return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
     further = {one.keys[1]: _probability(one, chosen.trajectory) for one in _further(rivals)} if run else {}
     text = (
         _words(rivals, chosen.trajectory, chosen.log_odds)
+        + _words_of_drives(record)
         + _words_of(run, message)
         + _words_of_further(further)
     )
     odds = _odds(chosen.log_odds)
-    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message, further)
+    paths = tuple(share.of(chosen.trajectory) for share in shares_of(record))
+    return Experiment(text, rivals.keys, chosen.trajectory, odds, considered, run, message, further, paths)
 
 
 def _further(rivals: Rivals) -> list[Rivals]:
@@ -169,7 +180,7 @@ def _probability(rivals: Rivals, trajectory: Trajectory) -> float:
 
 
 def _kept(
-    rivals: Rivals, penalised_gain: Sequence[Trial], limits: Limits, force: float
+    rivals: Rivals, penalised_gain: Sequence[Trial], limits: Limits, forces: Mapping[str, float]
 ) -> tuple[Trial | None, SimulatedExperiment | None, str]:
     """The best motion in which the simulated axis keeps its limits, or the best if it cannot be simulated."""
     said: list[str] = []
@@ -178,7 +189,7 @@ def _kept(
             run = simulated_experiment(rivals, trial.trajectory)
         except (SymidError, np.linalg.LinAlgError, OverflowError) as error:
             return trial, None, str(error)
-        if not (excess := run.exceeds(limits, force)):
+        if not (excess := run.exceeds(limits, forces)):
             return trial, run, "; ".join(said)
         said.append(f"{trial.trajectory.name}: {excess}")
     return None, None, "; ".join(said)
@@ -236,6 +247,16 @@ def _words(rivals: Rivals, trajectory: Trajectory, log_odds: float) -> str:
         f"{aim}: {trajectory.name}, {trajectory.duration:.3g} s in all; the odds expected after it are {least} to 1 "
         "for the right one, if the axis follows this reference."
     )
+
+
+def _words_of_drives(record: Record) -> str:
+    """How several drives share the reference; empty for one."""
+    shares = zip(record.driven[1:], shares_of(record)[1:], strict=True)
+    first = record.driven[0]
+    told = [f"{name} {share.factor:.3g} times {first}" for name, share in shares if share.factor != 1.0]
+    if record.n_drives == 1:
+        return ""
+    return f" All drives follow it as they did in the log{': ' + ', '.join(told) if told else ', alike'}."
 
 
 def _words_of(run: SimulatedExperiment | None, message: str) -> str:

@@ -37,6 +37,7 @@ _REHEARSED = 6
 _GENTLER = (1.0, 0.7, 0.5, 0.3, 0.15)
 _FORCE_MARGIN = 1.02
 _LEAST_ROWS = 64
+_ALIKE = 0.02
 _ITERATIONS = 10
 _Judge = Callable[[State, State, Weighting], float]
 
@@ -79,10 +80,9 @@ class Trial:
     log_odds: float
 
 
-def trials(rivals: Rivals, envelope: Envelope, force: float) -> list[Trial]:
-    """Motions that stay within the force, the most promising first; gentler where they need to be."""
+def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> list[Trial]:
+    """Motions that stay within the forces, the most promising first; gentler where they need to be."""
     found: dict[int, Trial] = {}
-    drive = rivals.record.dynamics.axis.only_drive.signal
     for share in _GENTLER:
         for i, trajectory in enumerate(candidate_motions(envelope.gentler(share))):
             if i in found:
@@ -91,29 +91,65 @@ def trials(rivals: Rivals, envelope: Envelope, force: float) -> list[Trial]:
                 records = tuple(reading(model, trajectory, rivals.record) for model in rivals.models)
             except LogError:  # too short
                 continue
-            if max(np.abs(record.log[drive]).max() for record in records) <= _FORCE_MARGIN * force:
+            needed = {name: max(np.abs(record.log[name]).max() for record in records) for name in forces}
+            if all(needed[name] <= _FORCE_MARGIN * force for name, force in forces.items()):
                 found[i] = Trial(trajectory, records, _judged(rivals, records, _linear))
     return sorted(found.values(), key=lambda trial: -trial.log_odds)
 
 
+@dataclass(frozen=True)
+class Share:
+    """How the position of a drive follows that of the first one: factor and offset."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def of(self, trajectory: Trajectory) -> Trajectory:
+        """Reference of the drive to one of the first."""
+        return replace(
+            trajectory,
+            position=self.factor * trajectory.position + self.offset,
+            velocity=self.factor * trajectory.velocity,
+            acceleration=self.factor * trajectory.acceleration,
+        )
+
+
+def shares_of(like: Record) -> tuple[Share, ...]:
+    """How the drives of an axis move with the first one, as in the log: alike, mirrored, geared, or not at all.
+
+    Factors near 1 or -1 are exact, so that a skew of the log is no aim.
+    """
+    first, *others = (like.log[name] for name in like.driven)
+    shares = [Share()]
+    for other in others:
+        factor = float(np.cov(first, other)[0, 1] / np.var(first, ddof=1))
+        if abs(abs(factor) - 1.0) < _ALIKE:
+            factor = math.copysign(1.0, factor)
+        shares.append(Share(factor, float(np.mean(other) - factor * np.mean(first))))
+    return tuple(shares)
+
+
 def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
-    """Readings if an axis followed a trajectory with its driven joint, with the sensors and the noise of `like`."""
-    rng, (first, drive) = np.random.default_rng(0), (like.signals[0], like.dynamics.axis.only_drive.signal)
-    names = (first, drive, *like.signals[1:])
+    """Readings if an axis followed a trajectory with its driven joints, with the sensors and the noise of `like`."""
+    rng, names = np.random.default_rng(0), (*like.driven, *like.outputs)
     levels = zip(names, like.noise, strict=True)
     noise = {name: level * rng.standard_normal(trajectory.n_samples) for name, level in levels}
-    exact = {first: trajectory.position, drive: noise[drive]}
-    seen = record_of(like.dynamics, _log(exact | {first: exact[first] + noise[first]}, trajectory))
+    shares = zip(like.driven, shares_of(like), strict=True)
+    paths = {name: share.of(trajectory).position for name, share in shares}
+    exact = paths | {name: noise[name] for name in like.forces}
+    first_seen = exact | {name: path + noise[name] for name, path in paths.items()}
+    seen = record_of(like.dynamics, _log(first_seen, trajectory))
     moving = record_of(like.dynamics, _log(exact, trajectory), seen.motion_hz)
     of_joints = [item for item in model.placed if isinstance(item.effect, JointEffect)]
     prediction = applied(model, moving, placed=of_joints)[0].prediction
-    exact[drive] = _samples(moving, prediction.outputs[0])
-    for name in names[2:]:
+    for name, spectrum in zip(like.forces, prediction.outputs, strict=False):
+        exact[name] = _samples(moving, spectrum)
+    for name in like.readings:
         row, order = prediction.response.plant.sensors[name]
         exact[name] = _samples(moving, (1j * moving.omega) ** order * (row @ prediction.displacements))
     record = record_of(like.dynamics, _log(exact, trajectory), seen.motion_hz)
     predicted = record.measured - applied(model, record)[0].errors
-    for name, spectrum in zip(names[1:], predicted, strict=True):
+    for name, spectrum in zip(like.outputs, predicted, strict=True):
         exact[name] = _samples(record, spectrum)
     noisy = {name: values + noise[name] for name, values in exact.items()}
     return record_of(like.dynamics, _log(noisy, trajectory), seen.motion_hz)

@@ -9,6 +9,7 @@ in deviations of the noise. Where the right one is exact, the mean is half the s
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ import scipy
 
 from symid.arrays import FloatArray
 from symid.axis import Axis
-from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation
+from symid.diagnosis.experiment.discrimination import Rivals, Separation, separation, shares_of
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_of
 from symid.diagnosis.in_motion.replayed import Part, driver_of, without_noise
@@ -31,7 +32,7 @@ from symid.simulation import (
     Trajectory,
     plant_of,
     simulate,
-    tuned_cascade,
+    tuned_cascades,
 )
 
 _LEAST_RATE = 1000.0
@@ -45,8 +46,8 @@ class SimulatedExperiment:
     """Result of a simulated experiment, for the less favourable of both causes."""
 
     separations: tuple[Separation, ...]  # how well the readings with each cause distinguish it from the other
-    demand: Extremes  # of the driven joint; the jerk is that of the reference
-    force: float  # largest drive force, in its unit
+    demand: Extremes  # of the driven joint, all drives as the first; the jerk is that of the reference
+    forces: Mapping[str, float]  # largest of each drive, in its unit
     records: tuple[Record, ...] = field(repr=False)  # what the sensors read with either cause
 
     @property
@@ -54,7 +55,12 @@ class SimulatedExperiment:
         """That the experiment identifies the right cause."""
         return min(found.probability for found in self.separations)
 
-    def exceeds(self, limits: Limits, force: float) -> str:
+    @property
+    def force(self) -> float:
+        """Largest force of all drives."""
+        return max(self.forces.values())
+
+    def exceeds(self, limits: Limits, forces: Mapping[str, float]) -> str:
         """Which limit is exceeded, in words; empty if none is."""
         low, high = limits.travel
         beyond = max(low - self.demand.lowest, self.demand.highest - high)
@@ -63,8 +69,9 @@ class SimulatedExperiment:
         pairs = {
             "speed": (self.demand.speed, limits.speed),
             "acceleration": (self.demand.acceleration, limits.acceleration),
-            "force": (self.force, force),
         }
+        said = "force" if len(forces) == 1 else "force {}"
+        pairs |= {said.format(name): (self.forces[name], limit) for name, limit in forces.items()}
         for what, (value, limit) in pairs.items():
             if value > (1 + _MARGIN) * limit:
                 return f"{what} reaches {value:.3g} instead of {limit:.3g}"
@@ -88,7 +95,9 @@ def simulated_experiment(rivals: Rivals, trajectory: Trajectory, seed: int = 0) 
             acceleration=max(d.acceleration for d in demands),
             jerk=trajectory.extremes.jerk,
         ),
-        force=max(float(np.abs(run.forces).max()) for _, run in runs),
+        forces={
+            name: max(float(np.abs(run.log[name]).max()) for _, run in runs) for name in rivals.record.forces
+        },
         records=records,
     )
 
@@ -98,37 +107,40 @@ def _run(rivals: Rivals, model: State, trajectory: Trajectory, seed: int | None)
     like, explained = rivals.record, axis_of(model)
     if explained.left_out:
         raise SettingError("; ".join(explained.left_out))
-    signal, drive = like.signals[0], like.dynamics.axis.only_drive.signal
     axis = without_noise(explained.axis) if seed is None else _with_noise(explained.axis, like)
     plant = plant_of(axis, explained.values)
-    path = _fast(trajectory)
+    paths = [share.of(_fast(trajectory)) for share in shares_of(like)]
+    tuned = tuned_cascades(plant, like.driven, min(20.0, like.log.sampling_frequency / 20))
     run = simulate(
         axis,
         explained.values,
-        path,
-        _controller(rivals, tuned_cascade(plant, signal, min(20.0, like.log.sampling_frequency / 20))),
+        paths,
+        [_controller(rivals, i, cascade) for i, cascade in enumerate(tuned)],
         frequency_hz=like.log.sampling_frequency,
         seed=seed or 0,
-        start=plant.follows({signal: (float(path.position[0]), 0.0)}),
+        start=plant.follows(
+            {name: (float(path.position[0]), 0.0) for name, path in zip(like.driven, paths, strict=True)}
+        ),
     )
-    late = with_hold({}, drive, held=True, sampling_period=path.sampling_period)
+    late: dict[str, float] = {}
+    for force in like.forces:
+        late = with_hold(late, force, held=True, sampling_period=paths[0].sampling_period)
     log = replace(run.log, source=trajectory.name)
     return record_of(like.dynamics, log, like.motion_hz, late), run
 
 
-def _controller(rivals: Rivals, tuned: Cascade) -> Cascade:
-    """The controller read from the log if possible, else one that is tuned for the axis."""
+def _controller(rivals: Rivals, drive: int, tuned: Cascade) -> Cascade:
+    """The controller of a drive read from the log if possible, else one that is tuned for the axis."""
     record = rivals.record
-    parts = [Part(record.log, np.ones(record.log.n_samples, dtype=bool), record)]
+    parts = [Part(record.log, np.ones(record.log.n_samples, dtype=bool), record, drive)]
     driver = driver_of(record, parts, None, (None, rivals.step.before.state))
     return tuned if driver.kind == "observer" else driver.cascade
 
 
 def _with_noise(axis: Axis, like: Record) -> Axis:
     """The axis whose signals have the noise of a log."""
-    names = (like.signals[0], axis.only_drive.signal, *like.signals[1:])
     delays = {sensor.signal: sensor.delay for sensor in axis.sensors}
-    for name, level in zip(names, like.noise, strict=True):
+    for name, level in zip((*like.driven, *like.outputs), like.noise, strict=True):
         axis = axis.with_signal(name, float(level), delay=delays.get(name, 0.0))
     return axis
 
@@ -147,16 +159,19 @@ def _fast(trajectory: Trajectory) -> Trajectory:
 
 
 def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes:
-    """Motion of the driven joint, its acceleration in the band of the motion."""
+    """Motion of the driven joints, as that of the first; the acceleration in the band of the motion."""
     plant = plant_of(record.dynamics.axis, dict.fromkeys(record.dynamics.parameters, 1.0))
-    row, _ = plant.sensors[record.signals[0]]
-    n, period = row.size, float(run.time[1] - run.time[0])
-    position, speed = (np.asarray(run.states[:, part] @ row) for part in (slice(n), slice(n, None)))
+    period, moved = float(run.time[1] - run.time[0]), []
+    for name, share in zip(record.driven, shares_of(record), strict=True):
+        row, n = plant.sensors[name].row, len(plant.bodies)
+        if share.factor:
+            position, speed = (run.states[:, part] @ row for part in (slice(n), slice(n, None)))
+            moved.append(((position - share.offset) / share.factor, speed / share.factor))
     return Extremes(
-        lowest=float(position.min()),
-        highest=float(position.max()),
-        speed=float(np.abs(speed).max()),
-        acceleration=_size(np.diff(speed) / period),
+        lowest=min(float(position.min()) for position, _ in moved),
+        highest=max(float(position.max()) for position, _ in moved),
+        speed=max(float(np.abs(speed).max()) for _, speed in moved),
+        acceleration=max(_size(np.diff(speed) / period) for _, speed in moved),
         jerk=trajectory.extremes.jerk,
     )
 

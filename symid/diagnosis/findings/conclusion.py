@@ -59,6 +59,8 @@ def concluded(
     effects = _effects(comparison, accepted, fits, chances)
     alternatives = _alternatives(comparison, steps[0], chances)
     axis = comparison.record.dynamics.axis
+    parameters = _parameters(fits, nominal)
+    undetermined = [change.name for change in parameters if not change.is_determined]
     faults = (*damaged.texts, *shifted_channels(logs[0], comparison.record.forces, accepted))
     return Diagnosis(
         axis=axis,
@@ -72,10 +74,10 @@ def concluded(
         effects=effects,
         alternatives=alternatives,
         probabilities={k: v for k, v in chances.as_mapping.items() if k != "effect"},
-        parameters=_parameters(fits, nominal),
+        parameters=parameters,
         faults=faults,
         assumptions=_assumptions(comparison, gaps[0], logs[1]),
-        next_experiment=next_experiment(verdict, effects, alternatives),
+        next_experiment=next_experiment(verdict, effects, alternatives, undetermined),
         signals=comparison.signals(),
         spectrum=comparison.spectrum(),
         drives=_drives(comparison) if comparison.record.n_drives > 1 else (),

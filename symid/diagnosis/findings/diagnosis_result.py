@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -108,6 +109,11 @@ class ParameterChange:
     explained: float
     explained_std: float
     absorbed: bool
+
+    @property
+    def is_determined(self) -> bool:
+        """Whether the log determines it: where masses or springs are tied, only a combination is."""
+        return self.explained_std < math.inf
 
 
 @dataclass(frozen=True, eq=False)

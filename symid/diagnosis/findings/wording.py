@@ -136,12 +136,32 @@ def _size(gap: Gap, rms: float) -> str:
     return f"{rms:.3g} {gap.unit} ({rms / gap.noise_floor.rms:.1f} times the noise)"
 
 
-def next_experiment(verdict: Verdict, effects: Sequence[FoundEffect], rivals: Sequence[Alternative]) -> str:
+def _listed(names: Sequence[str]) -> str:
+    """Names as one says them.
+
+    Examples
+    --------
+    >>> _listed(["Mb", "K1", "K2"])
+    'Mb, K1 and K2'
+    """
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def next_experiment(
+    verdict: Verdict,
+    effects: Sequence[FoundEffect],
+    rivals: Sequence[Alternative],
+    undetermined: Sequence[str],
+) -> str:
     """The next step, in words."""
     if verdict == "no_gap":
         return "None is needed for this motion; for others, repeat the diagnosis with a log of theirs."
     if verdict == "parameters":
-        return "Take over the re-identified values, and repeat the diagnosis on another motion."
+        values = "Take over the re-identified values"
+        if undetermined:
+            values += f" but {_listed(undetermined)}, which the sensors used do not tell apart"
+        return f"{values}, and repeat the diagnosis on another motion."
     if verdict == "recording":
         return "Record the log again; until then, trust neither parameters nor effects."
     if verdict == "unexplained":

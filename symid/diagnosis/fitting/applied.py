@@ -35,9 +35,10 @@ def applied(
 
 
 def _levels_on(record: Record, model: State) -> list[float]:
-    """Errors of a model that weights allow for, in multiples of the noise of another record."""
-    noise = model.prediction.record.noise_of_outputs
-    levels = np.array(model.prediction.levels) * noise / record.noise_of_outputs
+    """Errors of a model that weights allow for, in multiples of the noise of another record, which may have less."""
+    own = model.prediction.record
+    errors = dict(zip(own.outputs, np.array(model.prediction.levels) * own.noise_of_outputs, strict=True))
+    levels = [errors[name] for name in record.outputs] / record.noise_of_outputs
     return [float(x) for x in np.maximum(levels, 1.0)]
 
 
