@@ -6,7 +6,7 @@ The arguments `law`, `channels`, `laws`, `mode` and `record` are records of `loo
 import numpy as np
 
 from symid.jit import compiled
-from symid.simulation.evaluation import evaluate
+from symid.simulation.evaluation import built_up, evaluate
 from symid.simulation.plant import JUST_MOVING
 
 _RUNAWAY = 1e150
@@ -72,7 +72,10 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
                     between[i, k] = _exact(channels.between, i, k + 1, states, accelerations)
         for i in range(n_remembered):
             q = _slide(laws.slides, i, z)
-            laws.memories[i, 1], laws.memories[i, 0] = _built_up(i, q, laws), q
+            laws.memories[i, 1], laws.memories[i, 0] = (
+                built_up(laws.memories[i, 1], q - laws.memories[i, 0], laws.reaches[i]),
+                q,
+            )
         memory[:] = after
     return end - begin
 
@@ -205,7 +208,8 @@ def _law(j, q, v, laws):  # type: ignore[no-untyped-def]
     for term in range(laws.terms[j], laws.terms[j + 1]):
         laws.arguments[0], laws.arguments[1] = q, v
         if laws.remembers[term] >= 0:
-            laws.arguments[4] = _built_up(laws.remembers[term], q, laws)
+            m = laws.remembers[term]
+            laws.arguments[4] = built_up(laws.memories[m, 1], q - laws.memories[m, 0], laws.reaches[m])
         total += laws.parameters[term] * _value(term, laws)
     return total
 
@@ -214,11 +218,3 @@ def _law(j, q, v, laws):  # type: ignore[no-untyped-def]
 def _value(program, laws):  # type: ignore[no-untyped-def]
     begin, end = laws.ends[program], laws.ends[program + 1]
     return evaluate(laws.operations[begin:end], laws.operands[begin:end], laws.arguments, laws.stack)
-
-
-@compiled
-def _built_up(i, q, laws):  # type: ignore[no-untyped-def]
-    """Dahl's state of a memory at a displacement, exact along a motion that does not turn."""
-    path = q - laws.memories[i, 0]
-    side = 1.0 if path >= 0 else -1.0
-    return side - (side - laws.memories[i, 1]) * np.exp(-abs(path) / laws.reaches[i])

@@ -39,9 +39,8 @@ def stepped(law: Pointwise, n: int = N) -> tuple[FloatArray, FloatArray]:
     still = np.zeros(N)
     states, (force,) = _stepped(
         _discretised(MASS, DAMPING, STIFFNESS, STEP),
-        _Driven(PUSH, LOAD, still, still),
+        _Driven(PUSH, LOAD, np.array([LOAD_BY_PLACE, 0.0]), still, still),
         np.array([[0.0, 1.0, 1.0, 0.0]]),
-        np.array([LOAD_BY_PLACE, 0.0]),
         [law],
         np.arange(n),
         1,

@@ -12,12 +12,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 import sympy as sp
 
-from symid.arrays import ComplexArray, FloatArray, read_only
+from symid.arrays import BoolArray, ComplexArray, FloatArray, read_only
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 from symid.simulation.postfix import Program, program
@@ -122,9 +123,8 @@ def integrated_motion(
     step = record.period / n_points
     z, forces = _periodic(
         _discretised(mass, damping, stiffness, step),
-        _Driven(pushed, load, *record.driven_courses[:2]),
+        _Driven(pushed, load, by_state, *record.driven_courses[:2]),
         np.array([(d @ hidden.carried, d @ hidden.free, hidden.balance @ d, row @ d) for d, _ in laws]),
-        by_state,
         [law for _, law in laws],
         math.ceil(record.duration / step),
         record.n_fine // n_points,
@@ -135,18 +135,40 @@ def integrated_motion(
     return displacement, tuple(record.from_grid(f) for f in forces)
 
 
-@dataclass(frozen=True, eq=False)
-class _Driven:
-    """Motion and forces that the measured motion determines, at the points of the integration, each (n_points,).
+class _Equation(NamedTuple):
+    """The hidden coordinate and its rate over a step: transition, and what forces do that fall, rise or hold in it."""
 
-    Force on the hidden coordinate without that of laws; drive force without what the hidden coordinate and laws add;
-    driven position and its velocity.
-    """
+    transition: FloatArray  # shape (2, 2)
+    falling: FloatArray  # shape (2,): of a force that falls from 1 to 0
+    rising: FloatArray
+    held: FloatArray
 
-    pushed: FloatArray
-    load: FloatArray
-    q: FloatArray
-    v: FloatArray
+
+class _Driven(NamedTuple):
+    """Motion and forces that the measured motion determines, at the points of the integration, each (n_points,)."""
+
+    pushed: FloatArray  # force on the hidden coordinate without that of laws
+    load: FloatArray  # drive force without what the hidden coordinate and laws add
+    by_state: FloatArray  # shape (2,): shares of the hidden coordinate and its rate in the drive force
+    q: FloatArray  # driven position
+    v: FloatArray  # its velocity
+
+
+class _JointLaws(NamedTuple):
+    """Laws in joints, each (n_laws,) unless stated, and their programs, one behind the other."""
+
+    by_driven: FloatArray  # displacement of the joint for a unit of the driven position
+    by_hidden: FloatArray  # the same for the hidden coordinate
+    on_hidden: FloatArray  # share of the force in that on the hidden coordinate
+    on_drive: FloatArray  # share in the drive force
+    reach: FloatArray  # of Dahl's state
+    dry: BoolArray
+    courses: FloatArray  # shape (n_laws, n_points): factors that follow the time
+    operations: np.ndarray[Any, np.dtype[np.int64]]
+    operands: FloatArray
+    ends: np.ndarray[Any, np.dtype[np.int64]]
+    arguments: FloatArray  # shape (n_laws, 5 + n_values): the first five are written by the steps
+    stack: FloatArray  # space for the programs
 
 
 def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, FloatArray]:
@@ -164,10 +186,9 @@ def _drive_balance(plant: Plant, hidden: HiddenMotion) -> tuple[FloatArray, Floa
 
 
 def _periodic(
-    discretised: tuple[FloatArray, FloatArray, FloatArray],
+    equation: _Equation,
     driven: _Driven,
     joints: FloatArray,
-    by_state: FloatArray,
     laws: Sequence[Pointwise],
     n_log: int,
     stride: int,
@@ -175,7 +196,7 @@ def _periodic(
     """Hidden coordinate and forces at the points; the way back to the beginning is run twice, for a periodic course."""
     n = driven.q.size
     order = np.concatenate([np.arange(n_log, n), np.arange(n)])
-    states, courses = _stepped(discretised, driven, joints, by_state, laws, order, stride)
+    states, courses = _stepped(equation, driven, joints, laws, order, stride)
     if not np.isfinite(states).all():
         raise OverflowError("the hidden motion grows without bound")
     back = n - n_log
@@ -189,20 +210,16 @@ def _periodic(
 
 
 def _stepped(
-    discretised: tuple[FloatArray, FloatArray, FloatArray],
+    equation: _Equation,
     driven: _Driven,
     joints: FloatArray,
-    by_state: FloatArray,
     laws: Sequence[Pointwise],
     order: np.ndarray[tuple[int], np.dtype[np.int64]],
     stride: int,
 ) -> tuple[FloatArray, list[FloatArray]]:
     """States and forces in the order of the points, each `stride` points of the fine grid from the last."""
-    from symid.diagnosis.prediction.hidden_steps import (
-        steps,  # numba takes 0.3 s to import, and most axes need none
-    )
+    from symid.diagnosis.prediction.hidden_steps import steps  # numba takes 0.3 s, and most axes need none
 
-    transition, first, second = discretised
     programs, own = [law.program for law in laws], len(ARGUMENTS)
     arguments = np.zeros((len(laws), own + max(len(law.values) for law in laws)))
     courses = np.ones((len(laws), driven.q.size))
@@ -210,25 +227,22 @@ def _stepped(
         arguments[i, own : own + len(law.values)] = list(law.values.values())
         if law.course is not None:
             courses[i] = law.course[::stride]
-    states, forces = steps(
-        transition,
-        np.stack([first + second, second]),
-        first,
-        driven.pushed,
-        driven.q,
-        driven.v,
-        courses,
-        driven.load,
-        by_state,
-        np.column_stack([joints, [law.reach for law in laws]]).T.copy(),
+    by_driven, by_hidden, on_hidden, on_drive = joints.T.copy()
+    in_joints = _JointLaws(
+        by_driven,
+        by_hidden,
+        on_hidden,
+        on_drive,
+        np.array([law.reach for law in laws]),
         np.array([law.dry for law in laws]),
+        courses,
         np.concatenate([p.operations for p in programs]),
         np.concatenate([p.operands for p in programs]),
         np.cumsum([0, *(p.operations.size for p in programs)]),
         arguments,
         np.zeros(max(p.depth for p in programs)),
-        order,
     )
+    states, forces = steps(equation, driven, in_joints, order)
     for force, law in zip(forces, laws, strict=True):
         if law.dry:
             force[:] = (force + np.append(force[1:], 0.0)) / 2
@@ -236,10 +250,7 @@ def _stepped(
 
 
 @lru_cache(maxsize=_KEPT)
-def _discretised(
-    mass: float, damping: float, stiffness: float, step: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Transition over a step, and effects of a force at its beginning and at its end, straight in between."""
+def _discretised(mass: float, damping: float, stiffness: float, step: float) -> _Equation:
     system = np.zeros((4, 4))
     system[0, 1] = 1.0
     system[1] = [-stiffness / mass, -damping / mass, 1 / mass, 0.0]
@@ -249,4 +260,4 @@ def _discretised(
     if not np.isfinite(whole).all():
         raise OverflowError("the hidden motion grows without bound")
     held, ramp = whole[:2, 2], whole[:2, 3]
-    return whole[:2, :2], held - ramp, ramp
+    return _Equation(whole[:2, :2], held - ramp, ramp, held)
