@@ -15,12 +15,14 @@ from symid.axis import (
     Weight,
     axis_source,
     chain,
+    drive_imperfections,
     imperfections,
     laws,
     load_axis,
     sensors,
     write_axis,
 )
+from symid.axis.drive_imperfections import *  # noqa: F403
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
 from symid.axis.laws.constant import *  # noqa: F403
@@ -116,6 +118,7 @@ __all__ = [
     "tune",
     "write_axis",
 ]
+__all__ += drive_imperfections.__all__
 __all__ += imperfections.__all__
 __all__ += laws.__all__
 __all__ += sensors.__all__

@@ -1,8 +1,9 @@
 """Declaring an axis: elements, force laws, sensors, the nM-kS family, axis files. Needs neither sympy nor numpy."""
 
-from symid.axis import elements, imperfections, laws, sensors
+from symid.axis import drive_imperfections, elements, imperfections, laws, sensors
 from symid.axis.axis import Axis, Element
 from symid.axis.chain import chain
+from symid.axis.drive_imperfections import *  # noqa: F403
 from symid.axis.elements import *  # noqa: F403
 from symid.axis.imperfections import *  # noqa: F403
 from symid.axis.laws.along_stroke import *  # noqa: F403
@@ -32,6 +33,7 @@ __all__ = [
     "write_axis",
 ]
 __all__ += elements.__all__
+__all__ += drive_imperfections.__all__
 __all__ += imperfections.__all__
 __all__ += laws.__all__
 __all__ += sensors.__all__

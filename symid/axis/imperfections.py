@@ -1,4 +1,4 @@
-"""Elements that no regressor contains: of the drive, of a reading, in time, with memory.
+"""Elements that no regressor contains: of a reading, in time, with memory (`drive_imperfections`: of the drive).
 
 An imperfection is an element like any other: it is declared, simulated, and written by a diagnosis. Its values are
 numbers of the declaration, since no regressor holds them: derivation and least squares pass it over.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import ClassVar
 
@@ -16,15 +16,9 @@ from symid.axis.elements import Body, Joint
 from symid.axis.laws.law import is_finite
 
 __all__ = [
-    "ActuatorDelay",
-    "ActuatorLag",
-    "DriveImperfection",
     "EncoderRipple",
-    "ForceLimit",
     "FrictionDrift",
     "FrictionTrend",
-    "GainAsymmetry",
-    "GainNonlinearity",
     "Imperfection",
     "JointImperfection",
     "LoadDependentFriction",
@@ -58,6 +52,7 @@ class Imperfection:
 
         Examples
         --------
+        >>> from symid import ForceLimit
         >>> limit = ForceLimit(25.0)
         >>> limit.in_numbers(limit.law)
         'min(max(F, -(25.0)), (25.0))'
@@ -86,11 +81,6 @@ class Imperfection:
 
 
 @dataclass(frozen=True)
-class DriveImperfection(Imperfection):
-    """Element between the force F that a controller sends, and a log records, and the force f that acts."""
-
-
-@dataclass(frozen=True)
 class JointImperfection(Imperfection):
     """A force in a joint, against its motion.
 
@@ -101,104 +91,6 @@ class JointImperfection(Imperfection):
     """
 
     at: Joint
-
-
-@dataclass(frozen=True)
-class ActuatorDelay(DriveImperfection):
-    """The force acts later than it is sent: f(t) = F(t - T).
-
-    Parameters
-    ----------
-    seconds : float
-        T.
-
-    Examples
-    --------
-    >>> ActuatorDelay(0.001).formula
-    'f(t) = F(t - 0.001 s)'
-    """
-
-    seconds: float
-    shown: ClassVar = "f(t) = F(t - {seconds:.4g} s)"
-
-
-@dataclass(frozen=True)
-class ActuatorLag(DriveImperfection):
-    """The force follows like a first-order system: T f(1) + f = F.
-
-    Parameters
-    ----------
-    seconds : float
-        T.
-    """
-
-    seconds: float
-    law: ClassVar = "z"
-    rate: ClassVar = "(F - z)/seconds"
-    shown: ClassVar = "{seconds:.4g} s f(1) + f = F"
-
-
-@dataclass(frozen=True)
-class ForceLimit(DriveImperfection):
-    """The force does not exceed a limit: f = clip(F, -limit, limit).
-
-    Parameters
-    ----------
-    force : float
-        The limit, in the unit of the drive.
-    """
-
-    force: float
-    law: ClassVar = "min(max(F, -force), force)"
-    shown: ClassVar = "f = clip(F, -{force:.4g}, {force:.4g})"
-
-
-@dataclass(frozen=True)
-class GainNonlinearity(DriveImperfection):
-    """The force bends over its command: f = F - bend F abs(F)^(power - 1).
-
-    Parameters
-    ----------
-    bend : float
-        In the unit of the drive to the power of 1 - power; positive where the gain droops.
-    power : int
-        2 or 3.
-    """
-
-    bend: float
-    power: int
-    law: ClassVar = "F - bend*F*abs(F)**(power - 1)"
-
-    @property
-    def formula(self) -> str:
-        """Formula of the element with its numbers."""
-        return f"f = F - {self.bend:.4g} F abs(F)^{self.power - 1}"
-
-
-@dataclass(frozen=True)
-class GainAsymmetry(DriveImperfection):
-    """The gain differs by direction: f = F - difference abs(F).
-
-    Parameters
-    ----------
-    difference : float
-        Half of the difference of both gains, backward less forward.
-    """
-
-    difference: float
-    law: ClassVar = "F - difference*abs(F)"
-    shown: ClassVar = "f = F - {difference:.4g} abs(F)"
-
-
-def in_order(drive: Iterable[DriveImperfection]) -> tuple[DriveImperfection, ...]:
-    """Imperfections of a drive in the order in which a force passes them: gain, limit, lag, delay.
-
-    >>> [type(item).__name__ for item in in_order([ActuatorLag(1e-3), ForceLimit(9.0), GainAsymmetry(0.1)])]
-    ['GainAsymmetry', 'ForceLimit', 'ActuatorLag']
-    """
-    kinds = (GainNonlinearity, GainAsymmetry, ForceLimit, ActuatorLag, ActuatorDelay)
-    items = tuple(drive)
-    return tuple(item for kind in (kinds[:2], *kinds[2:]) for item in items if isinstance(item, kind))
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from symid.axis import (
     PayloadChange,
     PreslidingFriction,
 )
+from symid.axis.drive_imperfections import in_order
 from symid.axis.elements import joint_label
-from symid.axis.imperfections import in_order
 from symid.symbolic.expressions import (
     FORCE,
     MEMORY,

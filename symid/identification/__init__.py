@@ -5,10 +5,11 @@ from symid.identification.bias import Bias, bias_of
 from symid.identification.constraints import Constraints
 from symid.identification.contradiction import judged, with_fixed
 from symid.identification.excerpts import Excerpt, excerpts
+from symid.identification.guessed_mapping import guessed_mapping, stated_period
 from symid.identification.identification_result import Identification
 from symid.identification.identify import distrusted, found_from, identify
 from symid.identification.known_per_log import SharedIdentification, identify_with_known
-from symid.identification.mapping import LogMapping, guessed_mapping, read_mapping, stated_period
+from symid.identification.mapping import LogMapping, read_mapping
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
 from symid.identification.predicted_output import Prediction, predict

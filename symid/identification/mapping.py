@@ -1,28 +1,17 @@
-"""How the columns of a foreign file become the signals of an axis: guessed once, written, edited, and used again."""
+"""How the columns of a foreign file become the signals of an axis: the file of a mapping that was guessed once."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
-from symid.axis import Axis, Drive
-from symid.data import REFERENCE, ForeignColumn, Layout, references_of
-from symid.data.foreign import split_header, with_unit
-from symid.data.layout import first_lines
+from symid.axis import Axis
+from symid.data import Layout, references_of
 from symid.errors import LogError, SettingError
 from symid.files import is_finite_number, read_json, shortened
-from symid.units import Unit, to_si
-
-_PERIOD = re.compile(
-    r"(?:cycle|sampl|period|interval|abtast|takt)[^\d]*(?P<value>\d+(?:[.,]\d+)?)\s*(?P<unit>s|ms|us|µs|Hz|kHz)\b",
-    re.IGNORECASE,
-)
-_MOTION = "position", "velocity", "acceleration"
-"""Quantities that a name without a unit suggests, and an answer refutes."""
 
 
 @dataclass(frozen=True)
@@ -152,208 +141,6 @@ def _layout_of(value: object) -> Layout:
         if not isinstance(entry, kind) or (isinstance(entry, bool) and kind is not bool):
             raise TypeError(f"{name} of the layout is {shortened(entry)}, {kind.__name__} is required")
     return Layout(**value)
-
-
-def guessed_mapping(
-    axis: Axis,
-    columns: Iterable[ForeignColumn],
-    *,
-    named: Mapping[str, str] = MappingProxyType({}),
-    units: Mapping[str, str] = MappingProxyType({}),
-    layout: Layout | None = None,
-    sampling_period: float | None = None,
-    gain: float | None = None,
-    rated: float | None = None,
-) -> LogMapping:
-    """Guess which column is which signal of an axis.
-
-    Sensors get the measured columns of their quantity in the order of the declaration; the drive gets a column of its
-    own quantity, or of a current, or in percent of a rated value. A factor is never guessed: it is given, or missing.
-
-    Parameters
-    ----------
-    axis : Axis
-        Its signals.
-    columns : iterable of ForeignColumn
-        From `foreign_columns`.
-    named, units : mapping of str to str
-        Columns and units that are known by signal; these are not guesses.
-    layout, sampling_period
-        Of the file.
-    gain : float, optional
-        Force per unit of the drive's column.
-    rated : float, optional
-        Force that 100 % stands for.
-
-    Raises
-    ------
-    SettingError
-        If a signal or column that is named does not exist.
-    LogError
-        If a unit cannot be read.
-    """
-    require_known(LogMapping(columns={**named, **units}), axis)
-    guess = _Guess(list(columns), named, units)
-    guess.clock(sampling_period)
-    for place, sensor in enumerate(axis.sensors):
-        alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
-        guess.sensor(sensor.signal, sensor.quantity, alike, needed=not place)
-    for drive in axis.drives:
-        guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
-    setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]
-    if (reference := guess.chosen(REFERENCE, setpoint)) is not None:
-        guess.take(REFERENCE, reference)
-    return LogMapping(
-        guess.names,
-        guess.units,
-        guess.gains,
-        {},
-        layout,
-        guess.period,
-        tuple(guess.guesses),
-        tuple(guess.missing),
-    )
-
-
-def stated_period(path: Path, layout: Layout) -> float | None:
-    """Sampling period that a line above the header states, s.
-
-    Examples
-    --------
-    >>> _period_in("Sampling interval: 2 ms"), _period_in("SampleRate;4 kHz"), _period_in("Axis X")
-    (0.002, 0.00025, None)
-    """
-    found = (_period_in(line) for line in first_lines(path, layout.encoding)[: layout.above])
-    return next((period for period in found if period), None)
-
-
-def _period_in(line: str) -> float | None:
-    match = _PERIOD.search(line)
-    if match is None:
-        return None
-    value = float(match["value"].replace(",", ".")) * to_si(match["unit"].replace("µ", "u"))
-    if not value:
-        return None
-    return 1.0 / value if "Hz" in match["unit"] else value
-
-
-class _Guess:
-    """Columns that are still free, and what has been decided."""
-
-    def __init__(
-        self, columns: list[ForeignColumn], named: Mapping[str, str], given: Mapping[str, str]
-    ) -> None:
-        self.named = {signal: _column_called(name, signal, columns) for signal, name in named.items()}
-        self.given = given
-        self.free = [column for column in columns if column not in self.named.values()]
-        self.names: dict[str, str] = {}
-        self.units: dict[str, str] = {}
-        self.gains: dict[str, float] = {}
-        self.period: float | None = None
-        self.guesses: list[str] = []
-        self.missing: list[str] = []
-
-    def chosen(self, signal: str, candidates: Sequence[ForeignColumn]) -> ForeignColumn | None:
-        """The column that is named for a signal, else the first candidate; in its given unit, if there is one."""
-        column = self.named.get(signal, next(iter(candidates), None))
-        return with_unit(column, self.given[signal]) if column and signal in self.given else column
-
-    def take(self, signal: str, column: ForeignColumn, unit: str | None = None) -> None:
-        """Decide that a column is a signal."""
-        self.free = [other for other in self.free if other.header != column.header]
-        self.names[signal] = column.header
-        written = unit or column.unit
-        if written:
-            self.units[signal] = written
-        if column.doubt:
-            self.guesses.append(f"{signal} is column {column.header!r}, whose values {column.doubt}")
-        if signal not in self.named or not column.stated:
-            what = f"{signal} is column {column.header!r}{f' in {column.unit}' if column.unit else ''}"
-            lacking = column.quantity is None and signal in self.named
-            self.guesses.append(f"{what}: {'no unit, so SI is assumed' if lacking else column.reason}")
-
-    def clock(self, sampling_period: float | None) -> None:
-        """The column of the time, or the period of a file that has none."""
-        time = self.chosen("t", [c for c in self.free if c.quantity == "time"])
-        if time and time.unit:
-            self.take("t", time)
-        elif sampling_period is not None:
-            self.period = sampling_period
-            self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
-        else:
-            self.missing.append(
-                "no column of the time has a known unit: give sampling_period in s (--rate), or the column of t"
-            )
-
-    def sensor(self, signal: str, quantity: str, alike: int, *, needed: bool) -> None:
-        """A column for a sensor: one of its name, else the first measured one of its quantity.
-
-        If the axis has fewer such sensors left (`alike`) than the file such columns, the guess names the others.
-        """
-        found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
-        found.sort(key=lambda c: not c.header.startswith(signal))
-        column = self.chosen(signal, found)
-        if column is not None:
-            self.take(signal, column)
-            others = [repr(c.header) for c in found if c.header != column.header]
-            if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
-                self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
-        elif needed:
-            self.missing.append(f"no column seems to be the {quantity} {signal}: name it in columns")
-
-    def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
-        """A column for a drive's force, one of its name first, with its factor where it needs one."""
-        signal, command = drive.signal, drive.command
-        own = {Unit.of("A"): "current", Unit.of("V"): "voltage"}.get(unit, "force")
-        found = sorted(self.free, key=lambda c: not c.header.startswith(signal))
-        measured = {c.quantity: c for c in reversed(found) if not c.setpoint}
-        if command and "voltage" in measured and own not in measured:
-            self.take(command, measured["voltage"])
-            return
-        column = self.chosen(signal, [measured[q] for q in (own, "percent", "current") if q in measured])
-        if column is None:
-            self.missing.append(f"no column seems to be the force {signal}: name it in columns")
-            return
-        if rated is not None and column.quantity != "percent":
-            self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
-        misnamed = (
-            signal in self.named and column.quantity in _MOTION and column.unit is None
-        )  # v may be volts
-        if (misnamed or column.quantity in (own, None)) and _measures(column.unit, unit):
-            self.take(signal, column)
-            if gain is not None:
-                self.gains[signal] = gain
-                self.guesses.append(f"{signal} is {gain:g} times that column: given")
-            return
-        self.take(signal, column, str(unit))
-        in_percent = column.quantity == "percent"
-        factor = rated / 100 if rated is not None and in_percent else gain
-        per = "% (rated value / 100)" if in_percent else column.unit or "A"
-        if factor is not None:
-            self.gains[signal] = factor
-            self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
-            return
-        self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
-
-
-def _column_called(name: str, signal: str, columns: Sequence[ForeignColumn]) -> ForeignColumn:
-    """The column with a header, or with a name before its unit."""
-    wanted = name.strip()
-    for column in (
-        c for part in (0, 1) for c in columns if wanted == (c.header, split_header(c.header)[0])[part]
-    ):
-        return column
-    raise SettingError(
-        f"there is no column of numbers {name!r} for {signal}: choose from {', '.join(c.header for c in columns)}"
-    )
-
-
-def _measures(written: str | None, unit: Unit) -> bool:
-    """Whether a written unit is one of the drive's force; without one, it is taken to be."""
-    try:
-        return written is None or to_si(written, unit) > 0
-    except LogError:
-        return False
 
 
 def require_known(mapping: LogMapping, axis: Axis) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.axis import ActuatorDelay, ActuatorLag, DriveImperfection, ForceLimit
-from symid.axis.imperfections import in_order
+from symid.axis.drive_imperfections import in_order
 from symid.simulation.controller import Command, Controller, LinearLaw, linear_law
 from symid.simulation.imperfect_plant import scalar_law
 
