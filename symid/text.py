@@ -8,7 +8,7 @@ from typing import Final
 _UNSEEN: Final = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]"
 )
-"""Control characters but for tab and line feed, marks that reorder or hide text, and lone surrogates."""
+"""Control characters except for tab and line feed, marks that reorder or hide text, and lone surrogates."""
 
 
 def visible(text: str) -> str:

@@ -39,7 +39,7 @@ def sketch(
     springs : int, optional
         Number of springs: bodies - 1 (default), or as many as bodies, then the motor's joint has one too.
     structure : bool
-        Whether the first body is a structure that yields.
+        Whether the first body is a flexible structure.
     rotary : bool
         Whether bodies turn: inertias and a torque instead of masses and a force.
     coulomb : bool

@@ -115,7 +115,7 @@ loop_options = shared(
 @dark_option
 @json_option
 def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
-    """Identify the parameters of AXIS from each LOG, from several LOGs jointly."""
+    """Identify the parameters of AXIS from one LOG, or from several LOGs jointly."""
     declared = load_axis(axis)
     if page_of(options["report"]) and options["method"] == "oe":
         raise SettingError("--report is written for wls, ols and iv: draw output error with --plot")

@@ -128,7 +128,7 @@ def mapping_of(options: dict[str, Any]) -> LogMapping:
 
 
 def preparation_of(options: dict[str, Any], late: dict[str, float]) -> Preparation:
-    """Preparation by the preparation options, but for ``--held``."""
+    """Preparation by the preparation options, except for ``--held``."""
     return Preparation(
         cutoff_hz=None if options["cutoff"] is None else number(options["cutoff"], "--cutoff"),
         order=options["order"],

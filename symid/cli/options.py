@@ -64,7 +64,7 @@ held_option = option(
     "--held",
     multiple=True,
     metavar="SIGNAL",
-    help="A force that is held from sample to sample, so that it acts half a sample late.",
+    help="Force held from sample to sample, which acts half a sample late.",
 )
 late_option = option(
     "--late",

@@ -54,7 +54,7 @@ _AXES: Final = ("axis", "axes", "also", "declared")
 """Parameters of commands that name axes."""
 
 overwrite_option = option(
-    "--overwrite", is_flag=True, help="Replace a log that is there under the name of the one to be written."
+    "--overwrite", is_flag=True, help="Replace an existing log of the same name."
 )
 
 

@@ -116,8 +116,8 @@ controller_options = shared(
 @option("--log-rate", type=POSITIVE, help="Rate of the log, in Hz [that of the controller].")
 @option("--noise", multiple=True, metavar="SIGNAL=STD", help="White noise of a signal, SI.")
 @option("--resolution", multiple=True, metavar="SIGNAL=STEP", help="Step of a signal, SI.")
-@option("--delay", multiple=True, metavar="SIGNAL=TIME", help="Age of a sensor's reading, such as q=250us.")
-@option("--seed", type=IntRange(0, 2**63), default=0, help="Of the noise.")
+@option("--delay", multiple=True, metavar="SIGNAL=TIME", help="Delay of a sensor's reading, such as q=250us.")
+@option("--seed", type=IntRange(0, 2**63), default=0, help="Seed of the noise.")
 @json_option
 def command(axis: str, file: str, output: str, json_file: str | None, **options: Any) -> None:
     """Simulate AXIS under its controller along a trajectory and write the log."""

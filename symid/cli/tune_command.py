@@ -103,14 +103,14 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     "--noise",
     multiple=True,
     metavar="SIGNAL=STD",
-    help="As --noise-from, with white noise of this standard deviation, SI; of each signal without a log.",
+    help="As --noise-from, with white noise of this standard deviation, SI; without a log, give it for each signal.",
 )
-@option("--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the log to be, in Hz.")
+@option("--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the planned log, in Hz.")
 @option(
     "--held",
     multiple=True,
     metavar="SIGNAL",
-    help="With --noise-from: a force that is held from sample to sample, so that it acts half a sample late.",
+    help="With --noise-from: force held from sample to sample, which acts half a sample late.",
 )
 @late_option
 @log_options

@@ -213,7 +213,7 @@ def internal_step(axis: Axis, values: Mapping[str, float]) -> float:
 def _words(
     axis: Axis, dynamics: SymbolicDynamics, values: Mapping[str, float], texts: Sequence[str]
 ) -> dict[str, object]:
-    """Texts for the fields of the templates, but for those of the regressor."""
+    """Texts for the fields of the templates, except for those of the regressor."""
     parameters = axis.physical_parameters
     notes = [part for text in texts for part in textwrap.wrap(text, 105, subsequent_indent="    ")]
     return {

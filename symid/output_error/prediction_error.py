@@ -1,6 +1,6 @@
 """Innovations of a run as a function of the parameters, scaled so that their sum of squares is the likelihood.
 
-The logarithm of the Gaussian likelihood with an unknown level of all noise is, but for constants,
+The logarithm of the Gaussian likelihood with an unknown level of all noise is, except for constants,
 -(N p / 2) log sum |L^-1 e[k]|^2 det(L)^(2/p), L L' being the covariance of the innovations e for noise of unit level:
 least squares of the scaled innovations is maximum likelihood. The state at the beginning of each stretch is free; it is
 projected out.

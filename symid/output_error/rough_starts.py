@@ -66,7 +66,7 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
 
 
 def with_heavy_bodies(dynamics: ForwardDynamics, known: Mapping[str, float]) -> dict[str, float]:
-    """Parameters with bodies ten times as heavy, but for those that the drive moves as a rigid axis."""
+    """Parameters with bodies ten times as heavy, except for those that the drive moves as a rigid axis."""
     driven = {
         name
         for forces, row in zip(dynamics.drives, dynamics.motion[2], strict=True)

@@ -100,7 +100,7 @@ class ForwardDynamics:
     sensors: Mapping[str, SensorRow]
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
-        """Physical parameters in a matrix, but for those that may be negative: masses, springs, dampers."""
+        """Physical parameters in a matrix, except for those that may be negative: masses, springs, dampers."""
         entries = (entry for row in self.motion[_MATRICES.index(matrix)] for entry in row)
         names = {name for entry in entries for name in self.names(entry)}
         return names.difference(self.axis.signed_parameters)

@@ -265,7 +265,7 @@ def _words_of(run: SimulatedExperiment | None, message: str) -> str:
         return f" It could not be simulated: {message}."
     demand = run.demand
     return (
-        f" Simulated with either cause under a controller, it tells them apart with a probability of "
+        f" Simulated with either cause under a controller, it distinguishes them with a probability of "
         f"{_per_cent(run.probability)} at the noise of the log, "
         f"and takes positions from {demand.lowest:.3g} to {demand.highest:.3g}, speeds to {demand.speed:.3g}, "
         f"accelerations to {demand.acceleration:.3g} and forces to {run.force:.3g} (SI)."

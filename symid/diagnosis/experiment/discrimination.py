@@ -117,7 +117,7 @@ class Share:
 def shares_of(like: Record) -> tuple[Share, ...]:
     """How the drives of an axis move with the first one, as in the log: alike, mirrored, geared, or not at all.
 
-    Factors near 1 or -1 are exact, so that a skew of the log is no aim.
+    Factors near 1 or -1 are exact, so that a skew of the log is not an aim.
     """
     first, *others = (like.log[name] for name in like.driven)
     shares = [Share()]

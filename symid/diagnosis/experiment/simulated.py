@@ -177,5 +177,5 @@ def _demand(record: Record, run: Simulation, trajectory: Trajectory) -> Extremes
 
 
 def _size(acceleration: FloatArray) -> float:
-    """Largest acceleration but for the few samples in which friction jumps, as `limits_seen` takes it of a log."""
+    """Largest acceleration except for the few samples in which friction jumps, as `limits_seen` takes it of a log."""
     return float(np.quantile(np.abs(acceleration), 0.995))

@@ -134,7 +134,7 @@ class Comparison:
         return removed_share(rows, float(self.floors[output]) ** 2)
 
     def _output_of(self, model: int) -> int:
-        """Output in which the last effect of a model is felt: the force, but for errors of further readings.
+        """Output in which the last effect of a model is felt: the force, except for errors of further readings.
 
         Of several forces, the one whose excess it lowers most.
         """

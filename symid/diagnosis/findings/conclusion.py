@@ -41,7 +41,7 @@ def concluded(
     logs: tuple[Log, Log | None],
     damaged: Damage = NO_DAMAGE,
 ) -> Diagnosis:
-    """The diagnosis that follows from a search, but for its sentence and the gap in the motion.
+    """The diagnosis that follows from a search, except for its sentence and the gap in the motion.
 
     `fits` are the re-identified model and those with effects accepted one by one; `comparison` has them and the nominal
     model on the validation data. `logs` are that of the identification, and that of the validation if there is one.

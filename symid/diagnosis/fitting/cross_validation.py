@@ -143,7 +143,7 @@ def deviation(one: FloatArray, other: FloatArray, n_rows: float) -> float:
 
 
 def log_likelihood(squares: FloatArray, n_rows: float) -> float:
-    """Logarithm of the likelihood of errors of unknown level in each output, but for a constant; as `certainty`."""
+    """Logarithm of the likelihood of errors of unknown level in each output, except for a constant; as `certainty`."""
     return float(-0.5 * n_rows * np.sum(np.log(np.maximum(squares.sum(axis=1), np.finfo(float).tiny))))
 
 

@@ -94,7 +94,7 @@ class Fit:
 
     @property
     def predicted(self) -> float:
-        """Logarithm of the likelihood of the blocks when they are left out, but for a constant."""
+        """Logarithm of the likelihood of the blocks when they are left out, except for a constant."""
         return log_likelihood(self.blocks.squares, self.n_rows)
 
     @property

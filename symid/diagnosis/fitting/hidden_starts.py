@@ -108,7 +108,7 @@ def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) 
 
 
 def _left(start: Start) -> float:
-    """Sum of squares that the start leaves, but for unknown states at the beginning."""
+    """Sum of squares that the start leaves, except for unknown states at the beginning."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             state = start.placed_state()

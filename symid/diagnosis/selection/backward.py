@@ -70,7 +70,7 @@ def backward_elimination(
 
 
 def _whole_before_part(order: Sequence[Member]) -> list[Member]:
-    """The same order, but for Coulomb friction behind its presliding part: it goes before that."""
+    """The same order, except for Coulomb friction behind its presliding part: it goes before that."""
     found: list[Member] = []
     for member in order:
         behind = (i for i, other in enumerate(found) if is_part(other.placed, member.placed))

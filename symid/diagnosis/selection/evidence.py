@@ -1,7 +1,7 @@
 """Probabilities of what was considered, and the verdict.
 
 The gain of a candidate in the logarithm of the likelihood would be the logarithm of its odds if the model were exact
-but for noise. It is not: the laws of a real axis, and of another simulator, differ a little from ours. Gains are
+except for noise. It is not: the laws of a real axis, and of another simulator, differ a little from ours. Gains are
 therefore tempered by a share of the largest one: candidates that explain nearly the same are nearly as probable.
 """
 

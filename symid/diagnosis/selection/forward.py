@@ -34,7 +34,7 @@ def forward_selection(
     """
     fit = replace(fit, state=fit.state.with_least(1 / THRESHOLDS.least_inertia, fit.nominal))
     nominal = nominal and replace(nominal, state=replace(nominal.state, bounds=fit.state.bounds))
-    # Greedy but for two choices: a delay and a lag are nearly the same until further effects are in the model, and
+    # Greedy, except for two choices: a delay and a lag are nearly the same until further effects are in the model, and
     # presliding friction may be all friction or a part of it. Where one of them comes first, both searches are run to
     # their end, and the better prediction of blocks left out decides.
     first = _selection_step(fit, library, nominal).with_acceptable()
