@@ -12,7 +12,7 @@ from sympy.printing.str import StrPrinter
 
 from symid.axis import Axis, Between, Body
 from symid.errors import SettingError
-from symid.export.exported import Exported
+from symid.export.exported import Exported, losses_of_imperfections
 from symid.export.feedforward import ACCELERATION, POSITION, SPEED, feedforward
 
 _BLOCK = """\
@@ -104,7 +104,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     Parameters
     ----------
     axis : Axis
-        Without imperfections that have memory.
+        Imperfections are left out, which is said.
     values : mapping of str to float
         Physical parameters, SI: the initial values of inputs.
 
@@ -120,7 +120,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     >>> [line for line in exported.text.splitlines() if line.startswith("friction")]
     ['friction := Fs*direction + Fv*velocity;']
     """
-    found, drive = feedforward(axis), axis.only_drive
+    found, drive = feedforward(axis.without(*axis.imperfections)), axis.only_drive
     named = {name: _name(name, axis.physical_parameters) for name in axis.physical_parameters}
     at = drive.at.second if isinstance(drive.at, Between) else drive.at
     length = "rad" if isinstance(at, Body) and at.inertia else "m"
@@ -147,7 +147,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     if drive.command:
         outputs.append(f"    command : LREAL; (* {drive.command}, what the drive takes for this force *)")
         command = f"\ncommand := force / {_Printer().doprint(sp.Float(drive.factor, 17))};"
-    losses = []
+    losses = list(losses_of_imperfections(axis, "a feed-forward"))
     if len(axis.bodies) > 1:
         losses.append("Deflection of springs: the force is that of the axis as one rigid motion.")
     notes = [

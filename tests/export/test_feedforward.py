@@ -16,7 +16,7 @@ from blark.parse import parse_source_code
 from command_line import run
 from export.compiler import compiler
 
-from symid import load_axis
+from symid import ActuatorLag, PayloadChange, PreslidingFriction, load_axis
 from symid.errors import SettingError
 from symid.export import c_source, structured_text
 from symid.symbolic import derive
@@ -156,3 +156,22 @@ def test_the_command_writes_a_block(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert "FUNCTION_BLOCK FB_rigid_1m_Feedforward" in Path("axis.st").read_text()
     Path("own.st").write_text("FUNCTION_BLOCK own\nEND_FUNCTION_BLOCK\n")
     assert run("export", "rigid_1m", "--parameters", "rigid_1m.json", "--to", "st", "-o", "own.st") == 2
+
+
+def test_imperfections_are_left_out_of_the_block_which_says_so() -> None:
+    plain = load_axis("rigid_1m")
+    (body,) = plain.bodies
+    values = {"M": 95.0, "Fv": 200.0, "Fs": 20.0}
+    presliding, lag = PreslidingFriction(body, 12.0, reach=3e-4), ActuatorLag(2e-3)
+    exported = structured_text(plain.with_effect(presliding, lag, PayloadChange(body, 3.0, time=2.0)), values)
+    assert parse_source_code(exported.text).exception is None
+    q, v, a = MOTIONS[0]
+    found = executed(exported.text, position=q, velocity=v, acceleration=a)
+    assert found["force"] == pytest.approx(95.0 * a + 200.0 * v + 20.0)
+    assert [loss.partition(":")[0] for loss in exported.losses] == [
+        "PreslidingFriction",
+        "ActuatorLag",
+        "PayloadChange",
+    ]
+    for element in (presliding, lag):
+        assert element.formula.split()[0] in exported.text
