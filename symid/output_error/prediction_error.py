@@ -145,7 +145,7 @@ class PredictionError:
             free = found.innovations.free_response(last - first)
             start = np.linalg.lstsq(free.reshape(-1, n), -raw[first:last].ravel(), rcond=None)[0]
             states[first:last] += whole.free_response(last - first) @ start
-        return states
+        return np.asarray(states @ sampled.basis.T)
 
     @cached_property
     def _stretches(self) -> tuple[tuple[int, int], ...]:

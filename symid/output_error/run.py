@@ -222,8 +222,13 @@ def _upsampled(values: FloatArray, parts: int) -> FloatArray:
 def _measured_motion(
     dynamics: ForwardDynamics, direction: FloatArray, log: Log, lowpass: LowPass, parts: int
 ) -> Motion | None:
-    """Motion of a joint that is a combination of measured positions; None if it is not."""
-    names = [s for s, (_, order) in dynamics.sensors.items() if order == 0 and s in log.signals]
+    """Motion of a joint that is a combination of measured positions; None if it is not.
+
+    Without a position, of measured speeds: the displacement is the integral, from 0 on.
+    """
+    orders = {name: order for name, (_, order) in dynamics.sensors.items() if name in log.signals}
+    lowest = min(orders.values(), default=0)
+    names = [name for name, order in orders.items() if order == lowest < 2]
     if not names:
         return None
     rows = np.stack([dynamics.sensors[name][0] for name in names])
@@ -231,9 +236,10 @@ def _measured_motion(
     if not np.allclose(shares @ rows, direction):
         return None
     reading = sum(share * log[name] for share, name in zip(shares, names, strict=True))
-    q = lowpass.apply(reading, log.sampling_frequency)
-    v = central_difference(q, log.sampling_period)
-    return motion_between(q, v, parts)
+    read = lowpass.apply(reading, log.sampling_frequency)
+    if lowest == 1:
+        return motion_between(np.cumsum(read) * log.sampling_period, read, parts)
+    return motion_between(read, central_difference(read, log.sampling_period), parts)
 
 
 def motion_between(q: FloatArray, v: FloatArray, parts: int) -> Motion:

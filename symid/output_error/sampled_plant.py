@@ -36,6 +36,8 @@ class SampledPlant:
     feedthrough: FloatArray  # shape (n_outputs, n_forces): D
     disturbance_feedthrough: FloatArray  # shape (n_outputs, n_disturbed): the same for the disturbances
     n_drives: int  # number of drives
+    # shape (2 n_bodies, n_states): displacements and velocities by the states, which lack what no sensor can see
+    basis: FloatArray
 
     @property
     def noise_effects(self) -> FloatArray:
@@ -75,16 +77,35 @@ def sampled_plant(
     for _ in range(parts - 1):
         effects.append(step @ effects[-1])
     rows, feedthrough = _outputs(plant, signals, generator, forces)
-    stacked = np.stack(effects[::-1])
+    basis = _observed(plant, signals)
+    stacked = basis.T @ np.stack(effects[::-1])
     return SampledPlant(
-        transition=np.linalg.matrix_power(step, parts),
+        transition=basis.T @ np.linalg.matrix_power(step, parts) @ basis,
         effects=stacked[:, :, :known],
         disturbances=stacked[:, :, known:].sum(axis=0),
-        output=rows,
+        output=rows @ basis,
         feedthrough=feedthrough[:, :known],
         disturbance_feedthrough=feedthrough[:, known:],
         n_drives=plant.drives.shape[1],
+        basis=basis,
     )
+
+
+def _observed(plant: Plant, signals: Sequence[str]) -> FloatArray:
+    """Basis of the states without the place of a free axis, which neither springs nor a reading of a speed depend on.
+
+    >>> from symid import Axis, Body, Drive, Position, Velocity
+    >>> from symid.simulation import plant_of
+    >>> body = Body("table", mass="M")
+    >>> axis = Axis("table", (body,), Drive("F", body), (Position("q", body), Velocity("v", body)))
+    >>> [_observed(plant_of(axis, {"M": 2.0}), [signal]).shape for signal in ("q", "v")]
+    [(2, 2), (2, 1)]
+    """
+    n = len(plant.bodies)
+    if any(plant.sensors[signal][1] == 0 for signal in signals):
+        return np.eye(2 * n)
+    felt = scipy.linalg.orth(plant.stiffness.T) if plant.stiffness.any() else np.zeros((n, 0))
+    return scipy.linalg.block_diag(felt, np.eye(n)) if felt.shape[1] else np.eye(2 * n)[:, n:]
 
 
 def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:

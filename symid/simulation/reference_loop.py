@@ -52,7 +52,10 @@ class ClosedLoop:
 
     def __post_init__(self) -> None:
         if not any(sensor.derivative == 0 for sensor in self.axis.sensors):
-            raise SettingError(f"axis {self.axis.name!r} has no position sensor: a controller needs one")
+            raise SettingError(
+                f"axis {self.axis.name!r} has no position sensor: a controller needs one: "
+                "declare it, or identify by wls or oe"
+            )
         if self.rate_hz is not None and not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
             raise SettingError(f"the controller's rate is {self.rate_hz:g} Hz: give a positive number")
         perfect = replace(
