@@ -20,7 +20,7 @@ from symid.codegen.store import write
 @option("--check", is_flag=True, help="Write nothing; exit with 1 and print a diff if anything is stale.")
 @json_option
 def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file: str | None) -> None:
-    """Write the generated modules of each AXIS (of all axes in models/ by default).
+    """Write the generated modules and forward dynamics of each AXIS (of all axes in models/ by default).
 
     Modules that cannot be derived are named with the reason, the others are written, and the exit code is 1.
     """
@@ -49,7 +49,7 @@ def command(axes: tuple[str, ...], measured: str | None, check: bool, json_file:
                 file.diff() if check else f"{'removed' if file.wanted is None else 'wrote'} {file.path.name}",
                 end="" if check else "\n",
             )
-        say(f"{len(files) - len(stale)} of {len(files)} modules {'are' if check else 'were'} current")
+        say(f"{len(files) - len(stale)} of {len(files)} files {'are' if check else 'were'} current")
     for name, reason in refused:
         click.echo(f"symid: {name} cannot be derived: {reason}", err=True)
     if refused or (check and stale):

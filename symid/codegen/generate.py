@@ -7,12 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from symid.axis import axis_file, axis_names, load_axis
+from symid.codegen.dynamics_record import generated_dynamics
 from symid.codegen.model import GeneratedModel
 from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
     compile_module,
     delays_of,
+    dynamics_file,
     generated_folder,
     module_name,
     orphans,
@@ -91,6 +93,8 @@ def _plan_axis(
             files.append(planned_file(path, module_text(derive(axis, ordered))))
         except EliminationError as error:
             leave_out(path, error)
+    if measured is None:
+        files.append(planned_file(dynamics_file(folder, axis.name), generated_dynamics(axis)))
     return files
 
 

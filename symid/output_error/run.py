@@ -158,7 +158,7 @@ def run_of(
     margin = math.ceil(0.5 * log.sampling_frequency / lowpass.cutoff_hz)
     moving = np.ones(log.n_samples, dtype=bool)
     for motion, (direction, terms) in zip(motions, dynamics.laws, strict=True):
-        can_hold = JointLaw(direction, tuple(ScaledLaw(1.0, t.force, t.source) for t in terms)).can_hold
+        can_hold = JointLaw(direction, tuple(ScaledLaw(1.0, t.force, t.code) for t in terms)).can_hold
         if motion is not None and can_hold and standstill != 0:
             moving &= ~_resting(motion, standstill, margin)
     kept, starts = _stretches(moving, shortest=max(16, 4 * len(dynamics.bodies)))

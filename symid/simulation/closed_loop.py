@@ -14,13 +14,12 @@ from symid.data import Log
 from symid.errors import SettingError
 from symid.simulation.controller import Controller
 from symid.simulation.drive_chain import ThroughDrive
-from symid.simulation.imperfect_plant import Moment, stages, steps_for
+from symid.simulation.imperfect_plant import Moment, misread_code, stages, steps_for
 from symid.simulation.loop import Loop
 from symid.simulation.plant import Plant
 from symid.simulation.sensor_channel import MotionRecord, SensorChannel, in_steps
 from symid.simulation.stepping import SimulationRun
 from symid.simulation.trajectory import Trajectory
-from symid.symbolic.expressions import misread
 
 _PART = 8192
 """Samples between two reports of progress."""
@@ -117,7 +116,7 @@ def simulate(
     plants = stages(axis, parameters, moment or Moment())
     plant, n_samples, period = plants[0][1], paths[0].n_samples, paths[0].sampling_period
     readers = [
-        SensorChannel(sensor, plant, n_samples, period, random, misread(axis, sensor.signal))
+        SensorChannel(sensor, plant, n_samples, period, random, misread_code(axis, sensor.signal))
         for sensor in axis.sensors
     ]
     if chain := [element for element in axis.elements if isinstance(element, DriveImperfection)]:

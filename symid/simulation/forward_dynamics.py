@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import compress
@@ -11,14 +11,14 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis
+from symid.codegen.store import stored_dynamics
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
-from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
+from symid.simulation.postfix import program
 
 _MATRICES = ("stiffness", "damping", "mass")
 _DERIVED = 32
@@ -147,9 +147,7 @@ class ForwardDynamics:
             drives=np.array([[p.at(values) for p in row] for row in self.drives]),
             constant=np.array([p.at(values) for p in self.constant]),
             laws=tuple(
-                JointLaw(
-                    direction, tuple(ScaledLaw(t.parameter.at(values), t.force, t.source) for t in terms)
-                )
+                JointLaw(direction, tuple(ScaledLaw(t.parameter.at(values), t.force, t.code) for t in terms))
                 for direction, terms in self.laws
             ),
             sensors=self.sensors,
@@ -178,12 +176,18 @@ def _without_nodes(plant: Plant, heavy: BoolArray) -> Plant:
 
 @dataclass(frozen=True, eq=False)
 class LawTerm:
-    """A nonlinear law of a joint, parameter times expression `source`: as a function of two numbers, and of arrays."""
+    """A nonlinear law of a joint, parameter times an expression: its NumPy code, function of numbers and of arrays."""
 
     parameter: Polynomial
+    code: str
     force: LawFunction
     forces: Callable[[FloatArray, FloatArray], FloatArray]
-    source: sp.Expr
+
+    @classmethod
+    def of(cls, parameter: Polynomial, code: str) -> LawTerm:
+        """The law of some code; SymidError if that is not of the law language."""
+        program(code, ("q", "v"))  # nothing else is run
+        return cls(parameter, code, law_function(code), array_function(code))
 
 
 class JointTerms(NamedTuple):
@@ -216,38 +220,39 @@ class _Declaration:
 
 @lru_cache(maxsize=_DERIVED)
 def _derived(declaration: _Declaration) -> ForwardDynamics:
-    axis, terms = declaration.axis, forward_terms(declaration.axis)
-    ring, bodies = terms.operators.ring, terms.bodies
-    constants = {sp.Symbol(name): value for name, value in terms.constants.items()}
+    axis = declaration.axis
+    record = stored_dynamics(axis)
+    if record is None:
+        from symid.codegen.dynamics_record import dynamics_record  # sympy takes half a second to load
 
-    def number(element: Any) -> float:
-        return float(ring.domain.to_sympy(ring.domain.convert(element)).xreplace(constants))
-
-    def numbers(matrix: Matrix) -> tuple[tuple[Polynomial, ...], ...]:
-        return tuple(
-            tuple(Polynomial(tuple((number(c), tuple(map(int, m[1:]))) for m, c in p.terms())) for p in row)
-            for row in matrix
-        )
-
-    def row(functional: Functional) -> FloatArray:
-        return read_only(np.array([number(functional[b]) if b in functional else 0.0 for b in bodies]))
+        record = dynamics_record(axis)
 
     joints: dict[tuple[float, ...], list[LawTerm]] = {}
-    for law in terms.laws:
-        ((parameter,),) = numbers(((law.parameter,),))
-        functions = law_function(law.expression), array_function(law.expression)
-        direction = tuple(row(law.displacement).tolist())
-        joints.setdefault(direction, []).append(LawTerm(parameter, *functions, law.expression))
+    for law in record["laws"]:
+        joints.setdefault(tuple(law["direction"]), []).append(
+            LawTerm.of(_polynomial(law["parameter"]), law["code"])
+        )
     return ForwardDynamics(
         axis=axis,
         parameters=tuple(axis.physical_parameters),
-        generators=tuple(map(str, ring.symbols[1:])),
-        bodies=tuple(body for body, entries in zip(bodies, terms.mass, strict=True) if any(entries)),
-        motion=tuple(numbers(matrix) for matrix in (terms.stiffness, terms.damping, terms.mass)),
-        drives=numbers(terms.drives),
-        constant=tuple(entry for (entry,) in numbers(terms.constant)),
+        generators=tuple(record["generators"]),
+        bodies=tuple(record["bodies"]),
+        motion=tuple(_polynomials(record[matrix]) for matrix in _MATRICES),
+        drives=_polynomials(record["drives"]),
+        constant=tuple(entry for (entry,) in _polynomials(record["constant"])),
         laws=tuple(JointTerms(read_only(np.array(d)), tuple(found)) for d, found in joints.items()),
         sensors=MappingProxyType(
-            {s.signal: SensorRow(row(terms.readings[s.signal]), s.derivative) for s in axis.sensors}
+            {
+                name: SensorRow(read_only(np.array(sensor["row"])), sensor["order"])
+                for name, sensor in record["sensors"].items()
+            }
         ),
     )
+
+
+def _polynomials(matrix: Sequence[Sequence[Any]]) -> tuple[tuple[Polynomial, ...], ...]:
+    return tuple(tuple(map(_polynomial, row)) for row in matrix)
+
+
+def _polynomial(terms: Sequence[tuple[float, Sequence[int]]]) -> Polynomial:
+    return Polynomial(tuple((coefficient, tuple(powers)) for coefficient, powers in terms))

@@ -19,9 +19,8 @@ from symid.axis import (
     PreslidingFriction,
 )
 from symid.simulation.forward_dynamics import plant_of
-from symid.simulation.law_functions import array_function, law_function
+from symid.simulation.law_functions import array_function, code_of, law_function
 from symid.simulation.plant import JointLaw, Plant, ScaledLaw, direction_of
-from symid.symbolic.expressions import imperfection_law, misread
 
 _FINE, _MOST_STEPS = 0.5, 50
 """Angle, rad, by which the vibration of a joint on its presliding stiffness turns in a step; and most steps."""
@@ -95,12 +94,22 @@ def stages(axis: Axis, parameters: Mapping[str, float], moment: Moment) -> list[
     return found
 
 
+def misread_code(axis: Axis, signal: str) -> str | None:
+    """Reading of a sensor with ripple, as NumPy code in terms of the exact value y; None without ripple."""
+    if not axis.imperfections:
+        return None
+    from symid.symbolic.expressions import misread  # sympy takes half a second to load
+
+    law = misread(axis, signal)
+    return None if law is None else code_of(law)
+
+
 def misreading(axis: Axis, signal: str) -> Callable[[FloatArray], FloatArray] | None:
     """Function that adds a sensor's ripple to exact readings; None without ripple."""
-    law = misread(axis, signal)
-    if law is None:
+    code = misread_code(axis, signal)
+    if code is None:
         return None
-    function = array_function(law, ("y",))
+    function = array_function(code, ("y",))
     return lambda values: function(values, values, values)
 
 
@@ -121,13 +130,19 @@ def _law(
     def force(q: float, v: float) -> float:
         return law(q, v, moment.load, moment.time, memory.at(q) if memory else 0.0)
 
-    return ScaledLaw(1.0, force, imperfection_law(element), len(moment.memories) - 1 if memory else -1)
+    return ScaledLaw(1.0, force, _code(element), len(moment.memories) - 1 if memory else -1)
 
 
 @cache
 def scalar_law(element: Imperfection) -> Callable[..., float]:
     """Law of an imperfection as a function of numbers q, v, F, t and z."""
-    return law_function(imperfection_law(element), ("F", "t", "z"))
+    return law_function(_code(element), ("F", "t", "z"))
+
+
+def _code(element: Imperfection) -> str:
+    from symid.symbolic.expressions import imperfection_law  # sympy takes half a second to load
+
+    return code_of(imperfection_law(element))
 
 
 def presliding_level(axis: Axis, element: PreslidingFriction, values: Mapping[str, float]) -> float:

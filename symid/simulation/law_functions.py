@@ -3,36 +3,49 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import FloatArray
-from symid.codegen.lowering import code
+
+if TYPE_CHECKING:
+    import sympy as sp
 
 
-def law_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
-    """Law expression in q, v and further `numbers` as a function of two numbers and these.
+def code_of(law: sp.Expr | str) -> str:
+    """NumPy code of a law, which may be code already."""
+    if isinstance(law, str):
+        return law
+    from symid.codegen.lowering import code  # sympy takes half a second to load
 
-    >>> law_function(sp.sympify("v*q"))(2.0, 3.0)
+    return code(law)
+
+
+def law_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[..., float]:
+    """Law in q, v and further `numbers`, as expression or NumPy code, as a function of two numbers and these.
+
+    >>> law_function("v*q")(2.0, 3.0)
     6.0
-    >>> law_function(sp.sympify("v/speed"), ("speed",))(0.0, 1.0, 0.5)
+    >>> law_function("v/speed", ("speed",))(0.0, 1.0, 0.5)
     2.0
     """
-    function: Callable[..., float] = _function(f"float({code(expression)})", numbers, Scalar())
+    text = code_of(law)
+    function: Callable[..., float] = _function(f"float({text})", numbers, Scalar())
     return function
 
 
-def array_function(expression: sp.Expr, numbers: tuple[str, ...] = ()) -> Callable[..., FloatArray]:
-    """Law expression in q and v as a function of two arrays; `numbers` as in `law_function`.
+def array_function(law: sp.Expr | str, numbers: tuple[str, ...] = ()) -> Callable[..., FloatArray]:
+    """Law in q and v, as expression or NumPy code, as a function of two arrays; `numbers` as in `law_function`.
 
-    >>> array_function(sp.sympify("v*q"))(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
+    >>> array_function("v*q")(np.array([2.0, 1.0]), np.array([3.0, 4.0])).tolist()
     [6.0, 4.0]
     """
-    constant = " + 0 * q" if not expression.has(sp.Symbol("q"), sp.Symbol("v")) else ""
-    function: Callable[..., FloatArray] = _function(f"{code(expression)}{constant}", numbers, np)
+    text = code_of(law)
+    constant = "" if re.search(r"\b[qv]\b", text) else " + 0 * q"
+    function: Callable[..., FloatArray] = _function(f"{text}{constant}", numbers, np)
     return function
 
 

@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.simulation.loop import Loop
@@ -43,7 +42,7 @@ class LawNumbers(NamedTuple):
         """The laws of the plant of a loop and the errors of controlled sensors."""
         plant, n = loop.plant, len(loop.plant.bodies)
         terms = [term for law in plant.laws for term in law.terms]
-        programs = [_program(term.source, _ARGUMENTS) for term in terms]
+        programs = [_program(term.code, _ARGUMENTS) for term in terms]
         programs += [_program(r.misread, ("y",)) for r in loop.controlled if r.misread is not None]
         memories = loop.moment.memories if loop.moment else []
         return cls(
@@ -65,8 +64,8 @@ class LawNumbers(NamedTuple):
 
 
 @cache
-def _program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
-    return program(expression, arguments)
+def _program(code: str, arguments: tuple[str, ...]) -> Program:
+    return program(code, arguments)
 
 
 class ChannelNumbers(NamedTuple):

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.axis import Between, Body, Ground
@@ -46,12 +45,12 @@ class SensorRow(NamedTuple):
 class ScaledLaw(NamedTuple):
     """A law as parameter, SI, times expression of displacement and velocity of the joint.
 
-    `source` is the formula of the expression, in which z is the state of the memory of that number, if any.
+    `code` is the expression as NumPy code, in which z is the state of the memory of that number, if any.
     """
 
     parameter: float
     expression: LawFunction
-    source: sp.Expr
+    code: str
     memory: int = -1
 
 

@@ -6,19 +6,24 @@ program is data: the loop that integrates a motion is compiled once for all laws
 
 from __future__ import annotations
 
+import ast
+import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.errors import SymidError
-from symid.symbolic.expressions import positive
+from symid.simulation.law_functions import code_of
 
-_FUNCTIONS = (sp.Abs, sp.sign, positive, sp.sin, sp.cos, sp.exp)
+if TYPE_CHECKING:
+    import sympy as sp
+
+_FUNCTIONS = ("abs", "sign", "heaviside", "sin", "cos", "exp")
 CONSTANT, ARGUMENT, ADD, MULTIPLY, POWER, MAXIMUM, FUNCTION = range(7)
 """Operations; from `FUNCTION` on they are those of `_FUNCTIONS`, in that order."""
-_BINARY = {sp.Add: ADD, sp.Mul: MULTIPLY, sp.Pow: POWER, sp.Max: MAXIMUM}
+_Steps = list[tuple[int, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,36 +38,99 @@ class Program:
     depth: int
 
 
-def program(expression: sp.Expr, arguments: tuple[str, ...]) -> Program:
-    """The program of an expression of the law language in symbols named as the arguments; SymidError for any other.
+def program(law: sp.Expr | str, arguments: tuple[str, ...]) -> Program:
+    """The program of a law in symbols named as the arguments, as expression or NumPy code; SymidError for any other.
 
+    Examples
+    --------
     >>> from symid.simulation.evaluation import evaluate
-    >>> short = program(sp.sympify("v*abs(q)/2"), ("q", "v"))
+    >>> short = program("v*np.abs(q)/2", ("q", "v"))
     >>> evaluate(short.operations, short.operands, np.array([-3.0, 4.0]), np.zeros(short.depth))
     6.0
     """
-    steps: list[tuple[int, float]] = []
-    depth = _append(sp.sympify(expression), arguments, steps)
+    steps: _Steps = []
+    depth = _append(ast.parse(code_of(law), mode="eval").body, arguments, steps)
     operations, operands = zip(*steps, strict=True)
     return Program(np.array(operations, dtype=np.int64), np.array(operands, dtype=np.float64), depth)
 
 
-def _append(expression: sp.Expr, arguments: tuple[str, ...], steps: list[tuple[int, float]]) -> int:
+def _append(node: ast.expr, arguments: tuple[str, ...], steps: _Steps) -> int:
     """Write the steps of an expression behind others; the height of the stack that it needs."""
-    if expression.is_Symbol and str(expression) in arguments:
-        steps.append((ARGUMENT, float(arguments.index(str(expression)))))
+    if (number := _number(node)) is not None:
+        steps.append((CONSTANT, number))
         return 1
-    if not expression.free_symbols and expression.is_number:
-        steps.append((CONSTANT, float(expression)))
-        return 1
-    if expression.func in _FUNCTIONS:
-        height = _append(expression.args[0], arguments, steps)
-        steps.append((FUNCTION + _FUNCTIONS.index(expression.func), 0.0))
-        return height
-    if expression.func not in _BINARY:
-        raise SymidError(f"{expression} is not of the law language: use q, v, numbers and its functions")
-    height = _append(expression.args[0], arguments, steps)
-    for other in expression.args[1:]:
-        height = max(height, 1 + _append(other, arguments, steps))
-        steps.append((_BINARY[expression.func], 0.0))
+    match node:
+        case ast.Name(id=name) if name in arguments:
+            steps.append((ARGUMENT, float(arguments.index(name))))
+            return 1
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return _joined(MULTIPLY, ast.Constant(-1.0), operand, arguments, steps)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return _joined(ADD, left, right, arguments, steps)
+        case ast.BinOp(left=left, op=ast.Sub(), right=right):
+            return _joined(ADD, left, ast.UnaryOp(ast.USub(), right), arguments, steps)
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            return _joined(MULTIPLY, left, right, arguments, steps)
+        case ast.BinOp(left=left, op=ast.Div(), right=right):
+            inverse = ast.BinOp(right, ast.Pow(), ast.Constant(-1.0))
+            return _joined(MULTIPLY, left, inverse, arguments, steps)
+        case ast.BinOp(left=left, op=ast.Pow(), right=right):
+            return _joined(POWER, left, right, arguments, steps)
+    match (_function_name(node), *getattr(node, "args", ())):
+        case "maximum", ast.expr() as left, ast.expr() as right:
+            return _joined(MAXIMUM, left, right, arguments, steps)
+        case "sqrt", ast.expr() as operand:
+            return _joined(POWER, operand, ast.Constant(0.5), arguments, steps)
+        case str() as name, ast.expr() as operand, *at_zero if name in _FUNCTIONS and list(
+            map(_number, at_zero)
+        ) == [0.0] * (name == "heaviside"):
+            height = _append(operand, arguments, steps)
+            steps.append((FUNCTION + _FUNCTIONS.index(name), 0.0))
+            return height
+    raise SymidError(f"{ast.unparse(node)} is not of the law language: use q, v, numbers and its functions")
+
+
+def _joined(
+    operation: int, left: ast.expr, right: ast.expr, arguments: tuple[str, ...], steps: _Steps
+) -> int:
+    """Write the steps of two operands and of what joins them; the height of the stack."""
+    height = max(_append(left, arguments, steps), 1 + _append(right, arguments, steps))
+    steps.append((operation, 0.0))
     return height
+
+
+def _function_name(node: ast.expr) -> str:
+    """Name of the function that is called, of NumPy or built in; empty if none is."""
+    match node:
+        case ast.Call(
+            func=ast.Attribute(value=ast.Name(id="np"), attr=name) | ast.Name(id=name), keywords=[]
+        ):
+            return name
+        case _:
+            return ""
+
+
+def _number(node: ast.expr) -> float | None:
+    """Value of an expression of numbers alone; None for any other."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+        case ast.Attribute(value=ast.Name(id="np"), attr="pi"):
+            return math.pi
+        case ast.UnaryOp(op=ast.USub(), operand=operand) if (inner := _number(operand)) is not None:
+            return -inner
+        case ast.BinOp(left=left, op=op, right=right):
+            a, b = _number(left), _number(right)
+            if a is not None and b is not None:
+                match op:
+                    case ast.Add():
+                        return a + b
+                    case ast.Sub():
+                        return a - b
+                    case ast.Mult():
+                        return a * b
+                    case ast.Div():
+                        return a / b
+                    case ast.Pow():
+                        return float(a**b)
+    return None

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import sympy as sp
 
 from symid.arrays import FloatArray
 from symid.axis import Sensor
@@ -44,7 +43,7 @@ class SensorChannel:
 
     In each interval between two samples of the controller it takes one value, `moment` after the begin of the interval;
     sample k reads the value of interval k - 1 - age. Without delay the moment is the interval's end. `misread` is the
-    reading with the error of the sensor, in terms of the exact value y.
+    reading with the error of the sensor, as NumPy code in terms of the exact value y.
     """
 
     def __init__(
@@ -54,7 +53,7 @@ class SensorChannel:
         n_samples: int,
         period: float,
         random: np.random.Generator,
-        misread: sp.Expr | None = None,
+        misread: str | None = None,
     ) -> None:
         self.misread = misread
         self.signal, self.step = sensor.signal, sensor.resolution

@@ -119,7 +119,9 @@ def test_generate_beside_a_folder_of_models_leaves_the_installation_alone(
     monkeypatch.setattr(generate, "axis_names", lambda: ("rigid_1m", "emps", "emps_asymmetric"))
     assert run("generate") == 0
     assert {path: path.read_bytes() for path in installed.rglob("*.py")} == before
-    assert sorted(path.name for path in (folder / "generated").iterdir()) == ["emps__q.py", "rigid_1m__q.py"]
+    assert sorted(path.name for path in (folder / "generated").iterdir()) == [
+        f"{name}__{what}" for name in ("emps", "rigid_1m") for what in ("dynamics.json", "q.py")
+    ]
     assert "removed" not in capsys.readouterr().out
 
 

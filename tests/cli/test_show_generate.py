@@ -113,7 +113,7 @@ def test_check_is_content_with_the_committed_modules(capsys: pytest.CaptureFixtu
     code, out, err = run(capsys, "generate", "--check")
     assert (code, err) == (0, "")
     count = int(out.split(" of ")[0])
-    assert out == f"{count} of {count} modules are current\n"
+    assert out == f"{count} of {count} files are current\n"
     assert count >= sum(len(case.declared.sensor_sets) for case in cases().values() if case.shipped)
 
 
@@ -139,7 +139,7 @@ def test_generate_writes_and_check_finds_what_is_stale(
 
 def test_check_reports_as_json(capsys: pytest.CaptureFixture[str], project: Path) -> None:
     code, out, _ = run(capsys, "generate", "mine", "--check", "--json", "-")
-    assert (code, json.loads(out)) == (1, {"checked": 1, "stale": ["mine__q.py"]})
+    assert (code, json.loads(out)) == (1, {"checked": 2, "stale": ["mine__q.py", "mine__dynamics.json"]})
     assert not (project / "generated").exists()
 
 

@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 import scipy
-import sympy as sp
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Body
@@ -110,7 +109,7 @@ class Record:
             (i, k)
             for i, law in enumerate(self.dynamics.laws)
             for k, term in enumerate(law.terms)
-            if isinstance(term.source, sp.sign) and self.is_hidden(law.direction)
+            if term.code == "np.sign(v)" and self.is_hidden(law.direction)
         )
 
     @cached_property
