@@ -24,9 +24,7 @@ from symid.signal_names import is_signal_name
 @argument("axis")
 @option("--bodies", type=IntRange(max=100), default=2, help="Bodies in a row, the structure included.")
 @option("--springs", type=IntRange(max=100), help="Springs: one less than bodies, or as many [one less].")
-@option(
-    "--structure/--no-structure", default=False, help="Whether the first body is a flexible structure."
-)
+@option("--structure/--no-structure", default=False, help="Whether the first body is a flexible structure.")
 @option("--rotary/--linear", default=False, help="Whether bodies turn.")
 @option("--coulomb/--no-coulomb", default=True, help="Whether the motor has Coulomb friction.")
 @option(

@@ -53,9 +53,7 @@ _LOOK: Final = 4096
 _AXES: Final = ("axis", "axes", "also", "declared")
 """Parameters of commands that name axes."""
 
-overwrite_option = option(
-    "--overwrite", is_flag=True, help="Replace an existing log of the same name."
-)
+overwrite_option = option("--overwrite", is_flag=True, help="Replace an existing log of the same name.")
 
 
 class Output(click.types.StringParamType):

@@ -105,7 +105,9 @@ _DEFAULTS = {"trajectory": "chirp", "band": "modes", "rate": 20000.0, "bandwidth
     metavar="SIGNAL=STD",
     help="As --noise-from, with white noise of this standard deviation, SI; without a log, give it for each signal.",
 )
-@option("--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the planned log, in Hz.")
+@option(
+    "--log-rate", type=POSITIVE, default=4000.0, help="With --noise alone: rate of the planned log, in Hz."
+)
 @option(
     "--held",
     multiple=True,

@@ -100,17 +100,12 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     require_room(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
     return tuple(
-        _of_stamps(header)
+        ForeignColumn(header, "time", "s", False, "its values are moments, which are read in seconds", True)
         if i in table.stamps
         else replace(_guessed(header, column), doubt=_sign_and_magnitude(column))
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header
     )
-
-
-def _of_stamps(header: str) -> ForeignColumn:
-    why = "its values are moments, which are read in seconds"
-    return ForeignColumn(header, "time", "s", False, why, True)
 
 
 def _guessed(header: str, values: FloatArray) -> ForeignColumn:

@@ -152,31 +152,20 @@ def _whole(log: AnyLog) -> Log:
 
 def _by_regression(axis: FleetAxis, model: GeneratedModel, log: AnyLog) -> Identification:
     settings = axis.settings
-    constraints = Constraints.of(model, dict(settings.bounds), dict(settings.prior))
+    given: Any = {
+        "preparation": settings.preparation,
+        "nominal": settings.nominal,
+        "constraints": Constraints.of(model, dict(settings.bounds), dict(settings.prior)),
+        "examine": settings.examine,
+    }
     if settings.method == "iv":
         from symid.instrumental import identify_by_instruments  # the simulation takes half a second to load
         from symid.simulation import ClosedLoop
 
         loop = ClosedLoop.with_gains(axis.axis, settings.controller, settings.rate_hz)
-        return identify_by_instruments(
-            model,
-            _whole(log),
-            loop,
-            preparation=settings.preparation,
-            nominal=settings.nominal,
-            constraints=constraints,
-            examine=settings.examine,
-        )
-    return identify(
-        model,
-        log,
-        method="ols" if settings.method == "ols" else "wls",
-        preparation=settings.preparation,
-        ddof=settings.ddof,
-        nominal=settings.nominal,
-        constraints=constraints,
-        examine=settings.examine,
-    )
+        return identify_by_instruments(model, _whole(log), loop, **given)
+    method: Any = settings.method
+    return identify(model, log, method=method, ddof=settings.ddof, **given)
 
 
 def _columns_of(found: Identification) -> dict[str, Value]:

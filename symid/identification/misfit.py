@@ -148,7 +148,10 @@ def _stands_out(parts: Sequence[Excerpt], fit: LeastSquares, equation: int) -> s
         return ""
     residual, output, predicted, time = found.T
     worst, usual = int(np.argmax(residual)), float(np.median(residual))
-    many, size = len(found) >= _WINDOWS // 2, max(output[worst], predicted[worst], _rms(output))
+    many, size = (
+        len(found) >= _WINDOWS // 2,
+        max(output[worst], predicted[worst], float(np.sqrt(np.mean(output**2)))),
+    )
     if many and residual[worst] > _LOCAL_RATIO * usual and residual[worst] > _LOCAL_SHARE * size:
         times = residual[worst] / max(usual, np.finfo(float).tiny)
         return (
@@ -179,7 +182,3 @@ def _windows(part: Excerpt, fit: LeastSquares, equation: int) -> FloatArray:
     ]
     found = np.stack([*rms, seen.time[: n * size : size]], axis=1)
     return np.asarray(found[counts >= _LEAST_ROWS // 2])
-
-
-def _rms(x: FloatArray) -> float:
-    return float(np.sqrt(np.mean(x**2)))

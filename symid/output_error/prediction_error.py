@@ -53,7 +53,8 @@ class PredictionError:
         other readings, relative to that of the first reading; then the further lateness of the forces in samples, if it
         is free.
         """
-        levels = [_FIRST_RATIO] * self._own_levels + [_FIRST_DISTURBANCE] * len(self._disturbed)
+        # Noise of drives that are counted in one reading cannot be told apart: they share a level.
+        levels = [_FIRST_RATIO] * len(set(self._driven)) + [_FIRST_DISTURBANCE] * len(self._disturbed)
         return np.array([*levels, *[0.0] * (len(self.run.signals) - 1 + self.free_timing)])
 
     @property
@@ -176,11 +177,6 @@ class PredictionError:
         if len(axis.drives) == 1:
             return (0,)
         return tuple(signals.index(one) if one in signals else 0 for one in axis.controlled_signals)
-
-    @cached_property
-    def _own_levels(self) -> int:
-        """Noise levels of drives: those that are counted in one reading cannot be told apart, and share one."""
-        return len(set(self._driven))
 
     @cached_property
     def _disturbed(self) -> tuple[int, ...]:

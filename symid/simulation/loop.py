@@ -142,7 +142,8 @@ class Loop:
     ) -> tuple[tuple[float, ...], Any]:
         """Forces of the controllers at sample k, and their new state, as `start`."""
         measured = {reader.signal: value for reader, value in zip(self.controlled, readings, strict=True)}
-        states = np.split(memory, self._ends) if self.law else memory
+        ends = np.cumsum([controller.start.size for controller in self.controllers[:-1]], dtype=int)
+        states = np.split(memory, ends) if self.law else memory
         forces, kept = [], []
         for i, (controller, state) in enumerate(zip(self.controllers, states, strict=True)):
             command = Command(k, *references[3 * i : 3 * i + 3])
@@ -152,11 +153,6 @@ class Loop:
             forces.append(float(force))
             kept.append(after)
         return tuple(forces), np.concatenate(kept) if self.law else tuple(kept)
-
-    @cached_property
-    def _ends(self) -> list[int]:
-        """Where the states of the second and later controllers begin."""
-        return list(np.cumsum([controller.start.size for controller in self.controllers[:-1]], dtype=int))
 
 
 def runaway(time: float) -> SettingError:
