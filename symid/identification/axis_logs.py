@@ -33,6 +33,17 @@ def axis_columns(
     return expected, commands
 
 
+def _asked(foreign: ForeignColumns, axis: Axis, expected: Mapping[str, Unit]) -> ForeignColumns:
+    """The same without the sensors that are not read: a mapping holds all sensors of its axis."""
+    idle = set(axis.signal_units) - set(expected)
+    columns, units, gains = foreign.get("columns"), foreign.get("units"), foreign.get("gains")
+    return foreign | {
+        "columns": {name: column for name, column in (columns or {}).items() if name not in idle},
+        "units": {name: unit for name, unit in (units or {}).items() if name not in idle},
+        "gains": {name: gain for name, gain in (gains or {}).items() if name not in idle},
+    }
+
+
 def read_axis_log(
     axis: Axis,
     path: str | os.PathLike[str] | Frame,
@@ -67,7 +78,7 @@ def read_axis_log(
     24841
     """
     expected, alternatives = axis_columns(axis, measured)
-    return read_log(path, expected=expected, alternatives=alternatives, **foreign)
+    return read_log(path, expected=expected, alternatives=alternatives, **_asked(foreign, axis, expected))
 
 
 def open_axis_log(
@@ -96,7 +107,8 @@ def open_axis_log(
         If the log cannot be used.
     """
     expected, alternatives = axis_columns(axis, measured)
-    return open_log(path, expected=expected, alternatives=alternatives, memory=memory, whole=whole, **foreign)
+    options = _asked(foreign, axis, expected)
+    return open_log(path, expected=expected, alternatives=alternatives, memory=memory, whole=whole, **options)
 
 
 def measured_signals(

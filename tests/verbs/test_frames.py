@@ -87,3 +87,20 @@ def test_a_period_takes_the_place_of_a_clock() -> None:
     assert symid.Log.from_frame({"q": T}, sampling_period=0.1).time[1] == 0.1
     with pytest.raises(LogError, match="no sampling period beside it"):
         symid.Log.from_frame(COLUMNS, sampling_period=0.1)
+
+
+def test_columns_of_two_sensors_serve_one() -> None:
+    """The mapping of an axis names all its sensors, `measured` those that are read."""
+    mass = symid.Body("mass", mass="M")
+    axis = symid.Axis(
+        "two", (mass,), symid.Drive("F", mass), (symid.Position("q", mass), symid.Velocity("v", mass))
+    )
+    frame = {"time": T, "way": 1e3 * np.sin(9 * T), "speed": 9 * np.cos(9 * T), "force": np.cos(9 * T)}
+    columns = {"t": "time", "q": "way", "v": "speed", "F": "force"}
+    foreign = {"columns": columns, "units": {"q": "mm"}, "gains": {"q": 2.0}}
+    both = symid.read_axis_log(axis, frame, **foreign)
+    one = symid.read_axis_log(axis, frame, measured=("v",), **foreign)
+    assert both["q"] == pytest.approx(2 * np.sin(9 * T))
+    assert set(one.signals) == {"v", "F"}
+    with pytest.raises(LogError, match="'x' is not known"):
+        symid.read_axis_log(axis, frame, measured=("v",), columns=columns | {"x": "way"})
