@@ -5,17 +5,14 @@ from symid.diagnosis.diagnose import diagnose
 from symid.diagnosis.effects import LIBRARY, Effect
 from symid.diagnosis.experiment.design import Experiment, limits_seen, next_experiment_of
 from symid.diagnosis.findings.diagnosis_result import (
-    Alternative,
     Diagnosis,
-    EffectParameter,
-    FoundEffect,
-    ParameterChange,
     Signals,
     SimulatedEffect,
     SimulatedParameter,
     Simulator,
     Spectrum,
 )
+from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
 from symid.diagnosis.in_motion.declared import ExplainedAxis, explained_axis
 

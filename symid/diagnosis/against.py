@@ -23,12 +23,11 @@ from symid.diagnosis.findings.comparison import compared
 from symid.diagnosis.findings.conclusion import concluded, effect_values
 from symid.diagnosis.findings.diagnosis_result import (
     Diagnosis,
-    EffectParameter,
-    ParameterChange,
     SimulatedEffect,
     SimulatedParameter,
     Simulator,
 )
+from symid.diagnosis.findings.found_effects import EffectParameter, ParameterChange
 from symid.diagnosis.findings.wording import sentence_against
 from symid.diagnosis.fitting.applied import applied
 from symid.diagnosis.fitting.deviations import standard_deviations

@@ -10,7 +10,8 @@ from typing import Any
 from rich.console import Console
 
 from symid.diagnosis.experiment.design import Experiment
-from symid.diagnosis.findings.diagnosis_result import Diagnosis, EffectParameter, Simulator
+from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
+from symid.diagnosis.findings.found_effects import EffectParameter
 from symid.report.console import TextTable, plain, report_console
 from symid.report.motion_gap import motion_line, motion_rows, motions
 from symid.report.number_text import (

@@ -12,15 +12,9 @@ import numpy as np
 from symid.data import Log
 from symid.diagnosis.effects import declared_effects, effects_of_element, with_parts
 from symid.diagnosis.findings.comparison import Comparison
-from symid.diagnosis.findings.diagnosis_result import (
-    Alternative,
-    Diagnosis,
-    DriveError,
-    EffectParameter,
-    FoundEffect,
-    ParameterChange,
-)
+from symid.diagnosis.findings.diagnosis_result import Diagnosis, DriveError
 from symid.diagnosis.findings.faults import NO_DAMAGE, Damage, shifted_channels
+from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.findings.location import located, maps
 from symid.diagnosis.findings.wording import next_experiment

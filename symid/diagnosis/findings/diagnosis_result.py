@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from symid.arrays import BoolArray, FloatArray
 from symid.axis import Axis, Drive
-from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Removed
+from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
+from symid.diagnosis.findings.gap import Gap, Location, MapCell
 from symid.diagnosis.selection.evidence import Verdict
 from symid.shown import Shown
 
@@ -17,103 +17,6 @@ if TYPE_CHECKING:
     from symid.diagnosis.experiment.design import Experiment
     from symid.diagnosis.prediction.record import Record
     from symid.diagnosis.selection.step import SelectionStep
-
-
-@dataclass(frozen=True)
-class EffectParameter:
-    """A parameter of an effect that was found."""
-
-    value: float
-    std: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class FoundEffect:
-    """An effect that was accepted.
-
-    Parameters
-    ----------
-    effect, at : str
-        Names of the effect and of its place.
-    probability : float
-        Among everything considered at its step.
-    parameters : mapping of str to EffectParameter
-        Its parameters, SI.
-    gap_after : Level
-        The gap with this effect and those before it added to the re-identified model.
-    removes : Removed
-        Share of the excess error that it takes away on the validation data, after those before it.
-    indistinguishable_from : tuple of (str, str)
-        Effects and places that this log does not distinguish from it.
-    signal : str
-        The drive of whose force `gap_after` is the error: of several, the one in which the effect is felt most.
-    """
-
-    effect: str
-    at: str
-    probability: float
-    parameters: Mapping[str, EffectParameter]
-    gap_after: Level
-    removes: Removed
-    indistinguishable_from: tuple[tuple[str, str], ...]
-    signal: str = ""
-
-
-@dataclass(frozen=True)
-class Alternative:
-    """An effect that was considered.
-
-    Parameters
-    ----------
-    effect, at : str
-        Names of the effect and of its place.
-    probability : float
-        Among everything considered.
-    log_likelihood : float
-        Gain of the logarithm of the likelihood over the re-identified model.
-    gap_after : Level or None
-        Error on the identification data with it added; None where it was screened only.
-    """
-
-    effect: str
-    at: str
-    probability: float
-    log_likelihood: float
-    gap_after: Level | None
-
-
-@dataclass(frozen=True)
-class ParameterChange:
-    """A physical parameter before and after.
-
-    Parameters
-    ----------
-    name, unit : str
-        The parameter.
-    nominal : float
-        Nominal value, nan if there is none.
-    reidentified, reidentified_std : float
-        Of the declared structure.
-    explained, explained_std : float
-        With the effects found.
-    absorbed : bool
-        Whether it left its interval when the effects were added: it had absorbed them.
-    """
-
-    name: str
-    unit: str
-    nominal: float
-    reidentified: float
-    reidentified_std: float
-    explained: float
-    explained_std: float
-    absorbed: bool
-
-    @property
-    def is_determined(self) -> bool:
-        """Whether the log determines it: where masses or springs are tied, only a combination is."""
-        return self.explained_std < math.inf
 
 
 @dataclass(frozen=True, eq=False)

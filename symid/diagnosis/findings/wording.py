@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symid.diagnosis.effects import LIBRARY, LawEffect
-from symid.diagnosis.findings.diagnosis_result import Alternative, Diagnosis, FoundEffect, Simulator
+from symid.diagnosis.findings.diagnosis_result import Diagnosis, Simulator
+from symid.diagnosis.findings.found_effects import Alternative, FoundEffect
 from symid.diagnosis.findings.gap import Gap, Level
 from symid.diagnosis.selection.evidence import Verdict
 from symid.diagnosis.thresholds import THRESHOLDS
