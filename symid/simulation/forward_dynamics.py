@@ -131,7 +131,7 @@ class ForwardDynamics:
                 f"parameters of axis {self.axis.name!r} lack {', '.join(missing)}: give a value for each"
             )
         every = {**parameters, **self._known}
-        values = np.array([float(every[name]) for name in self.generators])
+        values = [float(every[name]) for name in self.generators]
         stiffness, damping, mass = (np.array([[p.at(values) for p in row] for row in m]) for m in self.motion)
         names = tuple(body.name for body in self.axis.free_bodies)
         heavy = [name in self.bodies for name in names]
@@ -203,11 +203,14 @@ class Polynomial:
 
     terms: tuple[tuple[float, tuple[int, ...]], ...]
 
-    def at(self, values: FloatArray) -> float:
+    def at(self, values: Sequence[float] | FloatArray) -> float:
         """Value at parameter values."""
-        return float(
-            sum(c * prod(x**p for x, p in zip(values, powers, strict=True) if p) for c, powers in self.terms)
-        )
+        return float(sum(c * prod(values[i] ** p for i, p in factors) for c, factors in self._factors))
+
+    @cached_property
+    def _factors(self) -> tuple[tuple[float, tuple[tuple[int, int], ...]], ...]:
+        """Coefficient, and place and power of each parameter that stands in it, by term."""
+        return tuple((c, tuple((i, p) for i, p in enumerate(powers) if p)) for c, powers in self.terms)
 
 
 @dataclass(frozen=True)
