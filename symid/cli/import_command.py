@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from click import argument, option
 
 from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
-from symid.cli.options import POSITIVE, Number, dark_option, give_result, json_option, plot_option, write_json
+from symid.cli.options import POSITIVE, dark_option, give_result, json_option, number, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
@@ -51,7 +50,9 @@ class ForeignFile:
     help="Unit of a signal's column, such as q='5000 counts/mm'.",
 )
 @option("--rate", type=POSITIVE, metavar="HZ", help="Sampling rate of a file without a column of the time.")
-@option("--gain", type=Number(-math.inf), help="Force per unit of the drive's column, such as N per A.")
+@option(
+    "--gain", metavar="FACTOR", help="Force per unit of the drive's column, such as N per A, or F=FACTOR."
+)
 @option("--rated", type=POSITIVE, help="Force or torque that 100 % stands for.")
 @option(
     "-o",
@@ -75,6 +76,7 @@ def command(log: str, **options: Any) -> None:
             said = "-o" if name == "output" else f"--{name}"
             raise SettingError(f"{said} needs --axis: a mapping names the signals of an axis")
     declared = load_axis(options["axis"]) if options["axis"] else None
+    options["gain"] = _factor(options["gain"], declared)
     look = _look(Path(log))
     known = Known.of(options)
     if declared and _asks(options):
@@ -100,6 +102,19 @@ def command(log: str, **options: Any) -> None:
         "mapping": mapping.as_record if mapping else None,
     }
     give_result(record, options["json_file"], lambda _: _show_mapping(log, mapping, options))
+
+
+def _factor(text: str | None, axis: Axis | None) -> float | None:
+    """The factor of the drive, which other commands take as ``F=85``, those of readings too."""
+    if text is None:
+        return None
+    signal, _, factor = text.rpartition("=")
+    if signal and axis and signal not in [drive.signal for drive in axis.drives]:
+        raise SettingError(
+            f"--gain {text}: only that of a drive is asked here; give it to the command that uses the mapping, or "
+            f"a unit such as --unit {signal}='5000 counts/mm'"
+        )
+    return number(factor, "--gain")
 
 
 def _asks(options: dict[str, Any]) -> bool:

@@ -211,6 +211,7 @@ def test_mistakes_are_one_line(
     ("header", "options", "unit", "gain"),
     [
         ("Moment [N*m]", "--gain 257", "N", 257.0),
+        ("Moment [N*m]", "--gain F=257", "N", 257.0),
         ("Moment [mNm]", "--gain 0.257", "N", 0.257),
         ("Kraft [kN]", "--gain -1", "kN", -1.0),
         ("Kraft [kN]", "", "kN", None),
@@ -227,6 +228,11 @@ def test_a_factor_that_is_given_is_used(
     assert (mapping["units"]["F"], mapping["gains"].get("F"), mapping["missing"]) == (unit, gain, [])
     if options:
         assert any("given" in guess or "rated value is not used" in guess for guess in mapping["guesses"])
+
+
+def test_a_factor_of_a_reading_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("import", "a.csv", "--axis", "rigid_1m", "--gain", "q=-1") == 2
+    assert "--gain q=-1: only that of a drive is asked here" in capsys.readouterr().err
 
 
 def test_a_torque_is_no_force_without_a_factor(
