@@ -26,6 +26,7 @@ from symid import (
     PayloadChange,
     PeriodicForce,
     PreslidingFriction,
+    drive_imperfections,
     imperfections,
     load_axis,
 )
@@ -137,7 +138,8 @@ def by_unit(axis: Axis, folder: Path) -> np.ndarray:
 
 
 def test_every_imperfection_is_tried() -> None:
-    declared = {getattr(imperfections, name) for name in imperfections.__all__}
+    modules = imperfections, drive_imperfections
+    declared = {getattr(module, name) for module in modules for name in module.__all__}
     concrete = {kind for kind in declared if not kind.__subclasses__()}
     assert concrete == {type(element) for elements in ELEMENTS.values() for element in elements}
 
