@@ -113,13 +113,12 @@ class LawEffect(JointEffect):
         return self.point_by_point(shape, amplitudes) if self.law.moves_hidden else None
 
     def point_by_point(self, shape: Shape, amplitudes: tuple[float, ...]) -> Pointwise:
-        """The force for numbers; of dry friction the level, which does not fall below 0 along the stroke."""
-        functions, numbers = self.functions, (*shape, *amplitudes)
-        values = dict(zip(functions.names, numbers, strict=True))
+        """The force for numbers; of dry friction the level."""
+        functions = self.functions
+        values = dict(zip(functions.names, (*shape, *amplitudes), strict=True))
         if functions.level is None:
             return Pointwise(functions.force, values)
-        level = sp.Max(functions.level, 0) if self.varies_along_stroke else functions.level
-        return Pointwise(level, values, dry=True)
+        return Pointwise(functions.level, values, dry=True)
 
     def force_at(
         self, q: FloatArray, v: FloatArray, shape: Shape, amplitudes: tuple[float, ...]
@@ -203,7 +202,7 @@ class LawFunctions:
     names : tuple of str
         Names of shape parameters and amplitudes.
     level : sympy expression, optional
-        Of dry friction what stands beside sign(v).
+        Of dry friction what stands beside sign(v); it does not fall below 0 along the stroke.
     jumps : tuple of bool
         Whether each term jumps where the velocity changes its sign.
     """
@@ -225,11 +224,12 @@ def _functions(formula: tuple[Term, ...], numbers: tuple[str, ...]) -> LawFuncti
     def whole(parts: list[sp.Expr]) -> sp.Expr:
         return sp.Add(*(sp.Symbol(a) * part for a, part in zip(amplitudes, parts, strict=True)))
 
+    level = whole(levels) if is_dry else None
+    if level is not None and level.has(sp.Symbol("q")):
+        level = sp.Max(level, 0)
     arrays = tuple(array_function(term, numbers) for term in terms)
     jumps = tuple(not is_smooth(term) for term in terms)
-    return LawFunctions(
-        arrays, whole(terms), (*numbers, *amplitudes), whole(levels) if is_dry else None, jumps
-    )
+    return LawFunctions(arrays, whole(terms), (*numbers, *amplitudes), level, jumps)
 
 
 def effects_of(law: type[Law], kind: type[LawEffect] = LawEffect) -> tuple[LawEffect, ...]:
