@@ -117,7 +117,7 @@ class JointEffect(Effect):
         """The same as `forces`, which follow from the motion of the joint unless they are implicit."""
         if self.implicit:
             return self.forces(prediction, joint, shape)
-        return joint.remembered(self, shape, lambda: self.forces(prediction, joint, shape))
+        return joint.memory.of(self, shape, lambda: self.forces(prediction, joint, shape))
 
     def pointwise(
         self, prediction: Prediction, shape: Shape, amplitudes: tuple[float, ...]

@@ -252,8 +252,8 @@ class PayloadChange(Effect):
         """
         record, (change, moment) = prediction.record, shape
         body = prediction.bodies[place]
-        other, free = body.remembered(
-            self, (change,), lambda: self._with_change(prediction, body.direction, change)
+        other, free = prediction.response.memory.of(
+            (self, place), change, lambda: self._with_change(prediction, body.direction, change)
         )
         time = record.fine_time
         later = np.clip(0.5 + (time - moment) / (4 * time[1]), 0, 1) * record.in_log

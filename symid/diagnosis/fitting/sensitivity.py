@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from symid.arrays import ComplexArray
-from symid.diagnosis.effects import Placed, TransferEffect
+from symid.diagnosis.effects import JointEffect, Placed, TransferEffect
 from symid.diagnosis.fitting.state import State, as_read, passed_on, predicted
 from symid.diagnosis.prediction.hidden_motion import acts_on_hidden
 from symid.diagnosis.prediction.prediction import Prediction
@@ -24,12 +24,14 @@ def derivatives(state: State) -> ComplexArray:
     if state.prediction.integrated_terms or any(item.integrated for item in state.placed):
         return _by_differences(state)
     prediction, placed = state.prediction, state.placed
-    found = [_by_parameters(prediction, placed)]
-    for item in placed:
-        if not item.effect.fixed:
-            found.append(_columns(prediction, placed, item))
-        found.append(_shape_columns(prediction, placed, item))
-    return np.concatenate(found)
+    values = (_by_values(prediction, placed, item) for item in placed)
+    return np.concatenate([_by_parameters(prediction, placed), *values])
+
+
+def _by_values(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
+    """Derivatives by the free values of an effect."""
+    shapes = _shape_columns(prediction, placed, item)
+    return shapes if item.effect.fixed else np.concatenate([_columns(prediction, placed, item), shapes])
 
 
 def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
@@ -60,9 +62,21 @@ def _by_differences(state: State) -> ComplexArray:
         ):
             columns[k] = column(value, moved, placed)
     for at, item in enumerate(placed):
+        if not _moves_hidden(prediction, placed, item):
+            columns.extend(_by_values(prediction, placed, item))
+            continue
         for value, other in _moved(item):
             columns.append(column(value, parameters, (*placed[:at], other, *placed[at + 1 :])))
     return np.stack(columns)
+
+
+def _moves_hidden(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> bool:
+    """Whether an effect may move hidden bodies: a force on what the drive is measured to move does not."""
+    if any(each.effect.implicit and not each.integrated for each in placed):
+        return True
+    if isinstance(item.effect, JointEffect):
+        return prediction.record.is_hidden(item.effect.joint(prediction, item.at).direction)
+    return not (isinstance(item.effect, TransferEffect) or item.effect.is_of_command)
 
 
 def _moved(item: Placed) -> Iterator[tuple[float, Placed]]:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
 
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from symid.diagnosis.prediction.memory import Memory
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.simulation.forward_dynamics import LawTerm
-
-Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +30,8 @@ class Joint:
         Its displacement as it follows from the driven position.
     record : Record
         The log.
-    memory : dict
-        What has been computed of it.
+    memory : Memory
+        What follows from its motion alone.
     """
 
     name: str
@@ -42,14 +39,7 @@ class Joint:
     spectrum: ComplexArray
     modelled: ComplexArray
     record: Record
-    memory: dict[Hashable, Any] = field(default_factory=dict, repr=False)
-
-    def remembered(self, key: Hashable, given: Hashable, compute: Callable[[], Found]) -> Found:
-        """Value that follows from this motion and the last `given`, computed once."""
-        if self.memory.get(key, (None, None))[0] != (given,):
-            self.memory[key] = (given,), compute()
-        known: Found = self.memory[key][1]
-        return known
+    memory: Memory = field(default_factory=Memory, repr=False)
 
     @cached_property
     def q(self) -> FloatArray:
@@ -87,7 +77,7 @@ class Joint:
 
     def law_force(self, term: LawTerm) -> ComplexArray:
         """Spectrum of a term of a declared law."""
-        return self.remembered(
+        return self.memory.of(
             ("law", id(term)), None, lambda: self.record.from_grid(self.averaged(term.forces(self.q, self.v)))
         )
 

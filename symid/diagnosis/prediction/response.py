@@ -13,11 +13,12 @@ direct_2m1s. Bodies without mass stay in x, as Z has their springs.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
+from symid.diagnosis.prediction.memory import Memory
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 
@@ -32,6 +33,8 @@ class Response:
     motion: ComplexArray
     # shape (n_outputs, n_bins, n_bodies + n_drives): drive forces and further readings for the same
     outputs: ComplexArray
+    # what follows from motion and outputs alone
+    memory: Memory = field(default_factory=Memory, repr=False)
 
     @property
     def of_positions(self) -> ComplexArray:

@@ -1,0 +1,30 @@
+"""What has been computed of a motion or a frequency response, kept for the next one who asks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Memory:
+    """The last value of each key.
+
+    Examples
+    --------
+    >>> memory = Memory()
+    >>> memory.of("squared", 3, lambda: 9), memory.of("squared", 3, lambda: 10), memory.of("squared", 4, lambda: 16)
+    (9, 9, 16)
+    """
+
+    known: dict[Hashable, tuple[Hashable, Any]] = field(default_factory=dict)
+
+    def of(self, key: Hashable, given: Hashable, compute: Callable[[], Found]) -> Found:
+        """Value that follows from what it belongs to and from the last `given`, computed once."""
+        if key not in self.known or self.known[key][0] != given:
+            self.known[key] = given, compute()
+        found: Found = self.known[key][1]
+        return found
