@@ -35,7 +35,7 @@ _SENTENCES = {
     "parameters": "The structure of the model is right, its values were off: re-identified, it leaves {after:.3g} N, "
     "as much as the noise alone.",
     "unexplained": "The model leaves {before:.3g} N, several times the noise, and no known effect explains it.",
-    "recording": "The log is damaged, so that no physics is read from its gap: q2 holds one value from 4.1 to 4.6 s.",
+    "recording": "No physics is read from the gap of this log: q2 holds one value from 4.1 to 4.6 s.",
 }
 _NEXT = {
     "effect": "Nothing remains to be told apart. To narrow vs, move at 2 to 20 mm/s in both directions for 20 s.",

@@ -16,6 +16,7 @@ from symid.diagnosis.findings.comparison import Comparison, compared
 from symid.diagnosis.findings.conclusion import concluded
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
 from symid.diagnosis.findings.faults import damage
+from symid.diagnosis.findings.feedback import feedback_law
 from symid.diagnosis.findings.wording import sentence
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
@@ -210,7 +211,8 @@ def _diagnosed(
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    found = concluded(comparison, steps, fits, nominal, logs, damage(parts, state, weighting))
+    damaged = damage(parts, state, weighting).led_by(feedback_law(fits[-1]))
+    found = concluded(comparison, steps, fits, nominal, logs, damaged)
     found = with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
     return replace(found, sentence=sentence(found))
 

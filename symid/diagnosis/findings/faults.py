@@ -35,6 +35,10 @@ class Damage:
     fatal: tuple[str, ...] = ()  # those that make the log useless, one sentence each
     noted: tuple[str, ...] = ()  # those that do less harm
 
+    def led_by(self, text: str) -> Damage:
+        """The same with a sentence, if it is not empty, before those that make the log useless."""
+        return replace(self, fatal=(text, *self.fatal)) if text else self
+
     @property
     def texts(self) -> tuple[str, ...]:
         """All of it, the worst first."""

@@ -56,7 +56,7 @@ def sentence(found: Diagnosis) -> str:
         values = "The structure is right and only parameter values were off"
         return f"{values}: re-identified, the model leaves {before}{nominal}."
     if found.verdict == "recording":
-        return f"The log is damaged, so that no physics is read from its gap: {found.faults[0].rstrip('.')}."
+        return f"No physics is read from the gap of this log: {found.faults[0].rstrip('.')}."
     if found.verdict == "unexplained":
         rivals = found.alternatives
         nearest = f"; the nearest is {spoken(rivals[0].effect, rivals[0].at)}" if rivals else ""

@@ -103,6 +103,8 @@ def _placed(effect: Effect, place: str, prediction: Prediction, spring: Spring) 
     values = prediction.axis.with_known_values(prediction.parameters)
     if isinstance(effect, JointEffect) and place in effect.places(prediction):
         deflected = prediction.springs[place_of(spring)]
+        if not any(deflected.range):  # a spring that came out rigid
+            return
         for shape, amplitudes in effect.strong(deflected, values[spring.named("stiffness")]):
             yield Placed(effect, place, shape, amplitudes, integrated=True)
 

@@ -1,0 +1,46 @@
+"""Logs that show the controller in place of the machine.
+
+While the reference stands still, a controller makes its force of position and speed: u = c - Kp q - Kd v. A model with
+friction and a spring can take this form with the signs turned round, and then explains the log without any error,
+whatever the machine is. Such a model feeds energy to the motion, which no machine does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.diagnosis.fitting.fit import Fit
+
+_AS_GOOD = 1.2
+"""Error of the law of feedback relative to that of the model, up to which the model may be that law."""
+
+
+def feedback_law(fit: Fit) -> str:
+    """Sentence that a log shows its controller, where the model fitted to it is the law of one; else empty."""
+    record = fit.state.prediction.record
+    if record.n_drives > 1 or not _feeds_energy(fit):
+        return ""
+    motion, constant = record.motions[0], np.zeros(record.n_bins, dtype=complex)
+    constant[0] = record.n_extended
+    spectra = np.zeros((4, *record.measured.shape), dtype=complex)
+    spectra[:, 0] = constant, motion, 1j * record.omega * motion, record.measured[0]
+    rows = np.concatenate([fit.weighting.rows(spectra), fit.state.rows[None]])
+    known = fit.weighting.known(rows, fit.state.beginning).reshape(len(rows), len(record.measured), -1)
+    *law, force, error = known[:, 0]
+    gains = np.linalg.lstsq(np.transpose(law), force)[0]
+    left = float(np.linalg.norm(force - gains @ law))
+    if not (gains[1] < 0 and gains[2] < 0 and left < _AS_GOOD * float(np.linalg.norm(error))):
+        return ""
+    share = left / float(np.linalg.norm(force))
+    name, position = record.forces[0], record.driven[0]
+    return (
+        f"{name} follows from {position} and its speed alone, {gains[0]:.3g} - {-gains[1]:.3g} {position} - "
+        f"{-gains[2]:.3g} d{position}/dt, but for {100 * share:.2g} % of it: the log shows its "
+        "controller, not the machine; change the reference more often, or add a test signal to the force"
+    )
+
+
+def _feeds_energy(fit: Fit) -> bool:
+    """Whether a damping of the model is negative."""
+    dampings = fit.state.prediction.record.dynamics.parameters_of("damping")
+    return any(fit.parameters[name] < 0 for name in dampings)
