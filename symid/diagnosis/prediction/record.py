@@ -41,7 +41,9 @@ _FINEST = 8
 _POINTS_PER_ROW = 2
 """Of an integration."""
 _FINEST_FORCE = 1e-4
-"""Noise of a force that is known best, relative to the largest: a record of 12 bits has more."""
+"""Noise of a record of a force, relative to the largest: one of 12 bits has more, and what has less is a command."""
+_COMMANDED = 1e-3
+"""Error with which a drive follows its command, relative to the largest force: the record of a command shows none."""
 _FINEST_READING = 1e-8
 """Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
 
@@ -238,13 +240,13 @@ class Record:
             for name in self.signals
         ]
         positions = np.stack([self.log[name] for name in self.driven])
-        of_forces = [
-            max(
+        of_forces = []
+        for name in self.forces:
+            level, largest = (
                 force_noise(self.log[name], positions, frequency, self.band_hz),
-                _FINEST_FORCE * float(np.abs(self.log[name]).max()),
+                np.abs(self.log[name]).max(),
             )
-            for name in self.forces
-        ]
+            of_forces.append(level if level > _FINEST_FORCE * largest else _COMMANDED * float(largest))
         return np.array([*found[: self.n_drives], *of_forces, *found[self.n_drives :]])
 
     @cached_property

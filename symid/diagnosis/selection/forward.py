@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 
-from symid.diagnosis.effects import Effect, Key, Placed
+from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed
 from symid.diagnosis.fitting.fit import Fit, fitted, refitted, settled
 from symid.diagnosis.fitting.hidden_starts import Start, from_other_places, of_grid
 from symid.diagnosis.fitting.state import can_integrate, with_effects
@@ -99,9 +99,10 @@ def _selection_step(fit: Fit, library: Sequence[Effect], nominal: Fit | None) ->
         best = max(confirmed.values(), key=lambda c: c.penalised_gain, default=None)
         if best is not None and best.fit.mean_square < THRESHOLDS.explained:
             break
-    # A refinement may imitate its simpler effect, as presliding does Coulomb friction: both are fitted and compared.
-    simpler = [c.placed for c in found if _is_simpler(c.placed.key, tried)]
-    tried |= _confirm(fit, [Start.of(fit, placed) for placed in simpler], confirmed)
+    # A refinement may imitate its simpler effect, as presliding does Coulomb friction, and a lag is nearly a delay:
+    # both are fitted and compared.
+    alike = [c.placed for c in found if _is_alike(c.placed.key, tried)]
+    tried |= _confirm(fit, [Start.of(fit, placed) for placed in alike], confirmed)
     refused = frozenset(tried.keys() - confirmed.keys())
     prefer_coulomb(confirmed)
     return SelectionStep(fit, tuple(ranked(confirmed.values(), fit)), tuple(found), refused)
@@ -123,9 +124,13 @@ def _confirm(fit: Fit, starts: Iterable[Start], confirmed: dict[Key, Confirmed])
     return tried
 
 
-def _is_simpler(key: Key, tried: Mapping[Key, Placed]) -> bool:
-    """Whether a candidate is a simpler effect than one of those tried, which may imitate it."""
-    return key not in tried and any(placed.contains(key) for placed in tried.values())
+def _is_alike(key: Key, tried: Mapping[Key, Placed]) -> bool:
+    """Whether a candidate is a simpler effect than one of those tried, or the same but for how a force is late."""
+    if key in tried:
+        return False
+    name, at = key
+    late = name in LATE_FORCES and any((other, at) in tried for other in LATE_FORCES)
+    return late or any(placed.contains(key) for placed in tried.values())
 
 
 def _stages(
