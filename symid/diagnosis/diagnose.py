@@ -211,7 +211,7 @@ def _diagnosed(
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    damaged = damage(parts, state, weighting).led_by(feedback_law(fits[-1]))
+    damaged = damage(parts, Fit(state, weighting), base).led_by(feedback_law(fits[-1]))
     found = concluded(comparison, steps, fits, nominal, logs, damaged)
     found = with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
     return replace(found, sentence=sentence(found))

@@ -11,8 +11,8 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.data.stuck import inspect_spans
 from symid.diagnosis.effects import force_at
-from symid.diagnosis.fitting.state import State
-from symid.diagnosis.prediction.weighting import Weighting
+from symid.diagnosis.fitting.fit import Fit, fitted
+from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.selection.step import SelectionStep
 from symid.identification.criteria import CRITERIA
 from symid.identification.recording import channel_fault
@@ -24,6 +24,8 @@ and slow controllers repeat values by nature; a channel that is updated every se
 _WHOLE_SAMPLE = 0.15
 _OPPOSITE = -0.5
 """Correlation of the measured with the predicted force from which on one of their signs is wrong."""
+_MIRRORED = 0.3
+"""Mean square left of a force of the other sign, relative to that of the one recorded, below which it is wrong."""
 _BOTH_SIGNS = 0.2
 """Share of the samples in which a force must be negative, and positive, for a record of one sign to be odd."""
 
@@ -48,14 +50,17 @@ class Damage:
 NO_DAMAGE = Damage()
 
 
-def damage(logs: Sequence[Log], state: State, weighting: Weighting) -> Damage:
-    """Damage that the recorder, or a wrong sign, has done to logs, seen by the axis with the values to begin with."""
-    record = state.prediction.record
+def damage(logs: Sequence[Log], begun: Fit, found: Fit) -> Damage:
+    """Damage that the recorder, or a wrong sign, has done to logs, seen by the axis with the values to begin with.
+
+    `found` is the axis as it fits the logs.
+    """
+    record = begun.state.prediction.record
     names = (*record.forces, *record.signals)
     positions = [name for name in record.signals if record.dynamics.sensors[name][1] == 0]
     faults = [_destroyed(log[name], name, is_force=name in record.forces) for log in logs for name in names]
     notes = [inspect_spans(log.time, {name: log[name] for name in names}, positions) for log in logs]
-    signs = [_wrong_sign(state, weighting, drive) for drive in range(record.n_drives)]
+    signs = [_wrong_sign(begun, found, drive) for drive in range(record.n_drives)]
     fatal = tuple(dict.fromkeys(text for text in (*signs, *faults) if text))
     return Damage(fatal, tuple(dict.fromkeys(text for note in notes for text in note)))
 
@@ -66,13 +71,15 @@ def _destroyed(x: FloatArray, name: str, *, is_force: bool) -> str:
     return channel_fault(x, name, _REPEATED, is_force=is_force) if "repeats" in found else found
 
 
-def _wrong_sign(state: State, weighting: Weighting, drive: int) -> str:
+def _wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
     """Whether the measured force of a drive is opposite to what the motion asks for, or never changes its sign."""
+    state, weighting = begun.state, begun.weighting
     record = state.prediction.record
     force = record.forces[drive]
     both = weighting.rows(np.stack([record.measured, state.prediction.outputs]))
     measured, predicted = both[:, drive, weighting.kept]
-    if float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE:
+    opposite = float(np.corrcoef(measured, predicted)[0, 1]) < _OPPOSITE
+    if opposite and _fits_mirrored(begun, found, force):
         return f"{force} is opposite to what the motion asks for: its sign or that of a position is wrong"
     logged = record.log[force]
     seen, asked = (
@@ -86,6 +93,15 @@ def _wrong_sign(state: State, weighting: Weighting, drive: int) -> str:
             f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
         )
     return ""
+
+
+def _fits_mirrored(begun: Fit, found: Fit, force: str) -> bool:
+    """Whether the axis fits a force of the other sign far better than the one recorded."""
+    record = begun.state.prediction.record
+    log = replace(record.log, signals={**record.log.signals, force: -record.log[force]})
+    other = replace(record, log=log, driven_joints={})
+    fit = fitted(*first_state(other, begun.parameters, begun.weighting.allowed))
+    return fit.mean_square < _MIRRORED * found.mean_square
 
 
 def _is_absolute(seen: FloatArray, asked: FloatArray) -> bool:
