@@ -30,6 +30,9 @@ class Criteria:
     # standard deviations of such a cubic, and of a drifting gain, that are as good: undamaged logs show up to 3
     gain_certain: float = 6.0
     nonlinear_output: float = 0.01  # part of the output (rms) that this cubic must be
+    # part of the residual's power that a force which is cut off must explain, beside the part of the output: undamaged
+    # logs show 0.05, or 0.3 of a residual that is tiny
+    cut: float = 0.1
     # part of the largest force by which it falls short, as the cube of the recorded force tells
     bent_force: float = 0.05
     # the same of its second derivative, for a force that was smoothed: reversals of friction make 1 to 2 % of it

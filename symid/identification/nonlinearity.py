@@ -29,6 +29,8 @@ _NOISE_EXPLAINS = 1.5
 """Times the noise of the columns and the output up to which a residual says nothing of a force that was smoothed."""
 _NO_DRIFT = 1.0
 """Change of a gain from begin to end of a log, as part of it, from which on another cause made it."""
+_AT_LIMIT = 0.95
+"""Part of its largest value from which on a force may stand at a limit, noise included."""
 _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
@@ -79,25 +81,36 @@ class ColumnTests:
         return ""
 
     def force_limit(self) -> str:
-        """Force that is limited softly, most of it faster than the cutoff, in words; empty if it is in proportion."""
-        Z, rest, y = _of_all(self.rows)
+        """Force that is limited, most of it faster than the cutoff, in words; empty if it is in proportion.
+
+        The cube of the recorded force stands for what a soft limit took away, its sign in the uppermost part of its
+        range for what was cut off.
+        """
         for force in self.model.forces:
             largest = max(float(np.max(np.abs(part.log[force]))) for part in self.parts) or 1.0
-            made = []
-            for part in self.parts:
-                signals = {**part.log.signals, force: (part.log[force] / largest) ** 3}
-                cubed, chosen = replace(part.log, signals=signals), part.observation.preparation
-                made.append(SignalRows.of(self.model, cubed, chosen, force).rows)
-            cubic = _Column.of(
-                Z, rest, np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows]), y
-            )
-            is_short = cubic.factor < -self.criteria.bent_force * largest
-            if is_short and cubic.share > self.criteria.nonlinear:
-                return (
-                    f"where {force} is large it is less than in proportion to the motion (its cube takes away "
-                    f"{100 * cubic.share:.2g} % of the residual's power): it is limited; record with a wider range"
-                )
+            relative = [part.log[force] / largest for part in self.parts]
+            cube, limit = [x**3 for x in relative], [np.sign(x) * (np.abs(x) > _AT_LIMIT) for x in relative]
+            for words, shapes, share, size in (
+                ("its cube takes", cube, self.criteria.nonlinear, 0.0),
+                ("its largest values take", limit, self.criteria.cut, self.criteria.nonlinear_output),
+            ):
+                column = self._lacking(force, shapes)
+                is_short = column.factor < -self.criteria.bent_force * largest
+                if is_short and column.share > share and -column.size > size:
+                    return (
+                        f"where {force} is large it is less than in proportion to the motion ({words} away "
+                        f"{100 * column.share:.2g} % of the residual's power): it is limited; record with a wider range"
+                    )
         return ""
+
+    def _lacking(self, force: str, shapes: Sequence[FloatArray]) -> _Column:
+        """The column that a force of some course in each part makes, prepared as the recorded one."""
+        made = []
+        for part, shape in zip(self.parts, shapes, strict=True):
+            log = replace(part.log, signals={**part.log.signals, force: shape})
+            made.append(SignalRows.of(self.model, log, part.observation.preparation, force).rows)
+        Z, rest, y = _of_all(self.rows)
+        return _Column.of(Z, rest, np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows]), y)
 
     def gain_drift(self) -> str:
         """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
