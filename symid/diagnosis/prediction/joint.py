@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from symid.diagnosis.prediction.memory import Memory
+from symid.diagnosis.prediction.last_values import Memory
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.simulation.forward_dynamics import LawTerm

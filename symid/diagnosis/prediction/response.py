@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.prediction.memory import Memory
+from symid.diagnosis.prediction.last_values import Memory
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 
