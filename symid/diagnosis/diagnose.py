@@ -194,11 +194,12 @@ def _diagnosed(
     else:
         start = starting_parameters(axis, data.record)
     state, weighting = first_state(data.record, start, data.training)
+    begun = Fit(state, weighting)
     base = replace(fitted_axis(state, weighting), nominal=dict(nominal or {}))
     unknown = recorded.may_be_held(axis)
     if unknown and shows_hold(base):
         return _with_hold(axis, runs, nominal, recorded, library)
-    before = Fit(state, weighting) if len(data.record.dynamics.bodies) > 1 else None
+    before = begun if len(data.record.dynamics.bodies) > 1 else None
     steps: Sequence[SelectionStep] = backward_elimination(forward_selection(base, library, before), library)
     base = steps[0].before
     if unknown and any(is_held(step.confirmed[0].fit) for step in steps if step.accepts):
@@ -211,7 +212,7 @@ def _diagnosed(
     fits = fits_of(base, steps)
     logs = runs[0].log, runs[1].log if runs[1] else None
     parts = [part for run in runs if run is not None for part in run.parts]
-    damaged = damage(parts, Fit(state, weighting), base).led_by(feedback_law(fits[-1]))
+    damaged = damage(parts, begun, base).led_by(feedback_law(fits[-1]))
     found = concluded(comparison, steps, fits, nominal, logs, damaged)
     found = with_motion(found, comparison, runs, data.held_out, controller=recorded.controller)
     return replace(found, sentence=sentence(found))

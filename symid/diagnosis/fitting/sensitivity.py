@@ -30,8 +30,9 @@ def derivatives(state: State) -> ComplexArray:
 
 def _by_values(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
     """Derivatives by the free values of an effect."""
-    shapes = _shape_columns(prediction, placed, item)
-    return shapes if item.effect.fixed else np.concatenate([_columns(prediction, placed, item), shapes])
+    columns = _columns(prediction, placed, item)
+    shapes = _shape_columns(prediction, placed, item, columns)
+    return shapes if item.effect.fixed else np.concatenate([columns, shapes])
 
 
 def _columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
@@ -100,9 +101,11 @@ def _by_parameters(prediction: Prediction, placed: Sequence[Placed]) -> ComplexA
     return passed_on(prediction, placed, columns)
 
 
-def _shape_columns(prediction: Prediction, placed: Sequence[Placed], item: Placed) -> ComplexArray:
+def _shape_columns(
+    prediction: Prediction, placed: Sequence[Placed], item: Placed, before: ComplexArray
+) -> ComplexArray:
+    """Derivatives by the shape of an effect, whose derivatives by its amplitudes are those `before`."""
     columns = np.zeros((len(item.shape), *prediction.record.measured.shape), dtype=complex)
-    before = _columns(prediction, placed, item) if item.shape else 0.0
     for i, value in enumerate(item.shape):
         step = _SHAPE_STEP * abs(value)
         moved = replace(item, shape=(*item.shape[:i], value + step, *item.shape[i + 1 :]))
