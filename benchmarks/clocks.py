@@ -17,16 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from benchmarks import tuning_grid
 from symid import Log, identify, load_axis, load_generated
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
-VALUES = {
-    "rigid_1m": {"M": 109.0, "Fv": 230.0, "Fs": 23.0},
-    "direct_2m1s": {"Ms": 1700.0, "Fvs": 24000.0, "Ks": 1.3e8, "Mm": 460.0, "Fvm": 104.0, "Fsm": 98.0},
-    "ballscrew_2m1s": {
-        "Mm": 80.0, "Fvm": 120.0, "Fsm": 50.0, "Kt": 6e6, "Ft": 700.0, "Ml": 200.0, "Fvl": 150.0,
-    },
-}  # fmt: skip
+VALUES = tuning_grid.VALUES | {"rigid_1m": {"M": 109.0, "Fv": 230.0, "Fs": 23.0}}
 AXES = (("rigid_1m", "q", "F"), ("direct_2m1s", "q2", "Fm"), ("ballscrew_2m1s", "qm", "Fm"))
 NOTICED = 0.5
 """Samples of drift that should be named."""
