@@ -1,5 +1,6 @@
-"""Files of tests are as short as CONTRIBUTING says, and every module has a name that no other has."""
+"""Files of tests are as short as CONTRIBUTING says; no two modules and no two classes share a name."""
 
+import ast
 from collections import Counter
 from pathlib import Path
 
@@ -16,4 +17,10 @@ def test_a_file_has_fewer_than_300_lines(file: Path) -> None:
 
 def test_no_two_modules_have_the_same_name() -> None:
     names = Counter(file.stem for file in PACKAGE.rglob("*.py") if file.stem != "__init__")
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_no_two_classes_have_the_same_name() -> None:
+    trees = [ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")]
+    names = Counter(node.name for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
     assert [name for name, count in names.items() if count > 1] == []

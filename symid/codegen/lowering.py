@@ -21,7 +21,7 @@ from sympy.printing.numpy import NumPyPrinter
 from symid.symbolic.minimal import MinimalParameter
 
 
-class _Printer(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
+class _ModulePrinter(NumPyPrinter):  # type: ignore[misc]  # sympy has no types
     """Prints expressions of the law language with ``np`` as NumPy's name."""
 
     def _module_format(self, fqn: str, register: bool = True) -> str:
@@ -43,7 +43,7 @@ def code(expression: sp.Expr) -> str:
     >>> code(sp.sympify("-sign(q_d1) + 2*q"))
     '2*q - np.sign(q_d1)'
     """
-    return str(_Printer().doprint(expression))
+    return str(_ModulePrinter().doprint(expression))
 
 
 class PolynomialLowering:

@@ -13,7 +13,16 @@ from symid.diagnosis.findings.diagnosis_result import (
     Spectrum,
 )
 from symid.diagnosis.findings.found_effects import Alternative, EffectParameter, FoundEffect, ParameterChange
-from symid.diagnosis.findings.gap import Gap, Level, Location, MapCell, Motion, MotionError, Removed, Reversal
+from symid.diagnosis.findings.gap import (
+    Gap,
+    Level,
+    Location,
+    MapCell,
+    MotionError,
+    Removed,
+    Reversal,
+    SimulatedMotion,
+)
 from symid.diagnosis.in_motion.declared import ExplainedAxis, explained_axis
 
 __all__ = [
@@ -29,13 +38,13 @@ __all__ = [
     "Level",
     "Location",
     "MapCell",
-    "Motion",
     "MotionError",
     "ParameterChange",
     "Removed",
     "Reversal",
     "Signals",
     "SimulatedEffect",
+    "SimulatedMotion",
     "SimulatedParameter",
     "Simulator",
     "Spectrum",

@@ -23,7 +23,7 @@ _RESERVED = {
 _MOST_FACTORS = 4
 
 
-class _Printer(C99CodePrinter):  # type: ignore[misc]  # sympy has no types
+class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy has no types
     """All numbers are doubles; small powers are products; laws call `sign` and `positive`."""
 
     def _print_Integer(self, expression: Any) -> str:
@@ -52,7 +52,7 @@ def c_code(expression: sp.Expr) -> str:
     >>> c_code(sp.Rational(1, 2) * x**3 - sp.sign(x) * abs(x))
     '(1.0/2.0)*(x*x*x) - fabs(x)*sign(x)'
     """
-    return str(_Printer().doprint(expression))
+    return str(_CPrinter().doprint(expression))
 
 
 def c_name(name: str) -> str:

@@ -61,7 +61,7 @@ _TAKEN = frozenset(
 """Words of the language and of the block; letters of case do not matter there."""
 
 
-class _Printer(StrPrinter):  # type: ignore[misc]  # sympy has no types
+class _StructuredTextPrinter(StrPrinter):  # type: ignore[misc]  # sympy has no types
     """All numbers are LREAL; powers are products or EXPT."""
 
     def _print_Integer(self, expression: Any) -> str:
@@ -134,7 +134,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
         f"    acceleration : LREAL; (* {length}/s^2 *)",
         f"    rest_speed : LREAL := 0.0001; (* {length}/s *)",
         *(
-            f"    {named[str(p)]} : LREAL := {_Printer().doprint(sp.Float(values[str(p)], 17))}; "
+            f"    {named[str(p)]} : LREAL := {_StructuredTextPrinter().doprint(sp.Float(values[str(p)], 17))}; "
             f"(* {axis.physical_parameters[str(p)] or '1'} *)"
             for p in used
         ),
@@ -146,7 +146,7 @@ def structured_text(axis: Axis, values: Mapping[str, float]) -> Exported:
     command = ""
     if drive.command:
         outputs.append(f"    command : LREAL; (* {drive.command}, what the drive takes for this force *)")
-        command = f"\ncommand := force / {_Printer().doprint(sp.Float(drive.factor, 17))};"
+        command = f"\ncommand := force / {_StructuredTextPrinter().doprint(sp.Float(drive.factor, 17))};"
     losses = list(losses_of_imperfections(axis, "a feed-forward"))
     if len(axis.bodies) > 1:
         losses.append("Deflection of springs: the force is that of the axis as one rigid motion.")
@@ -184,5 +184,5 @@ def _statement(expression: sp.Expr, named: Mapping[str, str], *more: str) -> str
     written = exact.xreplace(long).subs({sp.sign(SPEED): sp.Symbol("direction")})
     words = {POSITION: "position", SPEED: "velocity", ACCELERATION: "acceleration"}
     names = {**{sp.Symbol(a): b for a, b in named.items()}, **words}
-    text = _Printer().doprint(written.xreplace({a: sp.Symbol(b) for a, b in names.items()}))
+    text = _StructuredTextPrinter().doprint(written.xreplace({a: sp.Symbol(b) for a, b in names.items()}))
     return " + ".join([*more, text]) if text != "0.0" or not more else more[0]

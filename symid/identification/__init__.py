@@ -12,7 +12,7 @@ from symid.identification.known_per_log import SharedIdentification, identify_wi
 from symid.identification.mapping import LogMapping, read_mapping
 from symid.identification.observation import Observation, observe
 from symid.identification.physical import PhysicalEstimate, physical_estimates
-from symid.identification.predicted_output import Prediction, predict
+from symid.identification.predicted_output import OutputPrediction, predict
 from symid.identification.residuals import EquationResidual
 from symid.identification.settings import Preparation
 from symid.identification.timing import Timing, delays_of
@@ -25,8 +25,8 @@ __all__ = [
     "Identification",
     "LogMapping",
     "Observation",
+    "OutputPrediction",
     "PhysicalEstimate",
-    "Prediction",
     "Preparation",
     "SharedIdentification",
     "Timing",

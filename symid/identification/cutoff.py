@@ -54,7 +54,7 @@ _MANY_ROWS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class CutoffTrial:
     """Rows of each log, and what was estimated from all of them."""
 
     runs: tuple[Run, ...]
@@ -71,7 +71,7 @@ class Estimation:
     method: Method
     ddof: int | None
 
-    def trial(self) -> Trial:
+    def trial(self) -> CutoffTrial:
         """Rows and estimate; where the cutoff is left open and the model does not describe the band, a lower one."""
         first = self._at([self.preparation] * len(self.logs))
         is_flexible = max(self.model.highest_derivatives.values()) > _RIGID
@@ -90,7 +90,7 @@ class Estimation:
         good = _LITTLE_MORE * min(lefts)
         return next(one for one, left in zip(tried, lefts, strict=True) if left <= good)
 
-    def scaled(self, first: Trial, factor: float) -> Trial | None:
+    def scaled(self, first: CutoffTrial, factor: float) -> CutoffTrial | None:
         """Rows and estimate at a multiple of the cutoffs of a trial; None where lower ones leave too few rows."""
         cutoffs = [factor * _cutoff(run) for run in first.runs]
         try:
@@ -100,14 +100,14 @@ class Estimation:
         least = _ROWS_LEFT * found.fit.solution.size if factor < 1.0 else 0
         return found if min(found.fit.rows) >= least else None
 
-    def widest(self, first: Trial) -> Trial:
+    def widest(self, first: CutoffTrial) -> CutoffTrial:
         """Rows and estimate at the cutoff that leaves most rows: half a period of it is lost at each reversal."""
         if self.preparation.cutoff_hz is not None:
             return first
         others = [self.scaled(first, factor) for factor in _upward(self.highest(first, is_coherent=False))]
         return max([first, *filter(None, others)], key=lambda one: sum(one.fit.rows))
 
-    def left(self, found: Trial) -> float:
+    def left(self, found: CutoffTrial) -> float:
         """Largest residual of an equation as part of its output, beyond noise; inf without all parameters."""
         if found.fit.status != "ok":
             return math.inf
@@ -117,7 +117,7 @@ class Estimation:
         ]
         return float(np.max(unexplained(self.model, seen, found.fit))) if seen else 0.0
 
-    def highest(self, first: Trial, *, is_coherent: bool = True) -> float:
+    def highest(self, first: CutoffTrial, *, is_coherent: bool = True) -> float:
         """Times the cutoffs of a trial that the logs allow, with forces and motion coherent or not."""
         order, place = self.preparation.difference_order, 1 if is_coherent else 2
         return min(
@@ -125,7 +125,7 @@ class Estimation:
             for log, run in zip(self.logs, first.runs, strict=True)
         )
 
-    def _at(self, preparations: Sequence[Preparation]) -> Trial:
+    def _at(self, preparations: Sequence[Preparation]) -> CutoffTrial:
         """Rows and estimate; friction beside a differentiated force is taken off it, and found by secants."""
         model = self.model
         is_open = bool(model.coulomb_at_drive) and self.preparation.coulomb is None
@@ -142,7 +142,7 @@ class Estimation:
         many = sum(fit.rows) >= _MANY_ROWS and fit.condition_number_scaled <= _CONDITION_THAT_COSTS_DIGITS
         if len(runs) == 1 and fit.status == "ok" and not many:
             fit = refine_blocks(blocks_of_runs(runs), fit)
-        return Trial(runs, fit)
+        return CutoffTrial(runs, fit)
 
     def _levels(self, factors: Sequence[TriangularFactor]) -> tuple[float, ...]:
         """Levels of the friction beside drives, found by secants from the factors of rows with columns of it."""
@@ -165,7 +165,7 @@ class Estimation:
 
 
 def least_uncertain(
-    estimation: Estimation, first: Trial, widened: Callable[[Trial], Identification]
+    estimation: Estimation, first: CutoffTrial, widened: Callable[[CutoffTrial], Identification]
 ) -> Identification:
     """Identification of a trial, or of one at another cutoff where that determines the parameters better.
 

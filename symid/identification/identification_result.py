@@ -15,7 +15,7 @@ from symid.estimation import CorrelatedCovariance, LeastSquares
 from symid.identification.bias import Bias
 from symid.identification.observation import Observation
 from symid.identification.physical import PhysicalEstimate
-from symid.identification.predicted_output import Prediction, predict
+from symid.identification.predicted_output import OutputPrediction, predict
 from symid.identification.residuals import EquationResidual
 from symid.identification.timing import Timing
 from symid.identification.verdict import Status
@@ -122,7 +122,7 @@ class Identification(EstimatedParameters, Shown):
         """Physical parameters by name, SI; minimal ones where there are none."""
         return self.physical_parameters or self.minimal_parameters
 
-    def predict(self, log: Log) -> Prediction:
+    def predict(self, log: Log) -> OutputPrediction:
         """The output that the parameters predict on another log, as `symid.identification.predict`."""
         return predict(self, log)
 

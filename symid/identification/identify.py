@@ -28,7 +28,7 @@ from symid.identification.bias import Bias, Correction, bias_of_instruments
 from symid.identification.clock_drift import drift_by_rows, drift_within_a_row
 from symid.identification.constraints import Constraints, constrained_estimates
 from symid.identification.contradiction import judged
-from symid.identification.cutoff import Estimation, Trial, least_uncertain
+from symid.identification.cutoff import CutoffTrial, Estimation, least_uncertain
 from symid.identification.excerpts import Excerpt, blocks_of, excerpts
 from symid.identification.identification_result import Identification, trusted_covariance
 from symid.identification.lagging import lag_of
@@ -116,7 +116,7 @@ def identify(
         )
     estimation = Estimation(model, every, preparation or Preparation(), method, ddof)
 
-    def found_at(trial: Trial) -> Identification:
+    def found_at(trial: CutoffTrial) -> Identification:
         return found_from(
             model,
             every,

@@ -55,7 +55,7 @@ class ColumnTests:
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             scale = max(float(np.max(np.abs(y), initial=0.0)), np.finfo(float).tiny)
-            cubic = _Column.of(Z, rest, (y / scale) ** 3, y)
+            cubic = _AddedColumn.of(Z, rest, (y / scale) ** 3, y)
             certain = self._certain(rest, self.criteria.gain_certain)
             is_bent = cubic.share > min(self.criteria.nonlinear, certain)
             if is_bent and abs(cubic.size) > self.criteria.nonlinear_output:
@@ -71,7 +71,7 @@ class ColumnTests:
             if not beyond_noise[j]:
                 continue  # noise in W does too
             bent = np.concatenate([self._second_difference(r.part, j) for r in rows])
-            missing = _Column.of(Z, rest, bent, y)
+            missing = _AddedColumn.of(Z, rest, bent, y)
             if missing.share > self.criteria.nonlinear and missing.size > self.criteria.smoothed_output:
                 return (
                     f"{force} lacks what is fast in the motion (its second derivative takes away "
@@ -103,14 +103,16 @@ class ColumnTests:
                     )
         return ""
 
-    def _lacking(self, force: str, shapes: Sequence[FloatArray]) -> _Column:
+    def _lacking(self, force: str, shapes: Sequence[FloatArray]) -> _AddedColumn:
         """The column that a force of some course in each part makes, prepared as the recorded one."""
         made = []
         for part, shape in zip(self.parts, shapes, strict=True):
             log = replace(part.log, signals={**part.log.signals, force: shape})
             made.append(SignalRows.of(self.model, log, part.observation.preparation, force).rows)
         Z, rest, y = _of_all(self.rows)
-        return _Column.of(Z, rest, np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows]), y)
+        return _AddedColumn.of(
+            Z, rest, np.concatenate([self._residual_of(r, made[r.part]) for r in self.rows]), y
+        )
 
     def gain_drift(self) -> str:
         """Whether the gain of a force drifts along the logs, in words; empty if it does not."""
@@ -119,7 +121,7 @@ class ColumnTests:
                 continue
             rows, Z, rest, y = _of_equation(self.rows, j)
             grown = [self._growing(r, self.parts[r.part].moved(force).rows) for r in rows]
-            drift = _Column.of(Z, rest, np.concatenate(grown), y)
+            drift = _AddedColumn.of(Z, rest, np.concatenate(grown), y)
             certain = self._certain(rest, self.criteria.gain_certain)
             if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _NO_DRIFT:
                 return (
@@ -138,7 +140,7 @@ class ColumnTests:
             if name in self.model.forces:
                 continue
             own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
-            gain = _Column.of(Z, rest, np.concatenate(own), y)
+            gain = _AddedColumn.of(Z, rest, np.concatenate(own), y)
             certain = self._certain(rest, self.criteria.gain_certain)
             if gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain:
                 return (
@@ -191,7 +193,7 @@ def _of_equation(
 
 
 @dataclass(frozen=True)
-class _Column:
+class _AddedColumn:
     """The effect of one more column on the residual.
 
     Share of the residual's power that it takes away; rms that the other columns do not explain, as part of the output
@@ -203,7 +205,7 @@ class _Column:
     factor: float = 0.0
 
     @classmethod
-    def of(cls, Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> _Column:
+    def of(cls, Z: FloatArray, r: FloatArray, column: FloatArray, y: FloatArray) -> _AddedColumn:
         """Of columns Z of the model, residual r, and output y."""
         power, whole = float(r @ r), float(column @ column)
         if not power > 0.0 or not whole > 0.0:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class OutputPrediction:
     """The output that identified parameters predict on a log.
 
     Parameters
@@ -37,7 +37,7 @@ class Prediction:
     residuals: tuple[EquationResidual, ...]
 
 
-def predict(found: Identification, log: Log) -> Prediction:
+def predict(found: Identification, log: Log) -> OutputPrediction:
     """Predict the output on another log.
 
     Parameters
@@ -61,7 +61,7 @@ def predict(found: Identification, log: Log) -> Prediction:
         )
         for j, name in enumerate(found.model.output_names)
     )
-    return Prediction(log.source, observation, parameters, tuple(residuals))
+    return OutputPrediction(log.source, observation, parameters, tuple(residuals))
 
 
 def _with_own_parameters(found: Identification, observation: Observation) -> FloatArray:

@@ -19,7 +19,7 @@ from symid.arrays import FloatArray
 from symid.data import Log
 from symid.output_error.predicted_log import OutputErrorPrediction
 from symid.output_error.predictor import Predictor, predictor
-from symid.output_error.run import LogRun, Motion, motion_between
+from symid.output_error.run import JointMotion, LogRun, motion_between
 from symid.output_error.sampled_plant import SampledPlant, sampled_plant
 from symid.simulation import ForwardDynamics, Plant
 
@@ -42,7 +42,7 @@ class PredictionError:
 
     dynamics: ForwardDynamics
     run: LogRun
-    motions: tuple[Motion, ...]
+    motions: tuple[JointMotion, ...]
     free_timing: bool = False
 
     @property

@@ -33,7 +33,7 @@ _EXCERPTS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class JointMotion:
     """Displacement and velocity of a joint in the parts of the sampling intervals, and at the samples.
 
     Parameters
@@ -49,9 +49,9 @@ class Motion:
     q_at: FloatArray
     v_at: FloatArray
 
-    def at(self, samples: BoolArray | NDArray[np.intp]) -> Motion:
+    def at(self, samples: BoolArray | NDArray[np.intp]) -> JointMotion:
         """The motion at some of the samples."""
-        return Motion(self.q[samples], self.v[samples], self.q_at[samples], self.v_at[samples])
+        return JointMotion(self.q[samples], self.v[samples], self.q_at[samples], self.v_at[samples])
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class LogRun:
     forces: FloatArray  # shape (n, n_drives): the forces of the whole log
     kept: BoolArray  # shape (n,): samples of the log that are in the stretches
     # motion of each joint with nonlinear laws; None where sensors do not determine it
-    motions: tuple[Motion | None, ...]
+    motions: tuple[JointMotion | None, ...]
     starts: tuple[int, ...]  # first sample of each stretch
 
     @property
@@ -89,7 +89,7 @@ class LogRun:
         return all(motion is not None for motion in self.motions)
 
     @property
-    def known_motions(self) -> tuple[Motion, ...]:
+    def known_motions(self) -> tuple[JointMotion, ...]:
         """Motions of all joints; an undetermined one is taken to rest."""
         still = np.zeros(len(self.readings))
         return tuple(motion or motion_between(still, still, self.parts) for motion in self.motions)
@@ -221,7 +221,7 @@ def _upsampled(values: FloatArray, parts: int) -> FloatArray:
 
 def _measured_motion(
     dynamics: ForwardDynamics, direction: FloatArray, log: Log, lowpass: LowPass, parts: int
-) -> Motion | None:
+) -> JointMotion | None:
     """Motion of a joint that is a combination of measured positions; None if it is not.
 
     Without a position, of measured speeds: the displacement is the integral, from 0 on.
@@ -242,14 +242,14 @@ def _measured_motion(
     return motion_between(read, central_difference(read, log.sampling_period), parts)
 
 
-def motion_between(q: FloatArray, v: FloatArray, parts: int) -> Motion:
+def motion_between(q: FloatArray, v: FloatArray, parts: int) -> JointMotion:
     """Motion in the parts of the intervals from that at the samples, by straight lines."""
     share = (np.arange(parts) + 0.5) / parts
     inner = [np.append(x[1:], x[-1])[:, None] * share + x[:, None] * (1 - share) for x in (q, v)]
-    return Motion(inner[0], inner[1], q, v)
+    return JointMotion(inner[0], inner[1], q, v)
 
 
-def _resting(motion: Motion, standstill: float | None, margin: int) -> BoolArray:
+def _resting(motion: JointMotion, standstill: float | None, margin: int) -> BoolArray:
     """Samples in standstills that last, and around reversals that are far from each other.
 
     At a reversal friction jumps, at a moment that filtered velocities determine only to a few samples. Where the axis

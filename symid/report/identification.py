@@ -10,12 +10,20 @@ from rich.console import Console
 
 from symid.arrays import FloatArray
 from symid.estimation.least_squares import relative_standard_deviation
-from symid.identification import Bias, EquationResidual, Identification, Prediction, SharedIdentification
+from symid.identification import (
+    Bias,
+    EquationResidual,
+    Identification,
+    OutputPrediction,
+    SharedIdentification,
+)
 from symid.report.console import TextTable, report_console
 from symid.report.number_text import MISSING, significant
 
 
-def identification_record(found: Identification, validation: Prediction | None = None) -> dict[str, Any]:
+def identification_record(
+    found: Identification, validation: OutputPrediction | None = None
+) -> dict[str, Any]:
     """Record of `symid identify --json`.
 
     Deviations come twice: ``std`` is the classical one of the paper [22]-[30], which takes the residual as white;

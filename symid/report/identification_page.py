@@ -19,7 +19,7 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.export.parameters import correlation
 from symid.files import write_whole
-from symid.identification import Identification, Prediction
+from symid.identification import Identification, OutputPrediction
 from symid.identification.observation import Observation
 from symid.report.drawn import Drawn, apart, svg_of
 from symid.report.identification import identification_record
@@ -33,7 +33,7 @@ _INTERVAL = float(scipy.special.ndtri(0.975))
 def write_identification_html(
     found: Identification,
     file: str | Path,
-    validation: Prediction | None = None,
+    validation: OutputPrediction | None = None,
     *,
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
@@ -71,7 +71,7 @@ def fit_percent(y: FloatArray, predicted: FloatArray) -> float:
     return 100.0 * (1.0 - float(np.linalg.norm(y - predicted)) / spread) if spread else float("nan")
 
 
-def _fits(found: Identification, validation: Prediction | None) -> list[dict[str, Any]]:
+def _fits(found: Identification, validation: OutputPrediction | None) -> list[dict[str, Any]]:
     logs = zip(found.logs, found.observations, strict=True)
     runs: list[tuple[str, Observation, FloatArray]] = [(log, run, found.fit.solution) for log, run in logs]
     if validation is not None:
@@ -114,7 +114,7 @@ def _svg(figure: Drawn | None, name: str) -> str:
     return apart(svg_of(figure, name), name) if figure is not None else ""
 
 
-def _made(found: Identification, validation: Prediction | None, command: str) -> list[tuple[str, str]]:
+def _made(found: Identification, validation: OutputPrediction | None, command: str) -> list[tuple[str, str]]:
     """Provenance: time, programs and files."""
     logs = [*found.logs, *([validation.log] if validation is not None else [])]
     hashes = []

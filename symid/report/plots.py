@@ -16,7 +16,7 @@ from symid.axis import Axis
 from symid.data import Log
 from symid.errors import SettingError
 from symid.files import replacing
-from symid.identification import Identification, Prediction
+from symid.identification import Identification, OutputPrediction
 from symid.report.bode import correlated_pairs, draw_bode, draw_ellipse
 from symid.report.colours import LIGHT, Palette
 from symid.report.drawn import Drawn
@@ -44,7 +44,7 @@ def save_figure(figure: Figure, file: str | Path) -> None:
 
 def identification_figure(
     found: Identification | OutputErrorIdentification,
-    validation: Prediction | OutputErrorPrediction | None = None,
+    validation: OutputPrediction | OutputErrorPrediction | None = None,
     *,
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
@@ -57,7 +57,7 @@ def identification_figure(
     response of the identified axis beside the measured one. Parameters that are correlated get confidence ellipses.
     """
     panels = (
-        _panels_of_equations(found, cast("Prediction | None", validation))
+        _panels_of_equations(found, cast("OutputPrediction | None", validation))
         if isinstance(found, Identification)
         else _panels_of_readings(found, cast("OutputErrorPrediction | None", validation))
     )
@@ -113,7 +113,7 @@ def _parameters(
     return found.model.physical_units, found.physical[0].parameters, slopes @ found.covariance @ slopes.T
 
 
-def _panels_of_equations(found: Identification, validation: Prediction | None) -> list[Panel]:
+def _panels_of_equations(found: Identification, validation: OutputPrediction | None) -> list[Panel]:
     runs = [(s, o, found.fit.solution) for s, o in zip(found.logs, found.observations, strict=True)]
     if validation is not None:
         runs.append((f"validation on {validation.log}", validation.observation, validation.parameters))

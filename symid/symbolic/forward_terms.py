@@ -24,7 +24,7 @@ Functional: TypeAlias = Mapping[str, Any]
 """A displacement as coefficients of the bodies' absolute displacements, elements of the ring's domain."""
 
 
-class LawTerm(NamedTuple):
+class SymbolicLawTerm(NamedTuple):
     """A nonlinear law: `parameter` times `expression`, in q and v of the joint with a displacement."""
 
     displacement: Functional
@@ -44,7 +44,7 @@ class ForwardTerms:
     mass: Matrix
     drives: Matrix  # shape (n, n_drives): B
     constant: Matrix  # shape (n, 1): c
-    laws: tuple[LawTerm, ...]  # all nonlinear laws
+    laws: tuple[SymbolicLawTerm, ...]  # all nonlinear laws
     readings: Mapping[str, Functional]  # displacement of which each sensor reads a derivative
     # known numbers that stand in the terms as symbols: ratios, gravity, known parameters
     constants: Mapping[str, float]
@@ -71,7 +71,7 @@ def forward_terms(axis: Axis) -> ForwardTerms:
             # In the balance of a body the law's parameter stands times the share of that body in the displacement.
             body, share = next(iter(displacement.items()))
             parameter = operators.inputs[body][str(entry.symbol)].mul_ground(1 / share)
-            laws.append(LawTerm(displacement, parameter, entry.expression))
+            laws.append(SymbolicLawTerm(displacement, parameter, entry.expression))
     return ForwardTerms(
         operators=operators,
         bodies=bodies,

@@ -18,7 +18,7 @@ from symid import (
 )
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
-from symid.diagnosis.effects import Placed, Saturation
+from symid.diagnosis.effects import Placed, SaturationEffect
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.joined import joined
@@ -41,7 +41,7 @@ def switched_log() -> Log:
 def test_a_limit_of_a_switched_force_is_a_gain(log: Log, is_gain: bool) -> None:
     data = data_of(load_axis("rigid_1m"), (joined([log]), None), Recorded({}, None))
     state, weighting = first_state(data.record, {"M": 6.0, "Fv": 8.0, "Fs": 0.1})
-    limit = Placed(Saturation(), "actuator", (0.5 * float(np.abs(log["F"]).max()),), (1.0,))
+    limit = Placed(SaturationEffect(), "actuator", (0.5 * float(np.abs(log["F"]).max()),), (1.0,))
     assert _is_a_gain(Fit(with_effects(state, weighting, (limit,)), weighting)) is is_gain
 
 

@@ -10,8 +10,7 @@ import sympy as sp
 from symid.arrays import FloatArray
 from symid.axis import CoulombFriction, LoadDependentFriction, load_axis
 from symid.diagnosis.effects import effects_of
-from symid.diagnosis.effects.friction_effects import LoadDependentFriction as LoadDependence
-from symid.diagnosis.effects.friction_effects import dahl_state
+from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
 from symid.diagnosis.fitting.fit import Fit, fitted
 from symid.diagnosis.fitting.hidden_starts import of_grid
 from symid.diagnosis.fitting.start import fitted_axis
@@ -141,7 +140,7 @@ def test_what_the_drive_alone_feels_does_not_act_on_hidden_motion(name: str, act
 STRUCTURE = next(body for body in load_axis("direct_2m1s").bodies if body.name == "structure")
 HELD = {
     "coulomb": (CoulombFriction(STRUCTURE, "Fc"), effects_of(CoulombFriction)[0], 400.0),
-    "by the load": (LoadDependentFriction(STRUCTURE, 0.25), LoadDependence(), 0.25),
+    "by the load": (LoadDependentFriction(STRUCTURE, 0.25), LoadDependentFrictionEffect(), 0.25),
 }
 
 

@@ -18,9 +18,9 @@ from symid import (
     ViscousFriction,
     load_axis,
 )
-from symid.diagnosis.effects import ActuatorLag, EncoderRipple, Placed, effects_of
-from symid.diagnosis.effects.forces import FlexibleMode
-from symid.diagnosis.effects.friction_effects import LoadDependentFriction, dahl_state
+from symid.diagnosis.effects import ActuatorLagEffect, EncoderRippleEffect, Placed, effects_of
+from symid.diagnosis.effects.forces import FlexibleModeEffect
+from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
 from symid.diagnosis.fitting.sensitivity import derivatives, parameter_columns
 from symid.diagnosis.fitting.state import first_state, with_effects
 from symid.diagnosis.prediction.prediction import prediction_of
@@ -183,7 +183,7 @@ def test_the_load_of_friction_is_that_of_the_model_and_not_the_record() -> None:
     found = []
     for logged in (60 + 20 * np.cos(9 * t), np.zeros(t.size)):
         prediction = prediction_of(record("rigid_1m", q=q, F=logged), RIGID)
-        found.append(LoadDependentFriction().forces(prediction, prediction.joints["motor"], ()))
+        found.append(LoadDependentFrictionEffect().forces(prediction, prediction.joints["motor"], ()))
     assert np.abs(found[0]).max() > 0
     assert np.allclose(found[0], found[1])
 
@@ -192,7 +192,7 @@ def test_a_mode_is_a_mass_hung_on_a_spring() -> None:
     m, k, c = 30.0, 2e5, 400.0
     w = np.sqrt(k / m)
     s = 1j * np.linspace(1, 400, 50)
-    added = FlexibleMode().stiffness(s.imag, (w / (2 * np.pi), c / (2 * m * w)))
+    added = FlexibleModeEffect().stiffness(s.imag, (w / (2 * np.pi), c / (2 * m * w)))
     carried = (c * s + k) * m * s**2 / (m * s**2 + c * s + k)
     assert np.allclose(m * added, carried - m * s**2)
 
@@ -232,8 +232,8 @@ def test_derivatives_by_amplitude_and_shape_are_finite_differences() -> None:
 
 def test_a_lag_passes_on_the_ripple_of_the_encoder() -> None:
     state, weighting = first_state(rigid_record(), {"M": 20.0, "Fv": 15.0, "Fs": 20.0})
-    lag = Placed(ActuatorLag(), "actuator", (), (0.002,))
-    ripple = Placed(EncoderRipple(), "q", (0.01,), (1e-5, 2e-5))
+    lag = Placed(ActuatorLagEffect(), "actuator", (), (0.002,))
+    ripple = Placed(EncoderRippleEffect(), "q", (0.01,), (1e-5, 2e-5))
     omega = state.prediction.record.omega
 
     def outputs(*placed: Placed) -> np.ndarray:

@@ -10,7 +10,7 @@ from hand_made import RATE, plain_force, rigid_log
 
 from symid import Log, load_axis
 from symid.diagnosis import diagnose
-from symid.diagnosis.effects import Delay
+from symid.diagnosis.effects import DelayEffect
 from symid.report.binned import means_over
 from symid.report.error_maps import error_maps
 from symid.report.frequency_response import response_of
@@ -39,7 +39,7 @@ def delayed():
     def later(t, q, v, a, path):
         return plain_force(path, t + LATE) - plain_force(path, t)
 
-    return diagnose(AXIS, rigid_log(later, seconds=12.0), library=(Delay(),))
+    return diagnose(AXIS, rigid_log(later, seconds=12.0), library=(DelayEffect(),))
 
 
 def test_zero_parts_two_bins() -> None:

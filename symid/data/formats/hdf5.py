@@ -40,7 +40,7 @@ def open_hdf5(path: Path, memory: int | None = None) -> Table:
 
 
 @dataclass(frozen=True)
-class _Column:
+class _Vector:
     """A vector of a file, or a column of an array (by its number) or of a compound (by its name)."""
 
     path: tuple[str, ...]
@@ -65,8 +65,8 @@ class _Column:
         return vector(np.asarray(dataset[:, self.place] if self.rows_first else dataset[self.place, :]))
 
 
-def _vectors(file: Any, h5py: Any) -> list[_Column]:
-    found: list[_Column] = []
+def _vectors(file: Any, h5py: Any) -> list[_Vector]:
+    found: list[_Vector] = []
 
     def visit(name: str, item: Any) -> None:
         if not isinstance(item, h5py.Dataset) or name.startswith("#") or item.size is None or item.size <= 1:
@@ -74,13 +74,13 @@ def _vectors(file: Any, h5py: Any) -> list[_Column]:
         path, unit = tuple(name.split("/")), _unit(item)
         if item.dtype.names:
             numbers = [field for field in item.dtype.names if item.dtype[field].kind in "biuf"]
-            found.extend(_Column(path, "", item.size, field) for field in numbers if item.ndim == 1)
+            found.extend(_Vector(path, "", item.size, field) for field in numbers if item.ndim == 1)
         elif item.dtype.kind in "biuf" and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
             long, narrow = max(item.shape), min(item.shape)
             if are_columns(item.shape):
-                found.extend(_Column(path, unit, long, j, item.shape[0] == long) for j in range(narrow))
+                found.extend(_Vector(path, unit, long, j, item.shape[0] == long) for j in range(narrow))
             else:
-                found.append(_Column(path, unit, item.size))
+                found.append(_Vector(path, unit, item.size))
 
     file.visititems(visit)
     return found

@@ -21,8 +21,23 @@ from symid.axis import (
     PreslidingFriction,
 )
 from symid.axis.imperfections import JointImperfection
-from symid.diagnosis.effects import forces, friction_effects, signals
 from symid.diagnosis.effects.effect import ACTUATOR, Effect, Placed, Shape
+from symid.diagnosis.effects.forces import PayloadChangeEffect, PeriodicDisturbanceEffect
+from symid.diagnosis.effects.friction_effects import (
+    FrictionDriftEffect,
+    LoadDependentFrictionEffect,
+    PreslidingFrictionEffect,
+    SteadyFrictionDriftEffect,
+)
+from symid.diagnosis.effects.signals import (
+    ActuatorLagEffect,
+    DelayEffect,
+    DriveEffect,
+    EncoderRippleEffect,
+    GainAsymmetryEffect,
+    GainNonlinearityEffect,
+    SaturationEffect,
+)
 from symid.diagnosis.prediction.places import place_named
 from symid.diagnosis.prediction.prediction import Prediction
 
@@ -30,34 +45,34 @@ from symid.diagnosis.prediction.prediction import Prediction
 def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
     """An effect in the drive, in a reading or in time as an element; None if it is none, or acts before its cause."""
     effect, shape, amplitudes = item.effect, item.shape, item.amplitudes
-    if isinstance(effect, signals.DriveEffect) and item.at != ACTUATOR:
+    if isinstance(effect, DriveEffect) and item.at != ACTUATOR:
         return None  # an element acts in all drives alike
     match effect:
-        case signals.Delay():
+        case DelayEffect():
             return ActuatorDelay(shape[0]) if shape[0] > 0 else None
-        case signals.ActuatorLag():
+        case ActuatorLagEffect():
             return ActuatorLag(amplitudes[0])
-        case signals.Saturation():
+        case SaturationEffect():
             return ForceLimit(shape[0])
-        case signals.GainNonlinearity():
+        case GainNonlinearityEffect():
             return GainNonlinearity(amplitudes[0], power=effect.power)
-        case signals.GainAsymmetry():
+        case GainAsymmetryEffect():
             return GainAsymmetry(amplitudes[0])
-        case signals.EncoderRipple():
+        case EncoderRippleEffect():
             return EncoderRipple(item.at, *amplitudes, *shape)
-        case forces.PeriodicDisturbance():
+        case PeriodicDisturbanceEffect():
             return PeriodicForce(place_named(axis, item.at), *amplitudes, *shape)
-        case forces.PayloadChange():
+        case PayloadChangeEffect():
             change, moment = shape
             body = next(b for b in axis.free_bodies if b.name == item.at)
             return PayloadChange(body, amplitudes[0] * change, time=moment)
-        case friction_effects.FrictionDrift():
+        case FrictionDriftEffect():
             coulomb, viscous = amplitudes[0] * effect.coulomb, amplitudes[-1] * effect.viscous
             place = place_named(axis, item.at)
             if not shape:
                 return FrictionTrend(place, coulomb, viscous)
             return FrictionDrift(place, coulomb, viscous, time_constant=shape[0])
-        case friction_effects.LoadDependentFriction():
+        case LoadDependentFrictionEffect():
             return LoadDependentFriction(place_named(axis, item.at), amplitudes[0])
     return None
 
@@ -92,29 +107,29 @@ def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]
     """Effect, shape and amplitudes, of which a fixed one is 1; None where no effect stands for the element."""
     match element:
         case ActuatorDelay():
-            return signals.Delay(), (element.seconds,), (1.0,)
+            return DelayEffect(), (element.seconds,), (1.0,)
         case ActuatorLag():
-            return signals.ActuatorLag(), (), (element.seconds,)
+            return ActuatorLagEffect(), (), (element.seconds,)
         case ForceLimit():
-            return signals.Saturation(), (element.force,), (1.0,)
+            return SaturationEffect(), (element.force,), (1.0,)
         case GainNonlinearity():
-            return signals.GainNonlinearity(element.power), (), (element.bend,)
+            return GainNonlinearityEffect(element.power), (), (element.bend,)
         case GainAsymmetry():
-            return signals.GainAsymmetry(), (), (element.difference,)
+            return GainAsymmetryEffect(), (), (element.difference,)
         case EncoderRipple():
-            return signals.EncoderRipple(), (element.pitch,), (element.sine, element.cosine)
+            return EncoderRippleEffect(), (element.pitch,), (element.sine, element.cosine)
         case PeriodicForce():
-            return forces.PeriodicDisturbance(), (element.frequency,), (element.sine, element.cosine)
+            return PeriodicDisturbanceEffect(), (element.frequency,), (element.sine, element.cosine)
         case PayloadChange():
-            return forces.PayloadChange(), (element.change, element.time), (1.0,)
+            return PayloadChangeEffect(), (element.change, element.time), (1.0,)
         case PreslidingFriction():
-            return friction_effects.PreslidingFriction(), (element.reach,), (element.level,)
+            return PreslidingFrictionEffect(), (element.reach,), (element.level,)
         case LoadDependentFriction():
-            return friction_effects.LoadDependentFriction(), (), (element.coefficient,)
+            return LoadDependentFrictionEffect(), (), (element.coefficient,)
         case FrictionDrift() | FrictionTrend() if element.coulomb or element.viscous:
             levels = element.coulomb, element.viscous
             has_course = isinstance(element, FrictionDrift)
-            drifts = friction_effects.FrictionDrift if has_course else friction_effects.SteadyFrictionDrift
+            drifts = FrictionDriftEffect if has_course else SteadyFrictionDriftEffect
             effect = drifts(coulomb=levels[0] != 0, viscous=levels[1] != 0)
             shape = (element.time_constant,) if isinstance(element, FrictionDrift) else ()
             return effect, shape, tuple(level for level in levels if level)

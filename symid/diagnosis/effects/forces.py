@@ -120,7 +120,7 @@ def turns(prediction: Prediction) -> bool:
     return str(length_unit(prediction.axis.drives[0].at)) == "rad"
 
 
-class PeriodicDisturbance(JointEffect):
+class PeriodicDisturbanceEffect(JointEffect):
     """As sin(2 pi f t) + Ac cos(2 pi f t)."""
 
     name = "periodic_disturbance"
@@ -207,7 +207,7 @@ _UNSETTLED = 12
 """Points around the moment, and after the end of the log, at which pulses are not yet over."""
 
 
-class PayloadChange(Effect):
+class PayloadChangeEffect(Effect):
     """The mass of a body is greater by dm from a moment t0 on; before and after it the axis is a linear one."""
 
     name = "payload_change"
@@ -288,7 +288,7 @@ class PayloadChange(Effect):
         return "1", str(force * Unit.of("s") ** 2 / length), "s"
 
 
-class FlexibleMode(LinearEffect):
+class FlexibleModeEffect(LinearEffect):
     """One more body on a spring: m s^2 (1 + ...) hung on a body, told by its frequency and damping ratio.
 
     A body of mass m on a spring of frequency f and damping ratio D pulls with

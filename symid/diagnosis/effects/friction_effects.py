@@ -43,7 +43,7 @@ _MOST_CHANGED = 3.0
 """Change of a declared friction by a drift within the log, relative to its level."""
 
 
-class PreslidingFriction(JointEffect):
+class PreslidingFrictionEffect(JointEffect):
     """Coulomb friction that builds up over a displacement (Dahl): Fs z, z(1) = (v - abs(v) z) / reach.
 
     Where Coulomb friction is declared, it takes that away: Fs (z - sign(v)).
@@ -100,12 +100,12 @@ class PreslidingFriction(JointEffect):
         return str(force), str(length)
 
 
-_PART = PreslidingFriction(of_found=True)
+_PART = PreslidingFrictionEffect(of_found=True)
 
 
 def is_part(item: Placed, whole: Placed) -> bool:
     """Whether an effect is presliding friction, and the other one Coulomb friction of the same joint."""
-    is_pair = item.effect.name == PreslidingFriction.name and whole.key == ("coulomb_friction", item.at)
+    is_pair = item.effect.name == PreslidingFrictionEffect.name and whole.key == ("coulomb_friction", item.at)
     return is_pair and not (item.integrated or whole.integrated)
 
 
@@ -151,7 +151,7 @@ _COEFFICIENTS = (0.02, 0.06, 0.15, 0.35)
 """Of friction that holds a hidden joint, with which a fit may begin."""
 
 
-class LoadDependentFriction(JointEffect):
+class LoadDependentFrictionEffect(JointEffect):
     """mu abs(drive force) sign(v); the drive force is that of the model, which the same friction is part of.
 
     The record of the drive, taken for the load, would explain itself: F = mu abs(F) sign(v) with mu = 1 wherever the
@@ -205,7 +205,7 @@ def moving_along(prediction: Prediction, place: str) -> dict[str, float]:
     }
 
 
-class FrictionDrift(JointEffect):
+class FrictionDriftEffect(JointEffect):
     """exp(-t/T) (dFs sign(v) + dFv v): coefficients of declared friction change while the axis warms up.
 
     Parameters
@@ -276,7 +276,7 @@ class FrictionDrift(JointEffect):
         return (*[str(force)] * self.coulomb, *[of_viscous] * self.viscous, "s")
 
 
-class SteadyFrictionDrift(FrictionDrift):
+class SteadyFrictionDriftEffect(FrictionDriftEffect):
     """t (dFs/dt sign(v) + dFv/dt v): friction that changes so slowly that the log shows no end of it.
 
     Of an exponential whose time constant exceeds the log by far, the log determines the rate, but neither the time

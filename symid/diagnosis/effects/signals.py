@@ -111,7 +111,7 @@ class TimeEffect(TransferEffect):
         return "1", "s"
 
 
-class Delay(TimeEffect, DriveEffect):
+class DelayEffect(TimeEffect, DriveEffect):
     """The force acts later than it is logged: u(t - T)."""
 
     name = "delay"
@@ -123,7 +123,7 @@ class Delay(TimeEffect, DriveEffect):
         return np.asarray(np.expm1(1j * prediction.record.omega * shape[0]), dtype=np.complex128)
 
 
-class ActuatorLag(TransferEffect, DriveEffect):
+class ActuatorLagEffect(TransferEffect, DriveEffect):
     """The force follows the logged one like a first-order system: T u(1) + u = logged."""
 
     name = "actuator_lag"
@@ -137,7 +137,7 @@ class ActuatorLag(TransferEffect, DriveEffect):
         return ("s",)
 
 
-class RecordedLag(TimeEffect, DriveEffect):
+class RecordedLagEffect(TimeEffect, DriveEffect):
     """The force is recorded through a first-order filter, as filtered currents are: it acts T before, with T < 0."""
 
     name = "actuator_lag"
@@ -155,7 +155,7 @@ class RecordedLag(TimeEffect, DriveEffect):
         return np.asarray(1 / (1 - 1j * prediction.record.omega * shape[0]) - 1, dtype=np.complex128)
 
 
-class Saturation(DriveEffect):
+class SaturationEffect(DriveEffect):
     """The force does not exceed a limit."""
 
     name = "saturation"
@@ -188,7 +188,7 @@ _BUT_FOR_PEAKS = 0.98
 """Share of the samples that show whether a gain is possible: forces of a loop with a bent gain have peaks beyond."""
 
 
-class GainNonlinearity(DriveEffect):
+class GainNonlinearityEffect(DriveEffect):
     """The force is not proportional to the logged one: a term in its square (with sign) or cube."""
 
     name = "gain_nonlinearity"
@@ -219,7 +219,7 @@ class GainNonlinearity(DriveEffect):
         return (str(_drive_unit(prediction, place) ** (1 - self.power)),)
 
 
-class GainAsymmetry(DriveEffect):
+class GainAsymmetryEffect(DriveEffect):
     """The gain differs by the direction of the force."""
 
     name = "gain_nonlinearity"
@@ -236,7 +236,7 @@ class GainAsymmetry(DriveEffect):
         return ("1",)
 
 
-class EncoderRipple(Effect):
+class EncoderRippleEffect(Effect):
     """A position reading with an error As sin(2 pi q/p) + Ac cos(2 pi q/p)."""
 
     name = "encoder_ripple"
@@ -287,7 +287,7 @@ class EncoderRipple(Effect):
         return (str(prediction.axis.signal_units[place]),) * 3
 
 
-class SensorDelay(TimeEffect):
+class SensorDelayEffect(TimeEffect):
     """A reading is late against the positions from which all is predicted: y(t - T); early where T is negative."""
 
     name = "sensor_delay"

@@ -12,8 +12,8 @@ from symid.diagnosis.effects import Key
 from symid.diagnosis.experiment.candidates import Envelope
 from symid.diagnosis.experiment.discrimination import (
     LEAST_LOG_ODDS,
+    CandidateExperiment,
     Rivals,
-    Trial,
     shares_of,
     simulated_trials,
     trials,
@@ -144,10 +144,10 @@ def next_experiment_of(
     forces = {name: force or float(np.abs(record.log[name]).max()) for name in record.forces}
     best = simulated_trials(rivals, trials(rivals, envelope, forces))
     considered = {trial.trajectory.name: _odds(trial.log_odds) for trial in best}
-    penalised_gain = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
-    if not penalised_gain:
+    decisive = [trial for trial in best if trial.log_odds >= LEAST_LOG_ODDS]
+    if not decisive:
         return Experiment(_none_separates(rivals), rivals.keys, considered=considered)
-    chosen, run, message = _kept(rivals, penalised_gain, limits, forces)
+    chosen, run, message = _kept(rivals, decisive, limits, forces)
     if chosen is None:
         return Experiment(_none_is_kept(rivals, message), rivals.keys, considered=considered, message=message)
     further = {one.keys[1]: _probability(one, chosen.trajectory) for one in _further(rivals)} if run else {}
@@ -180,11 +180,11 @@ def _probability(rivals: Rivals, trajectory: Trajectory) -> float:
 
 
 def _kept(
-    rivals: Rivals, penalised_gain: Sequence[Trial], limits: Limits, forces: Mapping[str, float]
-) -> tuple[Trial | None, SimulatedExperiment | None, str]:
+    rivals: Rivals, decisive: Sequence[CandidateExperiment], limits: Limits, forces: Mapping[str, float]
+) -> tuple[CandidateExperiment | None, SimulatedExperiment | None, str]:
     """The best motion in which the simulated axis keeps its limits, or the best if it cannot be simulated."""
     said: list[str] = []
-    for trial in penalised_gain:
+    for trial in decisive:
         try:
             run = simulated_experiment(rivals, trial.trajectory)
         except (SymidError, np.linalg.LinAlgError, OverflowError) as error:

@@ -72,7 +72,7 @@ class Rivals:
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class CandidateExperiment:
     """A motion, what the sensors would read with either cause, and the expected logarithm of the odds."""
 
     trajectory: Trajectory
@@ -80,9 +80,9 @@ class Trial:
     log_odds: float
 
 
-def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> list[Trial]:
+def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> list[CandidateExperiment]:
     """Motions that stay within the forces, the most promising first; gentler where they need to be."""
-    found: dict[int, Trial] = {}
+    found: dict[int, CandidateExperiment] = {}
     for share in _GENTLER:
         for i, trajectory in enumerate(candidate_motions(envelope.gentler(share))):
             if i in found:
@@ -93,7 +93,7 @@ def trials(rivals: Rivals, envelope: Envelope, forces: Mapping[str, float]) -> l
                 continue
             needed = {name: max(np.abs(record.log[name]).max() for record in records) for name in forces}
             if all(needed[name] <= _FORCE_MARGIN * force for name, force in forces.items()):
-                found[i] = Trial(trajectory, records, _judged(rivals, records, _linear))
+                found[i] = CandidateExperiment(trajectory, records, _judged(rivals, records, _linear))
     return sorted(found.values(), key=lambda trial: -trial.log_odds)
 
 
@@ -266,9 +266,9 @@ def _log_odds(rivals: Rivals, right: int, over_other: float, over_none: float) -
     )
 
 
-def simulated_trials(rivals: Rivals, trials: Sequence[Trial]) -> list[Trial]:
+def simulated_trials(rivals: Rivals, trials: Sequence[CandidateExperiment]) -> list[CandidateExperiment]:
     """Rehearsals, best first: of motions from which more is expected than a rehearsal has shown, at most a few."""
-    found: list[Trial] = []
+    found: list[CandidateExperiment] = []
     for trial in trials[:_REHEARSED]:
         if trial.log_odds > max([LEAST_LOG_ODDS, *(other.log_odds for other in found)]):
             shown = _judged(rivals, trial.records, _fitted)

@@ -93,7 +93,7 @@ class MotionError:
 
 
 @dataclass(frozen=True)
-class Motion:
+class SimulatedMotion:
     """The gap as it is seen in the motion: the axis simulated, on data that took no part in any choice.
 
     Parameters
@@ -158,7 +158,7 @@ class Gap:
         The same error near reversals and standstills; None if the log has none.
     not_repeated : NotRepeated or None
         Part of the error that is new each time; None where the motion does not repeat within the validation data.
-    motion : Motion or None
+    motion : SimulatedMotion or None
         Error of the simulated motion; None where it was not simulated.
     """
 
@@ -175,7 +175,7 @@ class Gap:
     unexplained_share: float
     reversal: Reversal | None
     not_repeated: NotRepeated | None = None
-    motion: Motion | None = None
+    motion: SimulatedMotion | None = None
 
     @property
     def least(self) -> float:

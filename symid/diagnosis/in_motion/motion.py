@@ -13,7 +13,7 @@ from symid.arrays import BoolArray, FloatArray
 from symid.data import Log
 from symid.diagnosis.findings.comparison import Comparison
 from symid.diagnosis.findings.diagnosis_result import Diagnosis
-from symid.diagnosis.findings.gap import Motion, MotionError
+from symid.diagnosis.findings.gap import MotionError, SimulatedMotion
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.in_motion.declared import axis_of
 from symid.diagnosis.in_motion.replayed import (
@@ -57,7 +57,7 @@ def with_motion(
     return _contradicted(found, motion) if found.effects else found
 
 
-def _contradicted(found: Diagnosis, motion: Motion) -> Diagnosis:
+def _contradicted(found: Diagnosis, motion: SimulatedMotion) -> Diagnosis:
     """A diagnosis with the probabilities that the simulated motion leaves."""
     errors = [error.position_rms for error in (motion.reidentified, *motion.steps)]
     steps = zip(found.effects, errors[:-1], errors[1:], strict=True)
@@ -82,7 +82,7 @@ def motions_of(
     *,
     controller: Cascade | Sequence[Cascade] | None = None,
     simulated: Log | None = None,
-) -> tuple[Motion, ...]:
+) -> tuple[SimulatedMotion, ...]:
     """Motion of the simulated axis with each model of a comparison, at the position next to each drive.
 
     `runs` are the logs for identification, from which controllers are read, and for validation. `allowed`, of shape
@@ -115,13 +115,13 @@ def motions_of(
     )
 
 
-def _motion(driver: Driver, parts: Sequence[Part], found: Sequence[MotionError | None]) -> Motion:
+def _motion(driver: Driver, parts: Sequence[Part], found: Sequence[MotionError | None]) -> SimulatedMotion:
     """The motion next to one drive; errors of the nominal and the re-identified model, and of those with effects."""
     nominal, reidentified, *steps = found
     assert reidentified is not None
     effects = tuple(error for error in steps if error is not None)
     errors = [part.reference[part.used] - part.position[part.used] for part in parts if part.has_reference]
-    return Motion(
+    return SimulatedMotion(
         signal=parts[0].signal,
         unit=str(parts[0].record.dynamics.axis.signal_units[parts[0].signal]),
         driver=driver.kind,

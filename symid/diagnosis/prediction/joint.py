@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from symid.diagnosis.prediction.last_values import Memory
+from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import Record
 from symid.diagnosis.prediction.weighting import SLOW_SHARE
 from symid.simulation.forward_dynamics import LawTerm
@@ -30,7 +30,7 @@ class Joint:
         Its displacement as it follows from the driven position.
     record : Record
         The log.
-    memory : Memory
+    memory : LastValues
         What follows from its motion alone.
     """
 
@@ -39,7 +39,7 @@ class Joint:
     spectrum: ComplexArray
     modelled: ComplexArray
     record: Record
-    memory: Memory = field(default_factory=Memory, repr=False)
+    memory: LastValues = field(default_factory=LastValues, repr=False)
 
     @cached_property
     def q(self) -> FloatArray:

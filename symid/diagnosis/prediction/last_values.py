@@ -10,12 +10,12 @@ Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Memory:
+class LastValues:
     """The last value of each key.
 
     Examples
     --------
-    >>> memory = Memory()
+    >>> memory = LastValues()
     >>> memory.of("squared", 3, lambda: 9), memory.of("squared", 3, lambda: 10), memory.of("squared", 4, lambda: 16)
     (9, 9, 16)
     """

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.diagnosis.prediction.last_values import Memory
+from symid.diagnosis.prediction.last_values import LastValues
 from symid.diagnosis.prediction.record import Record
 from symid.simulation import Plant
 
@@ -34,7 +34,7 @@ class Response:
     # shape (n_outputs, n_bins, n_bodies + n_drives): drive forces and further readings for the same
     outputs: ComplexArray
     # what follows from motion and outputs alone
-    memory: Memory = field(default_factory=Memory, repr=False)
+    memory: LastValues = field(default_factory=LastValues, repr=False)
 
     @property
     def of_positions(self) -> ComplexArray:

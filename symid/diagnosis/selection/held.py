@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symid.diagnosis.effects import LATE_FORCES, Delay, Placed
+from symid.diagnosis.effects import LATE_FORCES, DelayEffect, Placed
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.hidden_starts import Start
 from symid.diagnosis.selection.confirmation import confirmed_from
@@ -17,13 +17,13 @@ def shows_hold(fit: Fit) -> bool:
     """Whether a delay of each force by half a sample explains a part of what a model leaves that has none declared."""
     if any(item.effect.name in LATE_FORCES for item in fit.state.placed):
         return False
-    return all(_shows_hold(fit, place) for place in Delay().places(fit.state.prediction))
+    return all(_shows_hold(fit, place) for place in DelayEffect().places(fit.state.prediction))
 
 
 def _shows_hold(fit: Fit, place: str) -> bool:
     """The same of one drive."""
     period = fit.state.prediction.record.log.sampling_period
-    found = confirmed_from(fit, Start.of(fit, Placed(Delay(), place, (period / 2,), (1.0,))))
+    found = confirmed_from(fit, Start.of(fit, Placed(DelayEffect(), place, (period / 2,), (1.0,))))
     if (
         found is None
         or found.penalised_gain < THRESHOLDS.least_penalised_gain
