@@ -15,10 +15,12 @@ from symid.data.columns import TIME
 from symid.errors import LogError
 
 Rate: TypeAlias = 'float | Literal["own"]'
-"""Hz, or the rate that a log has in the middle."""
+"""Hz, or the mean rate of a log where no sample lacks."""
 
 _LONGEST_GAP: Final = 10
 """Samples in a row that may be missing: beyond them the motion between is unknown."""
+_NONE_LACKS: Final = 1.75
+"""Times the median interval up to which no sample lacks."""
 _SLOWER: Final = 1.02
 """From this ratio of periods on, frequencies beyond the new rate are filtered out first."""
 _FASTER: Final = 1.25
@@ -33,7 +35,7 @@ def resampled(
 ) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
     """Signals, and the time as ``t``, on one uniform clock by cubic splines through their samples; and notes.
 
-    `rate` is in Hz, or "own": the highest rate that a signal has in the middle. Where the new rate is lower,
+    `rate` is in Hz, or "own": the highest mean rate of a signal. Where the new rate is lower,
     a zero-phase Butterworth filter removes what it cannot represent. Up to ten samples in a row that are missing (nan)
     are filled; a longer gap is an error. The signals keep the span in which all of them were recorded.
 
@@ -67,6 +69,11 @@ def resampled(
     return {TIME: time, **{name: one.at(time, period) for name, one in written.items()}}, tuple(notes)
 
 
+def _usual(steps: FloatArray) -> float:
+    """Mean of the intervals that lack no sample: written in whole milliseconds, 7/3 ms are often 2 and at times 3."""
+    return float(np.mean(steps[steps <= _NONE_LACKS * np.median(steps)]))
+
+
 @dataclass(frozen=True)
 class _Written:
     """A signal at the times at which it was written, its usual sampling period, and notes on its clock."""
@@ -93,7 +100,7 @@ class _Written:
                 f"t goes back or stands at t = {t[first]:.7g} s (sample {first + 2} of {name!r}): "
                 "sort the rows, or split the log there"
             )
-        period = float(np.median(steps))
+        period = _usual(steps)
         lost = np.rint(steps / period).astype(np.int64) - 1
         gaps, notes = np.flatnonzero(lost > 0), []
         if lost.max() > _LONGEST_GAP:

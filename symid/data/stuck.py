@@ -22,6 +22,8 @@ _CLIPPED_SAMPLES: Final = 5  # shortest run at an extreme value that can be call
 _USUAL_RUNS: Final = 10  # times the median run: coarse encoders and slow controllers repeat values by nature
 _TRAVEL: Final = 0.05  # of its whole range, by which another position moves in a span that is not at rest
 _CLIPPED_SHARE: Final = 0.001  # of all samples: the least for a note on a clipped force
+_FEW_STEPS: Final = 10  # changes of a force that are a sequence of steps
+_SOME: Final = 1000  # samples that are looked at before all of them
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def inspect_spans(
                 clipped = clipped.only(
                     _moves(clipped, places)
                 )  # nor is what a controller gives between two counts
-            if np.sum(clipped.length) < max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size):
+            if is_switched(x) or np.sum(clipped.length) < max(2 * _CLIPPED_SAMPLES, _CLIPPED_SHARE * x.size):
                 clipped = clipped.none
             mostly = 2 * np.sum(long.length) > x.size  # then the channel repeats values by nature
             stuck = long.none if mostly else long.only(_others_travel(long, list(moving.values())))
@@ -114,6 +116,23 @@ def cut_in_motion(x: FloatArray) -> int:
     runs = _Runs.of(x)
     long = runs.only(_extreme(x, runs)).longer(max(_CLIPPED_SAMPLES, 3.0 * float(np.median(runs.length))))
     return int(np.sum(_cut_in_motion(x, long).length))
+
+
+def is_switched(force: FloatArray) -> bool:
+    """Whether a force is that of a relay or a binary sequence, with two levels and 0 at rest, or of a few steps.
+
+    What rounding leaves of a small force passes 0 between both levels, and changes often.
+
+    >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.tile([0.0, 1.0, 0.0, -1.0], 9))
+    (True, False)
+    """
+    if np.unique(force[:: max(force.size // _SOME, 1)]).size > _FEW_STEPS + 1:
+        return False
+    levels, steps = np.unique(force), np.abs(np.diff(force))
+    changes = steps[steps > 0]
+    across = bool(changes.size) and 2 * np.mean(changes == np.ptp(levels)) >= 1.0
+    two = levels.size == 2 or (levels.size == 3 and 0.0 in levels and across)
+    return bool(two or 0 < changes.size <= _FEW_STEPS)
 
 
 def _extreme(x: FloatArray, runs: _Runs) -> npt.NDArray[np.bool_]:

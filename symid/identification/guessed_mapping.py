@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 from symid.axis import Axis, Drive
+from symid.axis.sensors import Sensor
 from symid.data import REFERENCE, ForeignColumn, Layout
 from symid.data.foreign import split_header, with_unit
 from symid.data.layout import first_lines
@@ -66,7 +68,7 @@ def guessed_mapping(
     guess.clock(sampling_period)
     for place, sensor in enumerate(axis.sensors):
         alike = sum(other.quantity == sensor.quantity for other in axis.sensors[place:])
-        guess.sensor(sensor.signal, sensor.quantity, alike, needed=not place)
+        guess.sensor(sensor, axis.signal_units[sensor.signal], alike, needed=not place)
     for drive in axis.drives:
         guess.drive(drive, axis.signal_units[drive.signal], gain, rated)
     setpoint = [c for c in guess.free if c.setpoint and c.quantity == "position"]
@@ -154,14 +156,21 @@ class _Guess:
                 "no column of the time has a known unit: give sampling_period in s (--rate), or the column of t"
             )
 
-    def sensor(self, signal: str, quantity: str, alike: int, *, needed: bool) -> None:
+    def called(self, signal: str) -> list[ForeignColumn]:
+        """The column that has the name of a signal, if neither its name nor a unit says what it measures."""
+        why = "its name is that of the signal; no unit, so SI is assumed"
+        same = [c for c in self.free if c.header == signal and c.quantity is None]
+        return [replace(c, reason=why) for c in same]
+
+    def sensor(self, sensor: Sensor, unit: Unit, alike: int, *, needed: bool) -> None:
         """A column for a sensor: one of its name, else the first measured one of its quantity.
 
         If the axis has fewer such sensors left (`alike`) than the file such columns, the guess names the others.
         """
+        signal, quantity = sensor.signal, sensor.quantity
         found = [c for c in self.free if c.quantity == quantity and not c.setpoint]
         found.sort(key=lambda c: not c.header.startswith(signal))
-        column = self.chosen(signal, found)
+        column = self.chosen(signal, _turning(found, unit) or self.called(signal))
         if column is not None:
             self.take(signal, column)
             others = [repr(c.header) for c in found if c.header != column.header]
@@ -179,7 +188,8 @@ class _Guess:
         if command and "voltage" in measured and own not in measured:
             self.take(command, measured["voltage"])
             return
-        column = self.chosen(signal, [measured[q] for q in (own, "percent", "current") if q in measured])
+        alike = [measured[q] for q in (own, "percent", "current") if q in measured]
+        column = self.chosen(signal, alike or self.called(signal))
         if column is None:
             self.missing.append(f"no column seems to be the force {signal}: name it in columns")
             return
@@ -203,6 +213,17 @@ class _Guess:
             self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
             return
         self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
+
+
+def _turning(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:
+    """Columns of a sensor in `unit`: where a length was guessed and it is an angle, in degrees."""
+    why = "no unit, degrees are assumed: in rad it would be many turns"
+    return [
+        replace(c, unit="deg", reason=why)
+        if unit == Unit.of("rad") and c.unit == "mm" and not c.stated
+        else c
+        for c in columns
+    ]
 
 
 def _column_called(name: str, signal: str, columns: Sequence[ForeignColumn]) -> ForeignColumn:

@@ -37,8 +37,8 @@ def lag_of(
     if remaining > criteria.lagging * by_delay or lag < parts[0].log.sampling_period:
         return ""
     return (
-        f"{name} lags with a time constant of {1e3 * lag:.3g} ms (the residual falls to {100 * remaining:.3g} % "
-        "without it), which biases all parameters: it was filtered before it was recorded, or the drive is slow; "
+        f"{name} lags with a time constant of {1e3 * lag:.3g} ms (without it, {100 * remaining:.3g} % of the residual "
+        "remain), which biases all parameters: it was filtered before it was recorded, or the drive is slow; "
         "record it raw"
     )
 

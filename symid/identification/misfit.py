@@ -13,10 +13,10 @@ import numpy as np
 from symid.arrays import BoolArray, FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import cut_in_motion
+from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares, estimate, triangular_factors
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
-from symid.identification.recording import is_switched
 
 _CLIPPED_SAMPLES = 5
 """Shortest run at an extreme value that is a limit, not a peak."""

@@ -16,13 +16,13 @@ import numpy as np
 
 from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
+from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
 from symid.identification.lag_scan import shiftable
 from symid.identification.misfit import unexplained
 from symid.identification.observation import SignalRows
-from symid.identification.recording import is_switched
 from symid.identification.whitened import WhitenedRows
 
 _NOISE_EXPLAINS = 1.5

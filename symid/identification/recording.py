@@ -15,6 +15,7 @@ from symid.arrays import FloatArray
 from symid.codegen import GeneratedModel
 from symid.data import Log
 from symid.data.lost_samples import FEWEST, dropped, repeated, step_of
+from symid.data.stuck import is_switched
 from symid.estimation import LeastSquares
 from symid.identification.criteria import CRITERIA, Criteria
 from symid.identification.excerpts import Excerpt
@@ -36,8 +37,6 @@ _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
 _LIMITED_SHARE = 0.01
 """Of all steps that are as large as the largest: noise makes no two of them."""
-_FEW_STEPS, _SOME = 10, 1000
-"""Changes of a force that are a sequence of steps, and samples that are looked at before all of them."""
 
 
 def fault_of(
@@ -135,23 +134,6 @@ def _slew_limited(x: FloatArray) -> float:
     largest = float(step.max(initial=0.0))
     share = float(np.mean(step > largest * (1.0 - _SAME)))
     return 0.0 if largest == 0.0 or share <= _LIMITED_SHARE or step_of(x) > 0.0 else share
-
-
-def is_switched(force: FloatArray) -> bool:
-    """Whether a force is that of a relay or a binary sequence, with two levels and 0 at rest, or of a few steps.
-
-    What rounding leaves of a small force passes 0 between both levels, and changes often.
-
-    >>> is_switched(np.array([0.0, 4.0, 4.0, -4.0, 4.0])), is_switched(np.tile([0.0, 1.0, 0.0, -1.0], 9))
-    (True, False)
-    """
-    if np.unique(force[:: max(force.size // _SOME, 1)]).size > _FEW_STEPS + 1:
-        return False
-    levels, steps = np.unique(force), np.abs(np.diff(force))
-    changes = steps[steps > 0]
-    across = bool(changes.size) and 2 * np.mean(changes == np.ptp(levels)) >= 1.0
-    two = levels.size == 2 or (levels.size == 3 and 0.0 in levels and across)
-    return bool(two or 0 < changes.size <= _FEW_STEPS)
 
 
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:

@@ -101,9 +101,14 @@ def interpolated_from(x: FloatArray) -> int:
     >>> x = np.random.default_rng(0).standard_normal(1000)
     >>> interpolated_from(np.interp(np.arange(4000) / 4, np.arange(1000), x)), interpolated_from(x)
     (4, 0)
+    >>> interpolated_from(np.repeat(np.sign(x[:60]), 16))
+    0
     """
-    bent = np.abs(np.diff(x, 2))
-    if np.count_nonzero(bent < _STRAIGHT * np.max(bent, initial=0.0)) < _LEAST_STRAIGHT * bent.size:
+    step = np.diff(x)
+    bent = np.abs(np.diff(step))
+    slopes = (step[1:] != 0.0) | (step[:-1] != 0.0)  # what is held, at rest or between two steps, is no line
+    straight = slopes & (bent < _STRAIGHT * np.max(bent, initial=0.0))
+    if np.count_nonzero(straight) <= _LEAST_STRAIGHT * np.count_nonzero(slopes):
         return 0
     for n in SPACINGS:
         if bent.size < 10 * n:

@@ -122,7 +122,7 @@ class Timing:
         return (
             f"{self.signal} acts as if {abs(self.samples):.2f} samples ({_microseconds(abs(self.late), 4)} us, "
             f"standard deviation {_microseconds(self.deviation, 2)} us) {when} recorded, which biases all parameters "
-            f"(the residual falls to {100 * self.remaining:.3g} % without it): if clocks or a hold are the cause, "
+            f"(without it, {100 * self.remaining:.3g} % of the residual remain): if clocks or a hold are the cause, "
             f"give {self.remedy}{instead}; a lag of the drive or a missing flexibility can look alike"
         )
 

@@ -101,3 +101,20 @@ def test_a_column_that_is_named_is_the_force_whatever_its_name_suggests(recorded
     assert run("import", "a.csv", "--axis", "rigid_1m", "--column", "F=v", "-o", "map.json") == 0
     mapping = json.loads((folder / "map.json").read_text())
     assert (mapping["columns"]["F"], mapping["missing"]) == ("v", [])
+
+
+def test_columns_called_as_signals_and_an_angle_without_a_unit(folder: Path) -> None:
+    t = np.arange(200) * 0.02
+    columns = {"t": t, "u": 3 * np.sign(np.sin(2 * t)), "y": 140 * (1 - np.cos(2 * t))}
+    (folder / "lab.csv").write_text(table(columns, ","), encoding="utf-8")
+    (folder / "motor.py").write_text(
+        "from symid import Axis, Body, Drive, Position, ViscousFriction\n"
+        'rotor = Body("rotor", inertia="J")\n'
+        'drive = Drive("u", rotor, unit="V")\n'
+        'axis = Axis("motor", (rotor, ViscousFriction(rotor, "Fv")), drive, (Position("q", rotor),))\n'
+    )
+    assert run("import", "lab.csv", "--axis", "motor.py", "-o", "m.json", "--no-ask") == 0
+    mapping = json.loads(Path("m.json").read_text(encoding="utf-8"))
+    assert mapping["columns"] == {"t": "t", "q": "y", "u": "u"}
+    assert (mapping["units"]["q"], mapping["missing"]) == ("deg", [])
+    assert sum("deg" in guess or "name is that of the signal" in guess for guess in mapping["guesses"]) == 2

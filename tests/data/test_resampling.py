@@ -132,3 +132,10 @@ def test_on_the_command_line(
     assert run("batch", "rigid_1m", "a.csv", "-o", "r.parquet", "--resample", "500", "--jobs", "1") == 0
     (row,) = pl.read_parquet("r.parquet").iter_rows(named=True)
     assert row["M"] == pytest.approx(5.0, rel=1e-2)
+
+
+def test_times_in_whole_milliseconds_lack_nothing(tmp_path: Path) -> None:
+    t = np.round(np.arange(1200) * 7 / 3) / 1000  # steps of 2, 2 and 3 ms
+    log = read(t, tmp_path)
+    assert log.sampling_frequency == pytest.approx(3000 / 7, rel=1e-3)
+    assert not any("lacked" in note for note in log.notes)

@@ -61,7 +61,7 @@ def test_one_run_prints_a_table_and_writes_json_page_and_axis(
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("rigid_1m", "short.csv"), "at least 200"),
+        (("rigid_1m", "short.csv"), "independent rows of motion"),
         (("rigid_1m", "blind.csv"), "q"),
         (("rigid_1m", "nothing.csv"), "nothing.csv"),
         (("no_axis", "run.csv"), "no_axis"),

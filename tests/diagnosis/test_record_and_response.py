@@ -105,8 +105,27 @@ def test_logs_that_cannot_be_diagnosed() -> None:
     _, q, F = waves()
     with pytest.raises(LogError, match="no position"):
         record_of(dynamics, Log("x", 0.0, 1e-3, {"Fm": F, "ddq1": q}))
-    with pytest.raises(LogError, match="at least 200"):
-        record_of(dynamics, Log("x", 0.0, 1e-3, {"Fm": F[:150], "q2": q[:150]}))
+    with pytest.raises(LogError, match="at least 100"):
+        record_of(dynamics, Log("x", 0.0, 1e-3, {"Fm": F[:90], "q2": q[:90]}))
+
+
+def test_three_seconds_at_50_hz_are_a_record() -> None:
+    t = np.arange(150) / 50
+    log = Log("slow", 0.0, 0.02, {"q": 0.1 * np.sin(3 * t) + 0.01 * np.sin(20 * t), "F": np.cos(3 * t)})
+    _, weighting = first_state(record_of(forward_dynamics(load_axis("rigid_1m")), log), RIGID)
+    assert weighting.kept.sum() > 60
+
+
+def test_the_band_ends_where_noise_would_hide_the_velocity() -> None:
+    rng, t = np.random.default_rng(5), np.arange(350) / 430
+    noisy = {
+        "q": 4.0 * np.clip(t - 0.05, 0, 0.6) + 8e-3 * rng.standard_normal(t.size),
+        "F": 1 + rng.standard_normal(t.size),
+    }
+    dynamics, log = forward_dynamics(load_axis("rigid_1m")), Log("coarse", 0.0, 1 / 430, noisy)
+    found = record_of(dynamics, log)
+    assert record_of(dynamics, log, 2 * found.motion_hz).is_drowned
+    assert not found.is_drowned
 
 
 def test_response_is_the_rational_function_of_the_paper() -> None:

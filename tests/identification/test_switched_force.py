@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from symid import identify
+from symid.data.stuck import inspect_spans, is_switched
 from symid.identification import Preparation
-from symid.identification.recording import channel_fault, is_switched
+from symid.identification.recording import channel_fault
+from symid.identification.smoothing import interpolated_from
 
 TRUE = {"M": 6.0, "Fv": 12.0, "Fs": 2.0}
 LEVEL, STEP = 13.0, 1e-4
@@ -66,3 +68,19 @@ def test_the_slope_of_a_short_log_of_counts_is_not_limited() -> None:
     assert channel_fault(np.round(chirp), "v") == ""
     slow = np.cumsum(np.clip(np.diff(chirp, prepend=0.0), -12.3, 12.3))
     assert "slope is limited" in channel_fault(slow, "v")
+
+
+def test_a_binary_sequence_is_neither_interpolated_nor_clipped() -> None:
+    rng = np.random.default_rng(2)
+    levels = 1.8 + 1.2 * np.repeat(rng.integers(0, 2, 60), 8)  # a clock of 8 samples, both voltages positive
+    w = np.zeros(levels.size)
+    for k in range(1, w.size):
+        w[k] = w[k - 1] + 0.3 * (levels[k - 1] / 0.4 - w[k - 1])
+    q = 0.02 * np.cumsum(np.round(w / 0.05) * 0.05)
+    t = 0.02 * np.arange(q.size)
+    assert not inspect_spans(t, {"q": q, "F": levels}, {"q"})
+    assert interpolated_from(levels) == 0
+    ramps = np.interp(np.arange(4 * q.size) / 4, np.arange(q.size), rng.standard_normal(q.size))
+    assert (
+        interpolated_from(np.concatenate([ramps, np.full(ramps.size // 2, ramps[-1])])) == 4
+    )  # then at rest

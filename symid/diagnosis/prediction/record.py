@@ -33,7 +33,13 @@ from symid.simulation import ForwardDynamics
 _CONTINUATION = 0.5
 _BAND_OF_MOTION = 2.0
 _END_SECONDS = 0.01
-_LEAST_SAMPLES = 200
+_LEAST_SAMPLES = 100
+"""Fewer have no spectrum in which motion and noise part; whether they move enough is counted in rows."""
+NOISE_MARGIN = 6.0
+"""Times the noise of a velocity above which an axis moves."""
+_FASTEST, _SLOWER = 0.25, 2**-0.25
+"""Of the top speed, which that must not exceed; and the ratio of the bands that are tried in turn."""
+_FEWEST_BINS = 8
 _FLAT = 0.65
 _FINE_HZ = 1000.0
 """Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
@@ -138,7 +144,7 @@ class Record:
     @cached_property
     def n_bins(self) -> int:
         """Frequencies used."""
-        return max(int(self.band_hz * self.period), 8)
+        return max(int(self.band_hz * self.period), _FEWEST_BINS)
 
     @cached_property
     def n_rows(self) -> int:
@@ -266,6 +272,18 @@ class Record:
         """Those of the driven positions, of shape (n_drives,)."""
         return self.noise[: self.n_drives]
 
+    @cached_property
+    def velocity_noise(self) -> float:
+        """Standard deviation of what the noise of the driven positions makes of a velocity in the band."""
+        share = np.sqrt(2 * self.n_bins / self.n_extended)
+        return float(self.noise_of_motions.max() * self.omega[-1] * share / np.sqrt(3))
+
+    @property
+    def is_drowned(self) -> bool:
+        """Whether noise in the band hides all but the fastest motion of the driven positions."""
+        speeds = np.abs(self.fine(1j * self.omega * self.motions)[:, self.in_log])
+        return bool(NOISE_MARGIN * self.velocity_noise > _FASTEST * np.quantile(speeds, 0.95, axis=1).max())
+
     @property
     def noise_of_outputs(self) -> FloatArray:
         """Those of the forces and of the other sensors, of shape (n_outputs,)."""
@@ -321,7 +339,7 @@ def record_of(
     """A log in the frequency domain.
 
     `motion_hz` is the highest frequency of its motion, by default where the spectrum of the position sinks into its
-    noise; `late` the time by which signals were recorded late, s.
+    noise, or less where that noise would hide the velocity; `late` the time by which signals were recorded late, s.
     """
     signals = signals_of(dynamics, log)
     if log.n_samples < _LEAST_SAMPLES:
@@ -330,4 +348,7 @@ def record_of(
         )
     driven = signals[: len(dynamics.axis.drives)]
     band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)
-    return Record(dynamics, log, signals, band, dict(late or {}))
+    record = Record(dynamics, log, signals, band, dict(late or {}))
+    while motion_hz is None and record.is_drowned and record.n_bins > _FEWEST_BINS:
+        record = Record(dynamics, log, signals, record.motion_hz * _SLOWER, record.late)
+    return record

@@ -16,11 +16,10 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from symid.diagnosis.prediction.record import Record
+from symid.diagnosis.prediction.record import NOISE_MARGIN, Record
 
 SLOW_SHARE = 0.004
 """Share of the highest speed below which an axis rests, as noise reverses it too."""
-_NOISE_MARGIN = 6.0
 _RESOLUTIONS = 0.5
 """Margin around a rest, and shortest rest, in periods of the highest frequency used: what is shorter is a reversal."""
 _LONGEST_MARGIN = 0.010
@@ -93,13 +92,11 @@ def weighting_of(
 
     `density` is 1 / sqrt(S) of shape (n_outputs, n_bins), as `noise_weights`; `allowed` the parts that may be used.
     """
-    share = np.sqrt(2 * record.n_bins / record.n_extended)
     moving = record.in_log & (True if allowed is None else allowed)
-    velocity_noise = record.noise_of_motions.max() * record.omega[-1] * share / np.sqrt(3)
     step = record.fine_time[1]
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
-        least = max(SLOW_SHARE * np.abs(speed[record.in_log]).max(), _NOISE_MARGIN * velocity_noise)
+        least = max(SLOW_SHARE * np.abs(speed[record.in_log]).max(), NOISE_MARGIN * record.velocity_noise)
         moving &= ~_long(np.abs(speed) <= least, round(max(_SHORTEST_REST, resolution) / step))
     ends = max(1, round(_END / step))
     moving[:ends] = False
