@@ -23,6 +23,7 @@ from symid.diagnosis.fitting.start import fitted_axis, starting_parameters
 from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.driven_positions import signals_of
+from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
@@ -41,8 +42,6 @@ from symid.identification.settings import with_hold
 from symid.simulation import Cascade
 from symid.simulation.forward_dynamics import forward_dynamics
 
-_HELD_OUT = 3
-_BLOCKS = 12
 _ELSEWHERE = 5.0
 """Mean square left of the validation log relative to that of the other log, both in multiples of the noise, from which
 on something acts there that does not act here."""
@@ -288,7 +287,7 @@ def data_of(axis: Axis, runs: Runs, recorded: Recorded) -> Data:
     record = record_of(dynamics, run.log, None, recorded.times(axis, run.log.sampling_period))
     inside = _within(record, run)
     if validation is None:
-        training, held_out = _parts(record)
+        training, held_out = training_and_held_out(record)
         return Data(record, record, training & inside, held_out & inside)
     late = recorded.times(axis, validation.log.sampling_period)
     other = record_of(dynamics, validation.log, record.motion_hz, late)
@@ -299,10 +298,3 @@ def _within(record: Record, run: Joined) -> BoolArray:
     """Points of the fine grid that belong to a log."""
     at = np.rint(record.fine_time / run.log.sampling_period).astype(int)
     return np.asarray(run.recorded[np.minimum(at, run.recorded.size - 1)])
-
-
-def _parts(record: Record) -> tuple[BoolArray, BoolArray]:
-    """Points of the fine grid for identification and for validation: every third of twelve parts is held out."""
-    part = np.floor(record.fine_time / record.duration * _BLOCKS)
-    held_out = np.asarray(part % _HELD_OUT == 1)
-    return ~held_out, held_out

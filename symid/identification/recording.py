@@ -35,6 +35,8 @@ _USUAL_STEP = 0.2
 """Of the range: most steps of a channel must be smaller for a jump to stand out."""
 _SAME = 1e-6
 """Relative difference of two steps that count as of the same size."""
+_BEYOND_STEPS = 5.0
+"""Steps of a force that its error must not exceed, or something else than they makes it."""
 _LIMITED_SHARE = 0.01
 """Of all steps that are as large as the largest: noise makes no two of them."""
 
@@ -137,11 +139,13 @@ def _slew_limited(x: FloatArray) -> float:
 
 
 def _coarse_force(model: GeneratedModel, logs: Sequence[Log], fit: LeastSquares, criteria: Criteria) -> str:
-    """Whether the force is recorded in steps that friction is not much larger than."""
+    """Whether the force is recorded in steps that friction is not much larger than, nor the error of the fit."""
     steps = (
         (step_of(log[force]), force) for log in logs for force in model.forces if not is_switched(log[force])
     )
     step, force = max(steps, default=(0.0, ""))
+    if float(fit.sigma_rho_equation[0]) > _BEYOND_STEPS * step:
+        return ""
     laws = {parameter for _, parameter in model.law_columns}
     units = list(model.minimal_units.items())
     own = model.output_units[0] if model.output_units else ""

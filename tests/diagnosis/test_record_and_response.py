@@ -23,9 +23,11 @@ from symid.diagnosis.effects.forces import FlexibleModeEffect
 from symid.diagnosis.effects.friction_effects import LoadDependentFrictionEffect, dahl_state
 from symid.diagnosis.fitting.sensitivity import derivatives, parameter_columns
 from symid.diagnosis.fitting.state import first_state, with_effects
+from symid.diagnosis.prediction.held_out import training_and_held_out
 from symid.diagnosis.prediction.prediction import prediction_of
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.response import response_of
+from symid.diagnosis.prediction.weighting import autoregression
 from symid.errors import LogError
 from symid.simulation import Cascade, forward_dynamics, simulate, trapezoids
 
@@ -269,3 +271,20 @@ def test_a_lag_passes_on_the_ripple_of_the_encoder() -> None:
     ):
         by_difference = (outputs(*moved) - outputs(lag, ripple)) / step
         assert np.allclose(columns[3 + at], by_difference, atol=1e-6 * np.abs(by_difference).max())
+
+
+def test_a_motion_in_a_part_of_the_log_is_parted_where_it_moves() -> None:
+    t = np.arange(5000) / 1000
+    q = 0.05 * np.where((t > 3) & (t < 4), 1 - np.cos(2 * np.pi * 3 * (t - 3)), 0.0)
+    one = record_of(forward_dynamics(load_axis("rigid_1m")), Log("at rest", 0.0, 1e-3, {"q": q, "F": q}))
+    moving = one.moves(one.speeds[0])
+    for part in training_and_held_out(one):
+        assert np.sum(part & moving) > 0.25 * np.sum(moving)
+
+
+def test_errors_of_short_stretches_have_an_autoregressive_model() -> None:
+    rows = np.random.default_rng(0).standard_normal((1, 40))
+    kept = np.arange(40) % 8 < 7  # no row has more than six before it
+    found = autoregression(rows, kept, 6)
+    assert found.coefficients.shape[1] < 6
+    assert 0.5 < found.apply(rows).std() < 2.0

@@ -179,6 +179,19 @@ def test_a_weight_that_the_model_lacks_is_neither_an_absolute_value_nor_friction
     assert diagnose(load_axis("rigid_1m"), absolute, nominal=RIGID).verdict == "recording"
 
 
+def test_an_axis_that_coasts_while_its_drive_is_off_has_no_absolute_force() -> None:
+    rng, t, step = np.random.default_rng(1), np.arange(4000) / 1000, 1e-3
+    F = np.where((t > 0.5) & (t < 1.5), 400.0, 0.0)
+    v = np.zeros(t.size)
+    for k in range(t.size - 1):  # friction that falls while the drive is off
+        drag = 300.0 if F[k] > 0.0 else 120.0
+        v[k + 1] = v[k] + step * (F[k] - drag * v[k]) / RIGID["M"]
+    coasting = Log(
+        "coasting", 0.0, step, {"q": step * np.cumsum(v) + 1e-5 * rng.standard_normal(t.size), "F": F}
+    )
+    assert diagnose(load_axis("rigid_1m"), coasting).verdict != "recording"
+
+
 def test_a_force_that_would_be_friction_pushing_the_axis_is_none_of_its_friction() -> None:
     coupled = rigid_log(
         lambda t, q, v, a, path: -6000.0 * q * v

@@ -29,6 +29,9 @@ _MIRRORED = 0.3
 _BOTH_SIGNS = 0.2
 """Share of the samples in which a force must be negative, and positive, for a record of one sign to be odd."""
 
+_COASTS = 0.1
+"""Share of the samples of a motion in which the force is exactly 0: the drive is off, and no sign is lost."""
+
 
 @dataclass(frozen=True)
 class Damage:
@@ -88,7 +91,9 @@ def _wrong_sign(begun: Fit, found: Fit, drive: int) -> str:
     )
     sides = min(float(np.mean(asked > 0)), float(np.mean(asked < 0)))
     one_sided = logged.min() >= 0 or logged.max() <= 0
-    if sides > _BOTH_SIGNS and one_sided and _is_absolute(seen, asked):
+    at = np.rint(record.row_time[weighting.kept] / record.log.sampling_period).astype(int)
+    coasts = np.mean(logged[np.minimum(at, logged.size - 1)] == 0.0) > _COASTS
+    if sides > _BOTH_SIGNS and one_sided and not coasts and _is_absolute(seen, asked):
         return (
             f"{force} never changes its sign, though the motion asks for both: an absolute value was recorded"
         )

@@ -23,7 +23,7 @@ from symid.diagnosis.prediction.weighting import Weighting, starting_pulses, wei
 from symid.errors import LogError
 
 _TAKES_PART = 0.2
-_LEAST_ROWS = 20
+_LEAST_ROWS, _LEAST_HELD_OUT = 20, 8
 _LEVEL = sp.Symbol("level")
 _BALANCED = 3
 """Further turns in which an implicit force finds its balance: friction of half the load is then within 6 %, and
@@ -74,17 +74,26 @@ class State:
 
 
 def first_state(
-    record: Record, parameters: Mapping[str, float], allowed: BoolArray | None = None
+    record: Record,
+    parameters: Mapping[str, float],
+    allowed: BoolArray | None = None,
+    *,
+    held_out: bool = False,
 ) -> tuple[State, Weighting]:
-    """The axis at given parameters with its declared imperfections, and its weighting on allowed parts of the log."""
+    """The axis at given parameters with its declared imperfections, and its weighting on allowed parts of the log.
+
+    Fewer rows do where they are `held_out`: a gap is measured on them, and nothing fitted.
+    """
     prediction = prediction_of(record, parameters)
     prediction = prediction_of(record, parameters, before=prediction)
     weighting = weighting_in(prediction, allowed)
-    if weighting.kept.sum() < _LEAST_ROWS:
+    least = _LEAST_HELD_OUT if held_out else _LEAST_ROWS
+    if weighting.kept.sum() < least:
         raise LogError(
-            f"log {record.log.source!r} has {weighting.kept.sum()} independent rows of motion, {_LEAST_ROWS} are "
+            f"log {record.log.source!r} has {weighting.kept.sum()} independent rows of motion, {least} are "
             f"needed: it is compared up to {record.band_hz:.3g} Hz, where its position still exceeds its noise, and "
-            "rests are left out; take a longer log, or one that moves more or is read finer"
+            "rests are left out; take a longer log, one that moves more or is read finer, or a second one for the "
+            "validation"
         )
     first = _state(prediction, (), record.measured - prediction.outputs, weighting)
     declared = tuple(

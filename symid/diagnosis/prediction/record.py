@@ -35,8 +35,8 @@ _BAND_OF_MOTION = 2.0
 _END_SECONDS = 0.01
 _LEAST_SAMPLES = 100
 """Fewer have no spectrum in which motion and noise part; whether they move enough is counted in rows."""
-NOISE_MARGIN = 6.0
-"""Times the noise of a velocity above which an axis moves."""
+NOISE_MARGIN, SLOW_SHARE = 6.0, 0.004
+"""Times the noise of a velocity, and share of the highest speed, above which an axis moves."""
 _FASTEST, _SLOWER = 0.25, 2**-0.25
 """Of the top speed, which that must not exceed; and the ratio of the bands that are tried in turn."""
 _FEWEST_BINS = 8
@@ -278,11 +278,21 @@ class Record:
         share = np.sqrt(2 * self.n_bins / self.n_extended)
         return float(self.noise_of_motions.max() * self.omega[-1] * share / np.sqrt(3))
 
+    @cached_property
+    def speeds(self) -> FloatArray:
+        """Those of the driven positions on the fine grid, of shape (n_drives, n_fine); 0 outside the log."""
+        return np.abs(self.fine(1j * self.omega * self.motions)) * self.in_log
+
+    def moves(self, speed: FloatArray) -> BoolArray:
+        """Points of the fine grid at which a joint moves by more than noise, from its speed there."""
+        least = max(SLOW_SHARE * float(speed[self.in_log].max()), NOISE_MARGIN * self.velocity_noise)
+        return np.asarray(speed > least)
+
     @property
     def is_drowned(self) -> bool:
         """Whether noise in the band hides all but the fastest motion of the driven positions."""
-        speeds = np.abs(self.fine(1j * self.omega * self.motions)[:, self.in_log])
-        return bool(NOISE_MARGIN * self.velocity_noise > _FASTEST * np.quantile(speeds, 0.95, axis=1).max())
+        fast = np.quantile(self.speeds[:, self.in_log], 0.95, axis=1).max()
+        return bool(NOISE_MARGIN * self.velocity_noise > _FASTEST * fast)
 
     @property
     def noise_of_outputs(self) -> FloatArray:

@@ -16,10 +16,8 @@ import numpy as np
 import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from symid.diagnosis.prediction.record import NOISE_MARGIN, Record
+from symid.diagnosis.prediction.record import Record
 
-SLOW_SHARE = 0.004
-"""Share of the highest speed below which an axis rests, as noise reverses it too."""
 _RESOLUTIONS = 0.5
 """Margin around a rest, and shortest rest, in periods of the highest frequency used: what is shorter is a reversal."""
 _LONGEST_MARGIN = 0.010
@@ -28,6 +26,7 @@ _TAPER = 0.004
 _END = 0.02
 _UNSEEN = 1e-9
 _MOST_STARTS = 40
+_ROWS_PER_COEFFICIENT = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +95,7 @@ def weighting_of(
     step = record.fine_time[1]
     resolution = min(_RESOLUTIONS / record.band_hz, _LONGEST_MARGIN)
     for speed in speeds:
-        least = max(SLOW_SHARE * np.abs(speed[record.in_log]).max(), NOISE_MARGIN * record.velocity_noise)
-        moving &= ~_long(np.abs(speed) <= least, round(max(_SHORTEST_REST, resolution) / step))
+        moving &= ~_long(~record.moves(np.abs(speed)), round(max(_SHORTEST_REST, resolution) / step))
     ends = max(1, round(_END / step))
     moving[:ends] = False
     last = int(np.flatnonzero(record.in_log)[-1])
@@ -181,12 +179,15 @@ class Autoregression:
 
 
 def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
-    """Least-squares autoregressive model of rows of shape (n_outputs, n_rows), gaps left out."""
-    usable = kept.copy()
-    for k in range(1, order + 1):
-        usable &= np.roll(kept, k)
-    usable[:order] = False
+    """Least-squares autoregressive model of rows of shape (n_outputs, n_rows), gaps left out.
+
+    Its order is less where stretches of motion are so short that few rows have as long a past.
+    """
     p = len(rows)
+    usable = _with_past(kept, order)
+    while order > 1 and usable.sum() < _ROWS_PER_COEFFICIENT * p * order:
+        order -= 1
+        usable = _with_past(kept, order)
     past = np.concatenate([np.roll(rows, k, axis=1)[:, usable] for k in range(1, order + 1)]).T
     present = rows[:, usable].T
     solution = np.linalg.lstsq(past, present, rcond=None)[0]
@@ -194,6 +195,15 @@ def autoregression(rows: FloatArray, kept: BoolArray, order: int) -> Autoregress
     covariance = left.T @ left / max(len(left), 1)
     root = np.linalg.cholesky(covariance + 1e-12 * np.trace(covariance) * np.eye(p))
     return Autoregression(solution.T.reshape(p, order, p), np.linalg.inv(root), usable)
+
+
+def _with_past(kept: BoolArray, order: int) -> BoolArray:
+    """Rows whose last `order` ones are kept too."""
+    usable = kept.copy()
+    for k in range(1, order + 1):
+        usable &= np.roll(kept, k)
+    usable[:order] = False
+    return usable
 
 
 def unweighted(rows: FloatArray, kept: BoolArray, order: int) -> Autoregression:
