@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import Any
 
-from click import Choice, option
+from click import Choice, get_current_context, option
 
 from symid.axis import Axis
 from symid.cli.options import (
@@ -112,9 +112,10 @@ def foreign_columns(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def said_guesses(options: dict[str, Any]) -> tuple[str, ...]:
-    """Guesses of a mapping as notes, printed on standard error."""
-    guesses = mapping_of(options).guesses
-    if guesses:
+    """Guesses of a mapping as notes, printed on standard error with the first of several logs."""
+    guesses, told = mapping_of(options).guesses, get_current_context().meta
+    if guesses and not told.get("guesses"):
+        told["guesses"] = True
         say(f"{options['mapping']} guesses: {'; '.join(guesses)}", err=True)
     return tuple(f"guessed in the mapping: {guess}" for guess in guesses)
 

@@ -24,6 +24,7 @@ from symid.diagnosis.fitting.state import State, first_state
 from symid.diagnosis.in_motion.motion import with_motion
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.held_out import training_and_held_out
+from symid.diagnosis.prediction.integrated_speed import with_positions
 from symid.diagnosis.prediction.joined import Joined, joined, with_common_zeros
 from symid.diagnosis.prediction.record import Record, record_of
 from symid.diagnosis.prediction.recorder import recovered
@@ -112,7 +113,7 @@ def diagnose(
     Raises
     ------
     LogError
-        If a log is too short or holds no position, or sampling periods of logs differ.
+        If a log is too short or holds neither position nor speed, or sampling periods of logs differ.
     SettingError
         If there are no nominal values and none can be identified to begin with.
 
@@ -136,12 +137,14 @@ def diagnose(
     for each in (*logs, *others):
         require_changing(each, [*(d.signal for d in axis.drives), *(s.signal for s in axis.sensors)])
     whole = recovered(axis, [*logs, *others])
-    logs, others = list(whole.logs[: len(logs)]), list(whole.logs[len(logs) :])
-    runs = _one_run(axis, logs), _one_run(axis, others) if others else None
+    moved, every, said = with_positions(axis, whole.logs)
+    logs, others = every[: len(logs)], every[len(logs) :]
+    runs = _one_run(moved, logs), _one_run(moved, others) if others else None
     with threadpool_limits(1):  # matrices are small: threads of the linear algebra would wait for each other
         recorded = Recorded(dict(late or {}), held, controller, whole.thinned)
-        found = _either_way(axis, runs, nominal, recorded, library)
-    return replace(found, faults=(*whole.notes, *found.faults))
+        found = _either_way(moved, runs, nominal, recorded, library)
+    assumed = (*found.assumptions, *said)
+    return replace(found, axis=axis, faults=(*whole.notes, *found.faults), assumptions=assumed)
 
 
 def _one_run(axis: Axis, logs: Sequence[Log]) -> Joined:

@@ -103,7 +103,9 @@ def test_a_column_that_is_named_is_the_force_whatever_its_name_suggests(recorded
     assert (mapping["columns"]["F"], mapping["missing"]) == ("v", [])
 
 
-def test_columns_called_as_signals_and_an_angle_without_a_unit(folder: Path) -> None:
+def test_columns_called_as_signals_and_an_angle_without_a_unit(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     t = np.arange(200) * 0.02
     columns = {"t": t, "u": 3 * np.sign(np.sin(2 * t)), "y": 140 * (1 - np.cos(2 * t))}
     (folder / "lab.csv").write_text(table(columns, ","), encoding="utf-8")
@@ -118,3 +120,6 @@ def test_columns_called_as_signals_and_an_angle_without_a_unit(folder: Path) -> 
     assert mapping["columns"] == {"t": "t", "q": "y", "u": "u"}
     assert (mapping["units"]["q"], mapping["missing"]) == ("deg", [])
     assert sum("deg" in guess or "name is that of the signal" in guess for guess in mapping["guesses"]) == 2
+    capsys.readouterr()
+    run("identify", "motor.py", "lab.csv", "lab.csv", "--mapping", "m.json")
+    assert capsys.readouterr().err.count("m.json guesses: ") == 1  # of two logs

@@ -11,6 +11,7 @@ from symid.axis import (
     Between,
     Body,
     CoulombFriction,
+    EncoderRipple,
     PreslidingFriction,
     Spring,
 )
@@ -68,13 +69,25 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     if not found.search:
         raise SettingError("nothing was fitted: the axis stays as it is declared")
     if not found.effects:
-        return axis_of(found.search[0].before.state)
+        return _as_sensed(axis_of(found.search[0].before.state), found.axis)
     accepted = [step for step in found.search if step.accepts]
-    explained = axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state)
+    explained = _as_sensed(axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state), found.axis)
     if explained.axis == found.axis.without(*found.axis.imperfections):
         raise SettingError("; ".join(explained.left_out))
     impossible = impossible_values(explained.axis, explained.values)
     return replace(explained, left_out=(*explained.left_out, *impossible))
+
+
+def _as_sensed(explained: ExplainedAxis, declared: Axis) -> ExplainedAxis:
+    """The same with the declared sensors in place of those whose integral was taken; a ripple is of a position."""
+    rippled = {item.signal for item in explained.axis.imperfections if isinstance(item, EncoderRipple)}
+    sensors = tuple(
+        found
+        if found.quantity == sensor.quantity or found.signal in rippled
+        else replace(sensor, delay=found.delay)
+        for sensor, found in zip(declared.sensors, explained.axis.sensors, strict=True)
+    )
+    return replace(explained, axis=replace(explained.axis, sensors=sensors))
 
 
 def impossible_values(axis: Axis, values: Values) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
     if not positions:
         declared = [name for name, (_, order) in dynamics.sensors.items() if order == 0]
-        way = f"such as {declared[0]}" if declared else "declare one, and log it or the integral of the speed"
+        way = f"such as {declared[0]}" if declared else "declare one or a speed, and log it"
         raise LogError(f"log {log.source!r} has no position: a diagnosis needs one, {way}")
     drives, driven = _drive_directions(dynamics), list[str]()
     if np.linalg.matrix_rank(drives) < len(drives):

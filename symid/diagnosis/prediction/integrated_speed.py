@@ -1,0 +1,62 @@
+"""Logs of a speed in place of a position: its integral is the position, apart from a zero that no law may need."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy
+
+from symid.arrays import FloatArray
+from symid.axis import Axis, Position
+from symid.data import Log
+
+
+def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tuple[str, ...]]:
+    """The axis and its logs with positions in place of speeds, if the logs hold no position; and what was done.
+
+    Parameters
+    ----------
+    axis : Axis
+        The declared axis.
+    logs : sequence of Log
+        Logs of it. The integral of a speed has its name.
+
+    Returns
+    -------
+    tuple of Axis, list of Log and tuple of str
+        The same where the logs hold a position, or no speed.
+
+    Examples
+    --------
+    >>> from symid import Body, Drive, Velocity
+    >>> motor = Body("motor", inertia="J")
+    >>> axis = Axis("fan", (motor,), Drive("T", motor), (Velocity("w", motor),))
+    >>> log = Log.from_arrays({"w": np.full(50, 3.0), "T": np.ones(50)}, sampling_period=0.1)
+    >>> moved, logs, said = with_positions(axis, [log])
+    >>> type(moved.sensors[0]).__name__, round(float(logs[0]["w"][-1]), 9), said[0]
+    ('Position', 14.7, 'No position was logged: that of w is its integral from 0 on.')
+    """
+    held = set.intersection(*(set(log.signals) for log in logs))
+    of_order = [
+        [sensor.signal for sensor in axis.sensors if sensor.derivative == order and sensor.signal in held]
+        for order in (0, 1)
+    ]
+    if of_order[0] or not of_order[1]:
+        return axis, list(logs), ()
+    speeds = of_order[1]
+    sensors = tuple(
+        Position(s.signal, s.body, s.relative_to, delay=s.delay) if s.signal in speeds else s
+        for s in axis.sensors
+    )
+    moved = [
+        replace(log, signals={**log.signals, **{name: _integral(log, name) for name in speeds}})
+        for log in logs
+    ]
+    said = f"No position was logged: that of {', '.join(speeds)} is its integral from 0 on."
+    return replace(axis, sensors=sensors), moved, (said,)
+
+
+def _integral(log: Log, name: str) -> FloatArray:
+    return np.asarray(scipy.integrate.cumulative_trapezoid(log[name], dx=log.sampling_period, initial=0))
