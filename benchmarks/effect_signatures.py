@@ -103,6 +103,9 @@ SIGNATURES = {
     "actuator_lag": Signature("actuator", ("change of force", "frequency")),
     "saturation": Signature("actuator", ("drive force", "time")),
     "gain_nonlinearity": Signature("actuator", ("drive force", "acceleration"), {"cubic": 1.0}),
+    "force_constant_ripple": Signature(
+        "actuator", ("part of the stroke", "drive force"), {"pitch": 0.02, "phase": 0.0}
+    ),
     "sensor_delay": Signature(READING, ("velocity", "time")),
     "encoder_ripple": Signature("q", ("part of the stroke", "velocity"), {"pitch": 0.004, "phase": 0.0}),
 }

@@ -20,6 +20,7 @@ ROW = 7  # law, joint and five numbers
 (COULOMB, STRIBECK, LOAD_DEPENDENT, POSITION_DEPENDENT, DRIFT, STICKY_ZONE) = range(6)
 (VISCOUS, DRAG, OFFSET, STIFFNESS, COGGING, PERIODIC, PRESLIDING) = range(10, 17)
 (OUTSIDE, COUPLING, ACCELERATION) = range(20, 23)
+FORCE_CONSTANT = 30
 
 # Without counting references to the arrays that are handed on: three times as fast.
 _inner = njit(cache=True, error_model="numpy", _nrt=False)
@@ -78,7 +79,7 @@ def _bristle(z, w, reach, dt):
 
 
 @_inner
-def _law(law, rows, i, x, w, a, t, z, viscous, outside):
+def _law(law, rows, i, x, w, a, t, F, z, viscous, outside):
     """Force along a joint by the laws that are no Coulomb level."""
     if law == VISCOUS:
         return -rows[i, 2] * w
@@ -102,6 +103,8 @@ def _law(law, rows, i, x, w, a, t, z, viscous, outside):
         return rows[i, 2] * (outside[k] + (place - k) * (outside[k + 1] - outside[k]))
     if law == COUPLING:
         return -rows[i, 2] * x * w
+    if law == FORCE_CONSTANT:
+        return -rows[i, 2] * F * np.sin(2 * np.pi * x / rows[i, 3] + rows[i, 4])
     if law == ACCELERATION:
         return -rows[i, 2] * a * abs(a)
     return 0.0
@@ -122,7 +125,7 @@ def _springs(x, v, plant, a):
 
 
 @_inner
-def _joints(x, v, t, dt, plant, memory, a):
+def _joints(x, v, t, dt, F, plant, memory, a):
     """Accelerations by viscous friction and the laws along the joints that are no Coulomb level."""
     mass, plus, minus, viscous, _, _, rows, outside = plant[:8]
     last, z = memory[2], memory[3]
@@ -134,7 +137,7 @@ def _joints(x, v, t, dt, plant, memory, a):
                 law = int(rows[i, 0])
                 bent = _bristle(z[i], w, rows[i, 3], dt) if law == PRESLIDING else 0.0
                 force += _law(
-                    law, rows, i, d, w, _between(last, plus[j], minus[j]), t, bent, viscous[j], outside
+                    law, rows, i, d, w, _between(last, plus[j], minus[j]), t, F, bent, viscous[j], outside
                 )
         _push(a, mass, plus[j], minus[j], force)
 
@@ -201,7 +204,7 @@ def _substep(x, v, t, start, half, end, drive, plant, memory, work):
             a[b] = 0.0
         _push(a, plant[0], drive[0], drive[1], F)
         _springs(xs, vs, plant, a)
-        _joints(xs, vs, t + dt, dt, plant, memory, a)
+        _joints(xs, vs, t + dt, dt, F, plant, memory, a)
         _coulomb(xs, vs, t + dt, F, plant, memory, a)
         if s == 0:
             for b in range(x.size):

@@ -84,6 +84,9 @@ LAWS = {
     "actuator_lag": Law("time", 2e-4, 4e-3, _none),
     "saturation": Law("cut", 0.1, 0.5, _none),
     "gain_nonlinearity": Law("bend", 0.03, 0.35, lambda r: {"cubic": float(r.random() < 0.5)}),
+    "force_constant_ripple": Law(
+        "ripple", 0.02, 0.2, lambda r: {"pitch": _log(r, 0.008, 0.06), "phase": _turn(r)}
+    ),
     "encoder_ripple": Law(
         "amplitude", 3e-7, 3e-5, lambda r: {"pitch": _log(r, 0.002, 0.03), "phase": _turn(r)}
     ),
@@ -124,7 +127,7 @@ _RELATIVE = {
     "backlash",
     "stiffness_nonlinearity",
 }
-ACTUATOR = ("delay", "actuator_lag", "saturation", "gain_nonlinearity")
+ACTUATOR = ("delay", "actuator_lag", "saturation", "gain_nonlinearity", "force_constant_ripple")
 
 
 def places(axis: str, sensors: tuple[str, ...]) -> list[tuple[str, str]]:
@@ -173,6 +176,9 @@ def draw(effect: str, at: str, rng: np.random.Generator) -> Effect:
 def enter(plant: Machine, effect: Effect, axis: str, travel: dict[str, float]) -> Machine:
     """The plant with the effect; `travel` holds the peaks of drive force and spring deflection without it."""
     n, at = effect.numbers, effect.at
+    if effect.effect == "force_constant_ripple":
+        motor = KINDS[axis].bodies.index("motor")
+        return with_row(plant, engine.FORCE_CONSTANT, motor, n["ripple"], n["pitch"], n["phase"])
     if at == "actuator":
         return replace(plant, actuator=_actuator(plant.actuator.copy(), effect, travel["force"]))
     if effect.effect == "encoder_ripple":

@@ -19,7 +19,7 @@ from symid.axis.elements import (
     Spring,
     Weight,
 )
-from symid.axis.imperfections import EncoderRipple, Imperfection, PayloadChange
+from symid.axis.imperfections import EncoderRipple, ForceConstantRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
 from symid.axis.laws.law import is_finite
 from symid.axis.sensors import Sensor
@@ -54,7 +54,7 @@ def declaration_faults(
         *_drive_faults(checked_drives),
         *_joint_faults((*elements, *checked_drives)),
         *_connection_faults(bodies, elements, checked_drives),
-        *_signal_faults(elements, checked_sensors),
+        *_signal_faults(elements, checked_sensors, checked_drives),
     )
 
 
@@ -215,13 +215,17 @@ def _joint_faults(holders: Sequence[object]) -> Iterator[str]:
             yield f"{label_of(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
 
 
-def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
+def _signal_faults(
+    elements: Sequence[object], sensors: Sequence[Sensor], drives: Sequence[Drive]
+) -> Iterator[str]:
     for element in elements:
         if isinstance(element, PayloadChange) and element.body.numbers():
             body = element.body.name
             yield f"PayloadChange of {body!r}, whose mass is a known number: give it a name, and its value to simulate"
     positions = [sensor.signal for sensor in sensors if sensor.derivative == 0]
     for element in elements:
+        if isinstance(element, ForceConstantRipple) and [drive.at for drive in drives] != [element.at]:
+            yield "ForceConstantRipple must be at the joint of the drive, which is the only one"
         if isinstance(element, EncoderRipple) and element.signal not in positions:
             known = ", ".join(positions) or "none is declared"
             yield f"EncoderRipple of {element.signal!r}: that is not a position sensor: choose from {known}"

@@ -28,7 +28,10 @@ _FINE, _MOST_STEPS = 0.5, 50
 
 @dataclass(eq=False)
 class Moment:
-    """State on which laws depend besides the motion: time, s, force of the drive, memories of presliding friction."""
+    """State on which laws depend besides the motion: time, s, load, memories of presliding friction.
+
+    The load is the force of the drive, of several drives the sum of what they push with in either direction.
+    """
 
     time: float = 0.0
     load: float = 1.0

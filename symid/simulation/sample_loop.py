@@ -53,7 +53,8 @@ def advance(begin, end, ask, law, given, channels, laws, mode, record, memory, a
         # The mode holds over the whole sample, or this sample is not made: the engine then finds the event within it.
         z[n_state : n_state + n_drives] = forces[k]
         if is_timed:
-            laws.arguments[2], laws.arguments[3] = np.abs(forces[k]).sum(), (k + 0.5) * channels.period
+            load = forces[k, 0] if forces.shape[1] == 1 else np.abs(forces[k]).sum()
+            laws.arguments[2], laws.arguments[3] = load, (k + 0.5) * channels.period
             _hold(z, laws, mode)
         for piece in range(len(ends)):
             if n_varying:

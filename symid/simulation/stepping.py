@@ -99,7 +99,8 @@ class SimulationRun:
         loop, record, k, engine = self.loop, self.record, self._made, self._engine
         engine.state, forces = record.states[k].copy(), record.forces[k].copy()
         if loop.moment is not None:
-            loop.moment.time, loop.moment.load = (k + 0.5) * loop.period, float(np.abs(forces).sum())
+            loop.moment.time = (k + 0.5) * loop.period
+            loop.moment.load = float(forces[0] if forces.size == 1 else np.abs(forces).sum())
         for piece, duration in enumerate(loop.durations):
             engine.advance(forces, duration)
             for i in np.flatnonzero(self._channels.pieces == piece):

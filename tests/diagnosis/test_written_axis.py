@@ -16,6 +16,7 @@ from symid import (
     CoulombFriction,
     Drive,
     EncoderRipple,
+    ForceConstantRipple,
     ForceLimit,
     FrictionAsymmetry,
     FrictionDrift,
@@ -96,10 +97,15 @@ RIGID_KINDS = {
     "actuator_lag": (ActuatorLag(0.004), {}),
     "saturation": (ForceLimit(150.0), {}),
     "gain_nonlinearity": (GainNonlinearity(0.001, power=2), {}),
+    "force_constant_ripple": (ForceConstantRipple(MOTOR, 0.06, -0.03, pitch=0.024), {}),
     "encoder_ripple": (EncoderRipple("q", 3e-6, 2e-6, pitch=0.01), {}),
 }
 """Effects of a rigid axis, each as an element with its values."""
 OTHER_ELEMENTS = {
+    "position_dependent_friction closely": (
+        PeriodicFriction(MOTOR, "dS", "dC", pitch=0.0173),
+        {"dS": 5.0, "dC": 3.0},
+    ),
     "friction_drift steadily": (FrictionTrend(MOTOR, 0.8, 0.0), {}),
     "gain_nonlinearity": (GainAsymmetry(0.08), {}),
     "gain_nonlinearity cubed": (GainNonlinearity(2e-6, power=3), {}),

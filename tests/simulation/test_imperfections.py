@@ -12,6 +12,7 @@ from symid import (
     Axis,
     CoulombFriction,
     EncoderRipple,
+    ForceConstantRipple,
     ForceLimit,
     FrictionDrift,
     FrictionTrend,
@@ -118,6 +119,15 @@ CASES = {
     "load": (
         LoadDependentFriction(MOTOR, 0.2),
         lambda: by_hand(friction=lambda t, q, v: (6.0 + 0.2 * abs(held(t)), 0.0)),
+    ),
+    "force_constant": (
+        ForceConstantRipple(MOTOR, 0.2, -0.1, pitch=0.01),
+        lambda: by_hand(
+            friction=lambda t, q, v: (
+                6.0,
+                held(t) * (0.2 * np.sin(200 * np.pi * q) - 0.1 * np.cos(200 * np.pi * q)),
+            )
+        ),
     ),
     "payload": (PayloadChange(MOTOR, 3.0, time=0.5), lambda: by_hand(mass=lambda t: 5.0 if t < 0.5 else 8.0)),
     "presliding": (PreslidingFriction(MOTOR, 6.0, reach=1e-3), lambda: by_hand(friction=ByHandDahl())),

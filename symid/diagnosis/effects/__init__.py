@@ -1,6 +1,6 @@
 """The library of effects: everything that a diagnosis considers."""
 
-from symid.axis import Cogging
+from symid.axis import Cogging, PeriodicFriction
 from symid.diagnosis.effects.declared_imperfections import (
     declared_effects,
     effects_of_element,
@@ -17,7 +17,6 @@ from symid.diagnosis.effects.effect import (
     Shape,
 )
 from symid.diagnosis.effects.forces import (
-    CoggingEffect,
     FlexibleModeEffect,
     PayloadChangeEffect,
     PeriodicDisturbanceEffect,
@@ -31,12 +30,17 @@ from symid.diagnosis.effects.friction_effects import (
     with_parts,
 )
 from symid.diagnosis.effects.from_law import LawEffect, effects_of, library_of_laws
+from symid.diagnosis.effects.repeating import (
+    CoggingEffect,
+    EncoderRippleEffect,
+    ForceConstantRippleEffect,
+    PeriodicFrictionEffect,
+)
 from symid.diagnosis.effects.signals import (
     LATE_FORCES,
     ActuatorLagEffect,
     DelayEffect,
     DriveEffect,
-    EncoderRippleEffect,
     GainAsymmetryEffect,
     GainNonlinearityEffect,
     RecordedLagEffect,
@@ -48,7 +52,7 @@ from symid.diagnosis.effects.signals import (
 )
 
 LIBRARY: tuple[Effect, ...] = (
-    *library_of_laws({Cogging: CoggingEffect}),
+    *library_of_laws({Cogging: CoggingEffect, PeriodicFriction: PeriodicFrictionEffect}),
     PreslidingFrictionEffect(),
     LoadDependentFrictionEffect(),
     FrictionDriftEffect(coulomb=True, viscous=False),
@@ -66,6 +70,7 @@ LIBRARY: tuple[Effect, ...] = (
     GainNonlinearityEffect(2),
     GainNonlinearityEffect(3),
     GainAsymmetryEffect(),
+    ForceConstantRippleEffect(),
     EncoderRippleEffect(),
     SensorDelayEffect(),
 )
@@ -80,6 +85,7 @@ __all__ = [
     "DriveEffect",
     "Effect",
     "EncoderRippleEffect",
+    "ForceConstantRippleEffect",
     "FrictionDriftEffect",
     "GainAsymmetryEffect",
     "GainNonlinearityEffect",

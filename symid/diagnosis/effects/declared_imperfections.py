@@ -9,6 +9,7 @@ from symid.axis import (
     ActuatorLag,
     Axis,
     EncoderRipple,
+    ForceConstantRipple,
     ForceLimit,
     FrictionDrift,
     FrictionTrend,
@@ -29,11 +30,11 @@ from symid.diagnosis.effects.friction_effects import (
     PreslidingFrictionEffect,
     SteadyFrictionDriftEffect,
 )
+from symid.diagnosis.effects.repeating import EncoderRippleEffect, ForceConstantRippleEffect
 from symid.diagnosis.effects.signals import (
     ActuatorLagEffect,
     DelayEffect,
     DriveEffect,
-    EncoderRippleEffect,
     GainAsymmetryEffect,
     GainNonlinearityEffect,
     SaturationEffect,
@@ -58,6 +59,8 @@ def imperfection_of(axis: Axis, item: Placed) -> Imperfection | None:
             return GainNonlinearity(amplitudes[0], power=effect.power)
         case GainAsymmetryEffect():
             return GainAsymmetry(amplitudes[0])
+        case ForceConstantRippleEffect():
+            return ForceConstantRipple(axis.drives[0].at, *amplitudes, *shape)
         case EncoderRippleEffect():
             return EncoderRipple(item.at, *amplitudes, *shape)
         case PeriodicDisturbanceEffect():
@@ -118,6 +121,8 @@ def _as_effect(element: Imperfection) -> tuple[Effect, Shape, tuple[float, ...]]
             return GainAsymmetryEffect(), (), (element.difference,)
         case EncoderRipple():
             return EncoderRippleEffect(), (element.pitch,), (element.sine, element.cosine)
+        case ForceConstantRipple():
+            return ForceConstantRippleEffect(), (element.pitch,), (element.sine, element.cosine)
         case PeriodicForce():
             return PeriodicDisturbanceEffect(), (element.frequency,), (element.sine, element.cosine)
         case PayloadChange():

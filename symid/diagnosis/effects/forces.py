@@ -6,10 +6,8 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-import scipy
 
 from symid.arrays import ComplexArray, FloatArray
-from symid.axis import length_unit
 from symid.diagnosis.effects.effect import (
     Effect,
     JointEffect,
@@ -21,7 +19,6 @@ from symid.diagnosis.effects.effect import (
     joint_units,
     sampled,
 )
-from symid.diagnosis.effects.from_law import LawEffect
 from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.diagnosis.prediction.record import Record
@@ -29,13 +26,6 @@ from symid.diagnosis.prediction.response import response_of
 from symid.diagnosis.prediction.weighting import starting_pulses
 from symid.units import Unit
 
-LEAST_PITCH = 1e-3
-"""Shortest pitch of what repeats along a straight stroke, m."""
-MOST_WAVES = 150
-"""Of what repeats along a turn: slots and pole pairs of a motor, teeth of a gear."""
-_SPEEDS_OF_ENERGY = 48
-_WAVES_OF_ENERGY = 400
-_LEAST_STROKE = 5e-3
 _TRIALS = 4
 _SHARE_OF_BAND = 0.6
 _PERIODS_OF_MODE = 3.0
@@ -55,69 +45,6 @@ _USUAL_CHANGE = 0.1
 _MOMENTS_TRIED = np.linspace(0.1, 0.9, 17)
 """Of the log, at which the most usual change is also tried."""
 _DAMPINGS = (0.01, 0.05, 0.2)
-
-
-class CoggingEffect(LawEffect):
-    """Force ripple along the stroke: its pitch is sought in what the model leaves."""
-
-    def places(self, prediction: Prediction) -> Iterable[str]:
-        return [name for name, joint in prediction.joints.items() if joint.stroke > _LEAST_STROKE]
-
-    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        joint = prediction.joints[place]
-        response = -prediction.response.of_force(joint.direction)
-        return repeating_pitches(prediction, joint, matched_filter(response), response)
-
-    def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
-        """Sine and cosine along the stroke, without what lies above the band."""
-        below = np.abs(joint.v) < 0.95 * shape[0] * joint.record.band_hz
-        return tuple(wave * below for wave in super().courses(joint, shape))
-
-
-def ripple(prediction: Prediction, joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
-    """Sine and cosine along the stroke, without what lies above the band."""
-    below = np.abs(joint.v) < 0.95 * pitch * prediction.record.band_hz
-    phase = 2 * math.pi / pitch * joint.q
-    return np.sin(phase) * below, np.cos(phase) * below
-
-
-def repeating_pitches(
-    prediction: Prediction, joint: Joint, matched_filter: FloatArray, response: ComplexArray
-) -> Iterable[Shape]:
-    """Pitches at which a signal that repeats along the stroke would explain most of the residual.
-
-    All correlations come from one Fourier transform of the residual's pull, summed over the stroke.
-    """
-    low, high = joint.range
-    inside = prediction.record.in_log
-    least = 2 * math.pi / MOST_WAVES if turns(prediction) else LEAST_PITCH
-    n = max(256, math.ceil(8 * (high - low) / least))
-    place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
-    along = np.bincount(place, weights=matched_filter[inside], minlength=n)
-    padded = scipy.fft.next_fast_len(4 * n, real=True)
-    waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
-    strength = np.abs(scipy.fft.rfft(along, padded)) ** 2
-    used = (waves > 1.0 / (high - low)) & (waves < 1 / least)
-    if not used.any():
-        return ()
-    score = strength[used] / _felt(prediction, joint, waves[used], response)
-    return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
-
-
-def _felt(prediction: Prediction, joint: Joint, waves: FloatArray, response: ComplexArray) -> FloatArray:
-    """Mean square that a unit wave along the stroke leaves in the weighted outputs: at v waves a second, of each v."""
-    speeds, edges = np.histogram(np.abs(joint.v[prediction.record.in_log]), bins=_SPEEDS_OF_ENERGY)
-    middle = (edges[1:] + edges[:-1]) / 2
-    power = np.sum(np.abs(response * prediction.density) ** 2, axis=0)
-    frequency = prediction.record.omega / (2 * math.pi)
-    coarse = np.linspace(waves[0], waves[-1], _WAVES_OF_ENERGY)
-    energy = np.interp(np.outer(coarse, middle), frequency, power, right=0.0) @ speeds
-    return np.asarray(np.interp(waves, coarse, energy) + 1e-3 * energy.max())
-
-
-def turns(prediction: Prediction) -> bool:
-    """Whether the driven joint turns instead of sliding."""
-    return str(length_unit(prediction.axis.drives[0].at)) == "rad"
 
 
 class PeriodicDisturbanceEffect(JointEffect):

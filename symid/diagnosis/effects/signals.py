@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 
@@ -10,8 +9,6 @@ import numpy as np
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.diagnosis.effects.effect import ACTUATOR, Effect, Key, MatchedFilter, Placed, Shape
-from symid.diagnosis.effects.forces import repeating_pitches, ripple
-from symid.diagnosis.prediction.joint import Joint
 from symid.diagnosis.prediction.prediction import Prediction
 from symid.units import Unit
 
@@ -30,7 +27,6 @@ _STEPS = np.array([0.15, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0,
 _DELAYS = np.concatenate([-_STEPS[::-1], _STEPS])
 _LIMITS = (0.05, 0.07, 0.1, 0.13, 0.16, 0.2, 0.25, *(0.05 * k for k in range(6, 20)), 0.98)
 """Of the largest logged force: a controller that winds up asks for many times what the drive gives."""
-_STEEPEST_RIPPLE = 0.2
 _USUAL_LIMIT = 0.3
 """Of the largest force; below it a limit may cut few samples: an axis without force would show no error either."""
 _MOSTLY_BELOW = 0.9
@@ -236,57 +232,6 @@ class GainAsymmetryEffect(DriveEffect):
         return ("1",)
 
 
-class EncoderRippleEffect(Effect):
-    """A position reading with an error As sin(2 pi q/p) + Ac cos(2 pi q/p)."""
-
-    name = "encoder_ripple"
-    amplitudes = ("As", "Ac")
-    shape_names = ("pitch",)
-
-    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
-        """The reading still rises with the position, by far."""
-        slope = math.tau * math.hypot(*placed.amplitudes) / placed.shape[0]
-        return slope < _STEEPEST_RIPPLE
-
-    def places(self, prediction: Prediction) -> Iterable[str]:
-        sensors = prediction.record.dynamics.sensors
-        return [name for name in prediction.record.signals if sensors[name][1] == 0]
-
-    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        response = self._response(prediction, place)
-        return repeating_pitches(prediction, _reading(prediction, place), matched_filter(response), response)
-
-    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        return self._response(prediction, place) * self._waves(prediction, place, shape)[:, None, :]
-
-    def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
-        driven = prediction.record.driven
-        if placed.at not in driven:
-            return None
-        found = np.zeros_like(prediction.record.motions)
-        waves = self._waves(prediction, placed.at, placed.shape)
-        found[driven.index(placed.at)] = np.tensordot(placed.amplitudes, waves, 1)
-        return found
-
-    def _waves(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
-        return prediction.record.from_grid(
-            np.stack(ripple(prediction, _reading(prediction, place), shape[0]))
-        )
-
-    def _response(self, prediction: Prediction, place: str) -> ComplexArray:
-        """Outputs as predicted, for an error of the reading."""
-        record = prediction.record
-        if place in record.driven:
-            return np.asarray(-prediction.response.of_positions[record.driven.index(place)])
-        response = np.zeros_like(record.measured)
-        response[record.signals.index(place)] = 1.0
-        return response
-
-    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
-        return (str(prediction.axis.signal_units[place]),) * 3
-
-
 class SensorDelayEffect(TimeEffect):
     """A reading is late against the positions from which all is predicted: y(t - T); early where T is negative."""
 
@@ -318,13 +263,6 @@ def _apparent_delay(prediction: Prediction, place: str) -> list[float]:
     speed = np.gradient(q, record.log.sampling_period)
     ratio, late, _ = np.linalg.lstsq(np.stack([q, speed, np.ones_like(q)]).T, y, rcond=None)[0]
     return [float(-late / ratio)] if ratio and late else []
-
-
-def _reading(prediction: Prediction, signal: str) -> Joint:
-    record = prediction.record
-    place = record.signals.index(signal)
-    spectrum = record.motions[place] if place < record.n_drives else record.measured[place]
-    return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
 
 
 def _drive_unit(prediction: Prediction, place: str) -> Unit:

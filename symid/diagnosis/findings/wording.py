@@ -17,6 +17,7 @@ _ADVICE = {
     "presliding_friction": "reverse slowly over 10 to 500 um",
     "friction_drift": "repeat the same motion from cold until nothing changes",
     "payload_change": "repeat the same motion with the load fixed",
+    "force_constant_ripple": "accelerate at two levels over the same stroke: cogging keeps its height",
     "encoder_ripple": "move at two speeds over the whole stroke: an error of the reading grows with the speed squared",
     "periodic_disturbance": "record the axis at rest and at two speeds: a disturbance in time keeps its frequency",
     "flexible_mode": "excite with a multisine up to twice the frequency found",

@@ -157,6 +157,12 @@ class Prediction:
             if body.name in self.record.dynamics.bodies
         }
 
+    @cached_property
+    def joints_of_drives(self) -> tuple[Joint, ...]:
+        """Displacements along which the drives act."""
+        columns = self.response.plant.drives.T
+        return tuple(self._joint(name, row) for name, row in zip(self.record.forces, columns, strict=True))
+
     def drive_of(self, joint: Joint) -> int:
         """The drive that pushes most along a joint."""
         return int(np.argmax(np.abs(joint.direction @ self.response.plant.drives)))

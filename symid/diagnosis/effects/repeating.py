@@ -1,0 +1,225 @@
+"""Effects that repeat along the stroke: of a force, of dry friction, of the force constant, of a position reading.
+
+All are a sine and a cosine of the displacement times a carrier: 1, the direction of motion, the force of the drive.
+Their pitch is sought in what the model leaves, by one Fourier transform along the stroke.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import scipy
+
+from symid.arrays import ComplexArray, FloatArray
+from symid.axis import length_unit
+from symid.diagnosis.effects.effect import Effect, MatchedFilter, Placed, Shape, best_peaks
+from symid.diagnosis.effects.from_law import LawEffect
+from symid.diagnosis.effects.signals import DriveEffect, drive_at
+from symid.diagnosis.prediction.joint import Joint
+from symid.diagnosis.prediction.prediction import Prediction
+
+_LEAST_PITCH = 1e-3
+"""Shortest pitch of what repeats along a straight stroke, m."""
+_MOST_WAVES = 150
+"""Of what repeats along a turn: slots and pole pairs of a motor, teeth of a gear."""
+_SPEEDS_OF_ENERGY = 48
+_WAVES_OF_ENERGY = 400
+_LEAST_STROKE = 5e-3
+_TRIALS = 4
+_IN_BAND = 0.95
+_STEEPEST_RIPPLE = 0.2
+_MOST_OF_CONSTANT = 0.5
+"""Ripple of a force constant, relative to its mean: that of motors is a tenth of it."""
+
+
+class CoggingEffect(LawEffect):
+    """Force ripple along the stroke."""
+
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        return [name for name, joint in prediction.joints.items() if joint.stroke > _LEAST_STROKE]
+
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        joint = prediction.joints[place]
+        response = -prediction.response.of_force(joint.direction)
+        return repeating_pitches(prediction, joint, matched_filter(response), response)
+
+    def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
+        """Sine and cosine along the stroke, without what lies above the band."""
+        return tuple(wave * _in_band(joint, shape[0]) for wave in super().courses(joint, shape))
+
+
+class PeriodicFrictionEffect(LawEffect):
+    """Dry friction whose level repeats along the stroke; periods as long as the stroke are tried."""
+
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterator[Shape]:
+        yield from super().shapes(prediction, place, matched_filter)
+        joint = prediction.joints[place]
+        direction = joint.averaged(np.sign(joint.v))
+        response = -prediction.response.of_force(joint.direction)
+        asked = matched_filter(response)
+        for shape in repeating_pitches(prediction, joint, asked, response, direction):
+            if self.bounded(prediction, place, shape) == shape:
+                yield shape
+
+
+class ForceConstantRippleEffect(DriveEffect):
+    """The force that acts differs from the one that is logged by a share that repeats along the stroke."""
+
+    name = "force_constant_ripple"
+    amplitudes = ("As", "Ac")
+    shape_names = ("pitch",)
+
+    @property
+    def is_of_command(self) -> bool:
+        """The motor makes it of its current, behind any delay or lag."""
+        return False
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        return math.hypot(*placed.amplitudes) < _MOST_OF_CONSTANT
+
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        found = super().places(prediction)
+        return [place for place in found if _joint_of(prediction, place).stroke > _LEAST_STROKE]
+
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        response = np.zeros_like(prediction.record.measured)
+        response[drive_at(prediction, place)] = 1.0
+        joint, force = _joint_of(prediction, place), _force_course(prediction, place)
+        return repeating_pitches(prediction, joint, matched_filter(response), response, force)
+
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        waves = ripple(_joint_of(prediction, place), shape[0])
+        changes = prediction.record.from_grid(_force_course(prediction, place) * np.stack(waves))
+        return self._force(prediction, place, *changes)
+
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return "1", "1", str(length_unit(prediction.axis.drives[drive_at(prediction, place)].at))
+
+
+class EncoderRippleEffect(Effect):
+    """A position reading with an error As sin(2 pi q/p) + Ac cos(2 pi q/p)."""
+
+    name = "encoder_ripple"
+    amplitudes = ("As", "Ac")
+    shape_names = ("pitch",)
+
+    def is_plausible(self, prediction: Prediction, placed: Placed) -> bool:
+        """The reading still rises with the position, by far."""
+        slope = math.tau * math.hypot(*placed.amplitudes) / placed.shape[0]
+        return slope < _STEEPEST_RIPPLE
+
+    def places(self, prediction: Prediction) -> Iterable[str]:
+        sensors = prediction.record.dynamics.sensors
+        return [name for name in prediction.record.signals if sensors[name][1] == 0]
+
+    def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
+        response = self._response(prediction, place)
+        return repeating_pitches(prediction, _reading(prediction, place), matched_filter(response), response)
+
+    def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        return self._response(prediction, place) * self._waves(prediction, place, shape)[:, None, :]
+
+    def misreading(self, prediction: Prediction, placed: Placed) -> ComplexArray | None:
+        driven = prediction.record.driven
+        if placed.at not in driven:
+            return None
+        found = np.zeros_like(prediction.record.motions)
+        waves = self._waves(prediction, placed.at, placed.shape)
+        found[driven.index(placed.at)] = np.tensordot(placed.amplitudes, waves, 1)
+        return found
+
+    def _waves(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
+        """Spectra of the error for unit amplitudes, of shape (n_amplitudes, n_bins)."""
+        return prediction.record.from_grid(np.stack(ripple(_reading(prediction, place), shape[0])))
+
+    def _response(self, prediction: Prediction, place: str) -> ComplexArray:
+        """Outputs as predicted, for an error of the reading."""
+        record = prediction.record
+        if place in record.driven:
+            return np.asarray(-prediction.response.of_positions[record.driven.index(place)])
+        response = np.zeros_like(record.measured)
+        response[record.signals.index(place)] = 1.0
+        return response
+
+    def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
+        return (str(prediction.axis.signal_units[place]),) * 3
+
+
+def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
+    """Sine and cosine along the stroke, without what lies above the band."""
+    phase = 2 * math.pi / pitch * joint.q
+    below = _in_band(joint, pitch)
+    return np.sin(phase) * below, np.cos(phase) * below
+
+
+def repeating_pitches(
+    prediction: Prediction,
+    joint: Joint,
+    matched_filter: FloatArray,
+    response: ComplexArray,
+    carrier: FloatArray | None = None,
+) -> Iterable[Shape]:
+    """Pitches at which a carrier times a wave along the stroke would explain most of the residual.
+
+    All correlations come from one Fourier transform of the residual's pull, summed over the stroke. Without a carrier
+    the wave itself is sought.
+    """
+    low, high = joint.range
+    inside = prediction.record.in_log
+    weight = np.ones_like(joint.q) if carrier is None else carrier
+    least = 2 * math.pi / _MOST_WAVES if _turns(prediction) else _LEAST_PITCH
+    n = max(256, math.ceil(8 * (high - low) / least))
+    place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
+    along = np.bincount(place, weights=(matched_filter * weight)[inside], minlength=n)
+    padded = scipy.fft.next_fast_len(4 * n, real=True)
+    waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
+    strength = np.abs(scipy.fft.rfft(along, padded)) ** 2
+    used = (waves > 1.0 / (high - low)) & (waves < 1 / least)
+    if not used.any():
+        return ()
+    score = strength[used] / _felt(prediction, joint, waves[used], response, weight)
+    return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
+
+
+def _felt(
+    prediction: Prediction, joint: Joint, waves: FloatArray, response: ComplexArray, weight: FloatArray
+) -> FloatArray:
+    """Mean square that a unit wave along the stroke leaves in the weighted outputs: at v waves a second, of each v."""
+    inside = prediction.record.in_log
+    speeds, edges = np.histogram(np.abs(joint.v[inside]), bins=_SPEEDS_OF_ENERGY, weights=weight[inside] ** 2)
+    middle = (edges[1:] + edges[:-1]) / 2
+    power = np.sum(np.abs(response * prediction.density) ** 2, axis=0)
+    frequency = prediction.record.omega / (2 * math.pi)
+    coarse = np.linspace(waves[0], waves[-1], _WAVES_OF_ENERGY)
+    energy = np.interp(np.outer(coarse, middle), frequency, power, right=0.0) @ speeds
+    return np.asarray(np.interp(waves, coarse, energy) + 1e-3 * energy.max())
+
+
+def _in_band(joint: Joint, pitch: float) -> FloatArray:
+    """1 where a wave of a pitch lies within the band, else 0."""
+    return np.asarray(np.abs(joint.v) < _IN_BAND * pitch * joint.record.band_hz, dtype=np.float64)
+
+
+def _turns(prediction: Prediction) -> bool:
+    """Whether the driven joint turns instead of sliding."""
+    return str(length_unit(prediction.axis.drives[0].at)) == "rad"
+
+
+def _joint_of(prediction: Prediction, place: str) -> Joint:
+    """The displacement along which a drive acts."""
+    return prediction.joints_of_drives[drive_at(prediction, place)]
+
+
+def _force_course(prediction: Prediction, place: str) -> FloatArray:
+    """Logged force of a drive on the fine grid, within the log."""
+    record = prediction.record
+    return np.asarray(record.fine(record.measured[drive_at(prediction, place)]) * record.in_log)
+
+
+def _reading(prediction: Prediction, signal: str) -> Joint:
+    record = prediction.record
+    place = record.signals.index(signal)
+    spectrum = record.motions[place] if place < record.n_drives else record.measured[place]
+    return Joint(signal, record.dynamics.sensors[signal][0], spectrum, spectrum, record)
