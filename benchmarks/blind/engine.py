@@ -19,8 +19,7 @@ ROW = 7  # law, joint and five numbers
 # Laws along a joint; the five numbers p of each stand in `laws.ENTRIES`.
 (COULOMB, STRIBECK, LOAD_DEPENDENT, POSITION_DEPENDENT, DRIFT, STICKY_ZONE) = range(6)
 (VISCOUS, DRAG, OFFSET, STIFFNESS, COGGING, PERIODIC, PRESLIDING) = range(10, 17)
-(OUTSIDE, COUPLING, ACCELERATION) = range(20, 23)
-FORCE_CONSTANT = 30
+(OUTSIDE, COUPLING, ACCELERATION, FORCE_CONSTANT) = range(20, 24)
 
 # Without counting references to the arrays that are handed on: three times as fast.
 _inner = njit(cache=True, error_model="numpy", _nrt=False)

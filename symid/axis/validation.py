@@ -18,6 +18,7 @@ from symid.axis.elements import (
     PendulumWeight,
     Spring,
     Weight,
+    joint_label,
 )
 from symid.axis.imperfections import EncoderRipple, ForceConstantRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
@@ -52,9 +53,10 @@ def declaration_faults(
         *_reference_faults(bodies, (*elements, *checked_drives, *checked_sensors)),
         *_number_faults(elements, checked_drives, checked_sensors),
         *_drive_faults(checked_drives),
+        *_ripple_faults(elements, checked_drives),
         *_joint_faults((*elements, *checked_drives)),
         *_connection_faults(bodies, elements, checked_drives),
-        *_signal_faults(elements, checked_sensors, checked_drives),
+        *_signal_faults(elements, checked_sensors),
     )
 
 
@@ -200,6 +202,20 @@ def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
         yield f"drives {signals} are not all held: one controller sends all of them, give each the same held="
 
 
+def _ripple_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:
+    """Ripples of the force constant that are not in the joint of the one drive whose force they share."""
+    for element in elements:
+        if not isinstance(element, ForceConstantRipple):
+            continue
+        if len(drives) > 1:
+            yield f"ForceConstantRipple: the axis has {len(drives)} drives, one is required: leave the ripple out"
+        elif drives and element.at != drives[0].at:
+            yield (
+                f"ForceConstantRipple at {joint_label(element.at)!r}: a force constant is of the drive: "
+                f"put it at {joint_label(drives[0].at)!r}"
+            )
+
+
 def _joint_faults(holders: Sequence[object]) -> Iterator[str]:
     for holder in holders:
         at = getattr(holder, "at", None)
@@ -215,17 +231,13 @@ def _joint_faults(holders: Sequence[object]) -> Iterator[str]:
             yield f"{label_of(holder)}: a pendulum weight acts on a turning body; use Weight where it slides"
 
 
-def _signal_faults(
-    elements: Sequence[object], sensors: Sequence[Sensor], drives: Sequence[Drive]
-) -> Iterator[str]:
+def _signal_faults(elements: Sequence[object], sensors: Sequence[Sensor]) -> Iterator[str]:
     for element in elements:
         if isinstance(element, PayloadChange) and element.body.numbers():
             body = element.body.name
             yield f"PayloadChange of {body!r}, whose mass is a known number: give it a name, and its value to simulate"
     positions = [sensor.signal for sensor in sensors if sensor.derivative == 0]
     for element in elements:
-        if isinstance(element, ForceConstantRipple) and [drive.at for drive in drives] != [element.at]:
-            yield "ForceConstantRipple must be at the joint of the drive, which is the only one"
         if isinstance(element, EncoderRipple) and element.signal not in positions:
             known = ", ".join(positions) or "none is declared"
             yield f"EncoderRipple of {element.signal!r}: that is not a position sensor: choose from {known}"

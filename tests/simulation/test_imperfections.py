@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from axes import gantry
 from axes.gears_and_weights import rack_and_pinion_case
 
 from symid import (
@@ -192,6 +193,13 @@ def test_faults_are_said_and_files_written() -> None:
         AXIS.with_effect(FrictionDrift(MOTOR, 1.0, 0.0, time_constant=0.0))
     with pytest.raises(DeclarationError, match="not a position sensor: choose from q"):
         AXIS.with_effect(EncoderRipple("qx", 1e-6, 0.0, pitch=0.01))
+    two = load_axis("ballscrew_2m1s")
+    with pytest.raises(
+        DeclarationError, match=r"at 'load': a force constant is of the drive: put it at 'motor'"
+    ):
+        two.with_effect(ForceConstantRipple(two.bodies[1], 0.1, 0.0, pitch=0.02))
+    with pytest.raises(DeclarationError, match="the axis has 2 drives, one is required"):
+        gantry.AXIS.with_effect(ForceConstantRipple(gantry.AXIS.bodies[0], 0.1, 0.0, pitch=0.02))
     better = AXIS.with_effect(*(element for element, _ in CASES.values()))
     space: dict[str, object] = {}
     exec(axis_source(better), space)

@@ -41,9 +41,7 @@ class CoggingEffect(LawEffect):
         return [name for name, joint in prediction.joints.items() if joint.stroke > _LEAST_STROKE]
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        joint = prediction.joints[place]
-        response = -prediction.response.of_force(joint.direction)
-        return repeating_pitches(prediction, joint, matched_filter(response), response)
+        return _of_joint_force(prediction, prediction.joints[place], matched_filter)
 
     def courses(self, joint: Joint, shape: Shape) -> tuple[FloatArray, ...]:
         """Sine and cosine along the stroke, without what lies above the band."""
@@ -57,9 +55,7 @@ class PeriodicFrictionEffect(LawEffect):
         yield from super().shapes(prediction, place, matched_filter)
         joint = prediction.joints[place]
         direction = joint.averaged(np.sign(joint.v))
-        response = -prediction.response.of_force(joint.direction)
-        asked = matched_filter(response)
-        for shape in repeating_pitches(prediction, joint, asked, response, direction):
+        for shape in _of_joint_force(prediction, joint, matched_filter, direction):
             if self.bounded(prediction, place, shape) == shape:
                 yield shape
 
@@ -84,10 +80,9 @@ class ForceConstantRippleEffect(DriveEffect):
         return [place for place in found if _joint_of(prediction, place).stroke > _LEAST_STROKE]
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
-        response = np.zeros_like(prediction.record.measured)
-        response[drive_at(prediction, place)] = 1.0
+        response = _of_output(prediction, drive_at(prediction, place))
         joint, force = _joint_of(prediction, place), _force_course(prediction, place)
-        return repeating_pitches(prediction, joint, matched_filter(response), response, force)
+        return repeating_pitches(prediction, joint, matched_filter, response, force)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         waves = ripple(_joint_of(prediction, place), shape[0])
@@ -116,7 +111,7 @@ class EncoderRippleEffect(Effect):
 
     def shapes(self, prediction: Prediction, place: str, matched_filter: MatchedFilter) -> Iterable[Shape]:
         response = self._response(prediction, place)
-        return repeating_pitches(prediction, _reading(prediction, place), matched_filter(response), response)
+        return repeating_pitches(prediction, _reading(prediction, place), matched_filter, response)
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         return self._response(prediction, place) * self._waves(prediction, place, shape)[:, None, :]
@@ -139,9 +134,7 @@ class EncoderRippleEffect(Effect):
         record = prediction.record
         if place in record.driven:
             return np.asarray(-prediction.response.of_positions[record.driven.index(place)])
-        response = np.zeros_like(record.measured)
-        response[record.signals.index(place)] = 1.0
-        return response
+        return _of_output(prediction, record.signals.index(place))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return (str(prediction.axis.signal_units[place]),) * 3
@@ -157,14 +150,14 @@ def ripple(joint: Joint, pitch: float) -> tuple[FloatArray, FloatArray]:
 def repeating_pitches(
     prediction: Prediction,
     joint: Joint,
-    matched_filter: FloatArray,
+    matched_filter: MatchedFilter,
     response: ComplexArray,
     carrier: FloatArray | None = None,
 ) -> Iterable[Shape]:
     """Pitches at which a carrier times a wave along the stroke would explain most of the residual.
 
-    All correlations come from one Fourier transform of the residual's pull, summed over the stroke. Without a carrier
-    the wave itself is sought.
+    `response` are the outputs for that signal. All correlations come from one Fourier transform of the residual's pull,
+    summed over the stroke. Without a carrier the wave itself is sought.
     """
     low, high = joint.range
     inside = prediction.record.in_log
@@ -172,7 +165,7 @@ def repeating_pitches(
     least = 2 * math.pi / _MOST_WAVES if _turns(prediction) else _LEAST_PITCH
     n = max(256, math.ceil(8 * (high - low) / least))
     place = np.clip(((joint.q[inside] - low) / (high - low) * n).astype(int), 0, n - 1)
-    along = np.bincount(place, weights=(matched_filter * weight)[inside], minlength=n)
+    along = np.bincount(place, weights=(matched_filter(response) * weight)[inside], minlength=n)
     padded = scipy.fft.next_fast_len(4 * n, real=True)
     waves = np.asarray(np.fft.rfftfreq(padded, d=(high - low) / n), dtype=np.float64)
     strength = np.abs(scipy.fft.rfft(along, padded)) ** 2
@@ -181,6 +174,21 @@ def repeating_pitches(
         return ()
     score = strength[used] / _felt(prediction, joint, waves[used], response, weight)
     return [(1 / wave,) for wave in best_peaks(score, waves[used], _TRIALS)]
+
+
+def _of_joint_force(
+    prediction: Prediction, joint: Joint, matched_filter: MatchedFilter, carrier: FloatArray | None = None
+) -> Iterable[Shape]:
+    """The same of a force in a joint."""
+    response = -prediction.response.of_force(joint.direction)
+    return repeating_pitches(prediction, joint, matched_filter, response, carrier)
+
+
+def _of_output(prediction: Prediction, output: int) -> ComplexArray:
+    """Outputs for a signal that adds to one of them as it is."""
+    response = np.zeros_like(prediction.record.measured)
+    response[output] = 1.0
+    return response
 
 
 def _felt(
