@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -155,16 +155,14 @@ class Page:
                 "Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=buttons, clickCount=1
             )
 
-    def picture(self, whole: bool = False) -> bytes:
-        """The page as PNG."""
-        shot = self.send("Page.captureScreenshot", captureBeyondViewport=whole, **self._clip(whole))
+    def picture(self, box: Mapping[str, float] | None = None) -> bytes:
+        """What is shown as PNG, or a rectangle of the page: `x`, `y`, `width` and `height`."""
+        if box is None:
+            shot = self.send("Page.captureScreenshot")
+        else:
+            clip = {name: box[name] for name in ("x", "y", "width", "height")} | {"scale": 1}
+            shot = self.send("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)
         return base64.b64decode(shot["data"])
-
-    def _clip(self, whole: bool) -> dict[str, Any]:
-        if not whole:
-            return {}
-        size = self.send("Page.getLayoutMetrics")["cssContentSize"]
-        return {"clip": {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}}
 
     @property
     def complaints(self) -> list[str]:

@@ -50,9 +50,8 @@ def place(page: Page, selector: str) -> dict[str, float]:
 
 def pixels(page: Page, selector: str, *colours: str) -> list[int]:
     """How many pixels of an element have each colour."""
-    picture = matplotlib.image.imread(io.BytesIO(page.picture(whole=True)))[:, :, :3]
     box = place(page, selector)
-    part = picture[int(box["top"]) : int(box["bottom"]), int(box["left"]) : int(box["right"])]
+    part = matplotlib.image.imread(io.BytesIO(page.picture(box)))[:, :, :3]
     wanted = [np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255 for colour in colours]
     return [int((np.abs(part - colour).max(axis=2) < 0.02).sum()) for colour in wanted]
 
