@@ -96,7 +96,7 @@ def _resisting(hidden: str, x: np.ndarray, v: np.ndarray) -> np.ndarray:
 @cache
 def log(
     hidden: str = "",
-    seconds: float = 5.0,
+    seconds: float = 4.0,
     seed: int = 1,
     beam: float = TRUE["Mb"],
     friction: float = TRUE["Fv1"],

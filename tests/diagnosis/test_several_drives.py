@@ -26,7 +26,7 @@ def found(hidden: str = "", *, friction_on_the_right: bool = True) -> Diagnosis:
     declared = axis(friction_on_the_right=friction_on_the_right)
     off = {name: value * (1.15 if i % 2 else 0.85) for i, (name, value) in enumerate(TRUE.items())}
     nominal = {name: value for name, value in off.items() if name in declared.physical_parameters}
-    return diagnose(declared, log(hidden), validation=log(hidden, 4.0, 2), nominal=nominal, held=False)
+    return diagnose(declared, log(hidden), validation=log(hidden, 3.0, 2), nominal=nominal, held=False)
 
 
 def test_without_an_effect_values_were_off_and_each_force_is_at_its_noise() -> None:
@@ -83,7 +83,7 @@ def test_friction_that_the_axis_lacks_at_one_drive() -> None:
 def test_effects_of_both_drives_are_found_together() -> None:
     declared = axis(friction_on_the_right=False)
     nominal = {name: 1.15 * value for name, value in TRUE.items() if name in declared.physical_parameters}
-    both = diagnose(declared, log("cogging"), validation=log("cogging", 4.0, 2), nominal=nominal, held=False)
+    both = diagnose(declared, log("cogging"), validation=log("cogging", 3.0, 2), nominal=nominal, held=False)
     assert [(e.effect, e.at, e.signal) for e in both.effects] == [
         ("coulomb_friction", "right", "F2"),
         ("cogging", "left", "F1"),
@@ -113,12 +113,12 @@ def test_the_record_has_a_gap_for_each_drive_in_its_unit() -> None:
 
 def test_the_simulated_motion_of_each_drive_is_that_of_the_closed_loop() -> None:
     """The independent way: the equations by hand with the nominal values, under the same controllers."""
-    held_out, nominal = log("", 4.0, 2), TRUE | {"Mb": 92.0, "Fv1": 120.0}
+    held_out, nominal = log("", 3.0, 2), TRUE | {"Mb": 92.0, "Fv1": 120.0}
     loops = [Cascade(name, HASTE, GAIN, 0.0) for name in ("q1", "q2")]
     run = diagnose(
         axis(), log(), validation=held_out, nominal=nominal, held=False, library=(), controller=loops
     )
-    other = log("", 4.0, 2, nominal["Mb"], nominal["Fv1"])
+    other = log("", 3.0, 2, nominal["Mb"], nominal["Fv1"])
     for own, name in zip(run.drives, ("q1", "q2"), strict=True):
         motion = own.gap.motion
         assert (motion.signal, motion.driver) == (name, "given")
