@@ -93,8 +93,8 @@ def rest_of(axis: Axis, shape: str, n: int, encoders: tuple[int, ...], closing: 
         ("chain", 4, (0,), 0.7),
         ("chain", 4, (0, 3), 0.7),
         ("chain", 6, (0,), 0.7),
-        ("chain", 8, (0,), 0.7),
-        ("tree", 8, (0, 7), None),
+        ("chain", 7, (0,), 0.7),
+        ("tree", 7, (0, 6), None),
     ],
 )
 def test_equations_hold(shape: str, n: int, encoders: tuple[int, ...], closing: float | None) -> None:

@@ -2,50 +2,34 @@
 
 Each drive has a position next to it, its *driven position*: from these motions all else is predicted. The outputs are
 what is predicted: the force of each drive, which its balance gives, and the readings of all further sensors.
-
-The log is continued smoothly from its end to its beginning, so that it is periodic; differentiation, hidden motion and
-missing forces are then products with frequency responses, and every comparison is made on a coarser grid of *rows*
-that holds the band and nothing else. Laws, which are not linear, are evaluated on a grid twice as fine.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Body
 from symid.data import Log
 from symid.data.lost_samples import step_of
 from symid.diagnosis.prediction.driven_positions import signals_of
-from symid.diagnosis.prediction.joined import bridge
-from symid.diagnosis.prediction.motion_band import WIDEST, force_noise, motion_band, noise_beyond
+from symid.diagnosis.prediction.motion_band import force_noise, motion_band, noise_beyond
+from symid.diagnosis.prediction.periodic_log import FEWEST_BINS, PeriodicLog
 from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
 
-_CONTINUATION = 0.5
-_BAND_OF_MOTION = 2.0
-_END_SECONDS = 0.01
 _LEAST_SAMPLES = 100
 """Fewer have no spectrum in which motion and noise part; whether they move enough is counted in rows."""
 NOISE_MARGIN, SLOW_SHARE = 6.0, 0.004
 """Times the noise of a velocity, and share of the highest speed, above which an axis moves."""
 _FASTEST, _SLOWER = 0.25, 2**-0.25
 """Of the top speed, which that must not exceed; and the ratio of the bands that are tried in turn."""
-_FEWEST_BINS = 8
-_FLAT = 0.65
-_FINE_HZ = 1000.0
-"""Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
-_FINEST = 8
-_POINTS_PER_ROW = 2
-"""Of an integration."""
 _FINEST_FORCE = 1e-4
 """Noise of a record of a force, relative to the largest: one of 12 bits has more, and what has less is a command."""
 _COMMANDED = 1e-3
@@ -54,15 +38,13 @@ _FINEST_READING = 1e-8
 """Noise of the finest reading, relative to its range: an encoder of 24 bits has more."""
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Record(PeriodicLog):
     """A log of an axis, continued periodically, in the frequency domain."""
 
     dynamics: ForwardDynamics  # the axis
-    log: Log  # the run
     # position sensors from whose motion everything is predicted, one for each drive, then the other sensors
     signals: tuple[str, ...]
-    motion_hz: float  # highest frequency at which a driven position moves by more than its noise
     # time by which signals were recorded late, s; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
     # joints whose motion is measured, which no model changes
@@ -121,81 +103,6 @@ class Record:
         )
 
     @cached_property
-    def n_extended(self) -> int:
-        """Samples of a period."""
-        pad = int(_CONTINUATION * self.log.sampling_frequency)
-        return scipy.fft.next_fast_len(self.log.n_samples + max(pad, 64), real=True)
-
-    @property
-    def duration(self) -> float:
-        """Of the log, s."""
-        return self.log.n_samples * self.log.sampling_period
-
-    @property
-    def period(self) -> float:
-        """Of the continued log, s."""
-        return self.n_extended * self.log.sampling_period
-
-    @property
-    def band_hz(self) -> float:
-        """Highest frequency that is used."""
-        return min(_BAND_OF_MOTION * self.motion_hz, WIDEST * self.log.sampling_frequency)
-
-    @cached_property
-    def n_bins(self) -> int:
-        """Frequencies used."""
-        return max(int(self.band_hz * self.period), _FEWEST_BINS)
-
-    @cached_property
-    def n_rows(self) -> int:
-        """Rows of a period."""
-        return scipy.fft.next_fast_len(2 * self.n_bins, real=True)
-
-    @cached_property
-    def fine_per_row(self) -> int:
-        """Points of the fine grid for each row, an even number."""
-        wanted = 2 * math.ceil(_FINE_HZ * self.period / self.n_rows / 2)
-        return min(max(wanted, 2), _FINEST)
-
-    @property
-    def n_fine(self) -> int:
-        """Points of the grid on which laws are evaluated."""
-        return self.fine_per_row * self.n_rows
-
-    @cached_property
-    def omega(self) -> FloatArray:
-        """Angular frequencies, rad/s; the first is small instead of zero, where free bodies have no response."""
-        omega = np.asarray(2 * np.pi / self.period * np.arange(self.n_bins), dtype=np.float64)
-        omega[0] = 1e-3 * omega[1]
-        return omega
-
-    @cached_property
-    def taper(self) -> FloatArray:
-        """Falls from 1 to 0 towards the end of the band, so that jumps of friction do not ring through the rows."""
-        place = np.linspace(0, 1, self.n_bins)
-        return 0.5 + 0.5 * np.cos(np.pi * np.clip((place - _FLAT) / (1 - _FLAT), 0, 1))
-
-    @cached_property
-    def freedom(self) -> float:
-        """Independent values in a row: less than 1 because of the taper."""
-        return float(np.mean(self.taper**2))
-
-    @cached_property
-    def row_time(self) -> FloatArray:
-        """Time of the rows, s."""
-        return np.asarray(np.arange(self.n_rows) * (self.period / self.n_rows), dtype=np.float64)
-
-    @cached_property
-    def fine_time(self) -> FloatArray:
-        """Time of the fine grid, s."""
-        return np.asarray(np.arange(self.n_fine) * (self.period / self.n_fine), dtype=np.float64)
-
-    @cached_property
-    def in_log(self) -> BoolArray:
-        """Points of the fine grid within the log."""
-        return np.asarray(self.fine_time < self.duration)
-
-    @cached_property
     def motions(self) -> ComplexArray:
         """Spectra of the driven positions, of shape (n_drives, n_bins)."""
         return np.stack([self._read(name) for name in self.driven])
@@ -219,16 +126,16 @@ class Record:
 
     def _read(self, name: str) -> ComplexArray:
         """Spectrum of a reading."""
-        return self._in_time(name, self._continued(self.log[name], smoothly=True))
+        return self._in_time(name, self.continued(self.log[name], smoothly=True))
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal as if it had not been recorded late."""
-        return np.asarray(self._spectrum(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
+        return np.asarray(self.from_samples(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
 
     @cached_property
     def whole_forces(self) -> FloatArray:
         """Drive forces at all samples of a period, of shape (n_drives, n_extended)."""
-        return np.stack([self._continued(self.log[name], smoothly=False) for name in self.forces])
+        return np.stack([self.continued(self.log[name], smoothly=False) for name in self.forces])
 
     @cached_property
     def noise(self) -> FloatArray:
@@ -299,46 +206,6 @@ class Record:
         """Those of the forces and of the other sensors, of shape (n_outputs,)."""
         return self.noise[self.n_drives :]
 
-    def from_samples(self, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal given at all samples of a period."""
-        return self._spectrum(values)
-
-    def from_grid(self, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal given at any number of evenly spaced points of a period, of shape (..., n_points)."""
-        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins], dtype=np.complex128)
-        return np.asarray(whole * (self.n_extended / values.shape[-1]))
-
-    def fine(self, spectrum: ComplexArray) -> FloatArray:
-        """Signal on the fine grid."""
-        return self.grid(spectrum, self.n_fine)
-
-    def rows(self, spectrum: ComplexArray) -> FloatArray:
-        """Signal at the rows."""
-        return self.grid(spectrum, self.n_rows)
-
-    def course(self, spectrum: ComplexArray) -> FloatArray:
-        """Signal at the points of an integration: the band ends at a quarter of their rate."""
-        return self.grid(spectrum, _POINTS_PER_ROW * self.n_rows)
-
-    def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
-        """Signal at any number of evenly spaced points of a period."""
-        return np.asarray(scipy.fft.irfft(spectrum * (1 / self.n_extended), n, norm="forward"))
-
-    def _spectrum(self, values: FloatArray) -> ComplexArray:
-        return np.asarray(scipy.fft.rfft(values)[: self.n_bins])
-
-    def _continued(self, x: FloatArray, *, smoothly: bool) -> FloatArray:
-        """A signal and its way back from its end to its beginning: with the velocities of both ends if `smoothly`."""
-        n = self.n_extended - x.size
-        u = np.arange(1, n + 1) / (n + 1)
-        if not smoothly:
-            return np.concatenate([x, x[-1] * (1 - u) + x[0] * u])
-        m = max(8, int(_END_SECONDS * self.log.sampling_frequency))
-        (v0, x0), (v1, x1) = (
-            np.polyfit(k, part, 2)[1:] for k, part in ((np.arange(1 - m, 1), x[-m:]), (np.arange(m), x[:m]))
-        )
-        return np.concatenate([x, bridge((x0, v0), (x1, v1), n)])
-
 
 def record_of(
     dynamics: ForwardDynamics,
@@ -358,7 +225,7 @@ def record_of(
         )
     driven = signals[: len(dynamics.axis.drives)]
     band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)
-    record = Record(dynamics, log, signals, band, dict(late or {}))
-    while motion_hz is None and record.is_drowned and record.n_bins > _FEWEST_BINS:
-        record = Record(dynamics, log, signals, record.motion_hz * _SLOWER, record.late)
+    record = Record(dynamics=dynamics, log=log, signals=signals, motion_hz=band, late=dict(late or {}))
+    while motion_hz is None and record.is_drowned and record.n_bins > FEWEST_BINS:
+        record = replace(record, motion_hz=record.motion_hz * _SLOWER, driven_joints={})
     return record

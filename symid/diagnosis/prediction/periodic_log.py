@@ -1,0 +1,152 @@
+"""A log continued periodically: its spectrum, and the grids on which its courses are compared.
+
+The log is continued smoothly from its end to its beginning, so that it is periodic; differentiation, hidden motion and
+missing forces are then products with frequency responses, and every comparison is made on a coarser grid of *rows*
+that holds the band and nothing else. Laws, which are not linear, are evaluated on a grid twice as fine.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.data import Log
+from symid.diagnosis.prediction.joined import bridge
+from symid.diagnosis.prediction.motion_band import WIDEST
+
+_CONTINUATION = 0.5
+_BAND_OF_MOTION = 2.0
+_END_SECONDS = 0.01
+FEWEST_BINS = 8
+"""Frequencies that a comparison needs."""
+_FLAT = 0.65
+_FINE_HZ = 1000.0
+"""Rate that the grid of the laws should have: friction jumps where a velocity changes its sign."""
+_FINEST = 8
+_POINTS_PER_ROW = 2
+"""Of an integration."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PeriodicLog:
+    """A log as a period of signals, up to a frequency."""
+
+    log: Log  # the run
+    motion_hz: float  # highest frequency at which a driven position moves by more than its noise
+
+    @cached_property
+    def n_extended(self) -> int:
+        """Samples of a period."""
+        pad = int(_CONTINUATION * self.log.sampling_frequency)
+        return scipy.fft.next_fast_len(self.log.n_samples + max(pad, 64), real=True)
+
+    @property
+    def duration(self) -> float:
+        """Of the log, s."""
+        return self.log.n_samples * self.log.sampling_period
+
+    @property
+    def period(self) -> float:
+        """Of the continued log, s."""
+        return self.n_extended * self.log.sampling_period
+
+    @property
+    def band_hz(self) -> float:
+        """Highest frequency that is used."""
+        return min(_BAND_OF_MOTION * self.motion_hz, WIDEST * self.log.sampling_frequency)
+
+    @cached_property
+    def n_bins(self) -> int:
+        """Frequencies used."""
+        return max(int(self.band_hz * self.period), FEWEST_BINS)
+
+    @cached_property
+    def n_rows(self) -> int:
+        """Rows of a period."""
+        return scipy.fft.next_fast_len(2 * self.n_bins, real=True)
+
+    @cached_property
+    def fine_per_row(self) -> int:
+        """Points of the fine grid for each row, an even number."""
+        wanted = 2 * math.ceil(_FINE_HZ * self.period / self.n_rows / 2)
+        return min(max(wanted, 2), _FINEST)
+
+    @property
+    def n_fine(self) -> int:
+        """Points of the grid on which laws are evaluated."""
+        return self.fine_per_row * self.n_rows
+
+    @cached_property
+    def omega(self) -> FloatArray:
+        """Angular frequencies, rad/s; the first is small instead of zero, where free bodies have no response."""
+        omega = np.asarray(2 * np.pi / self.period * np.arange(self.n_bins), dtype=np.float64)
+        omega[0] = 1e-3 * omega[1]
+        return omega
+
+    @cached_property
+    def taper(self) -> FloatArray:
+        """Falls from 1 to 0 towards the end of the band, so that jumps of friction do not ring through the rows."""
+        place = np.linspace(0, 1, self.n_bins)
+        return 0.5 + 0.5 * np.cos(np.pi * np.clip((place - _FLAT) / (1 - _FLAT), 0, 1))
+
+    @cached_property
+    def freedom(self) -> float:
+        """Independent values in a row: less than 1 because of the taper."""
+        return float(np.mean(self.taper**2))
+
+    @cached_property
+    def row_time(self) -> FloatArray:
+        """Time of the rows, s."""
+        return np.asarray(np.arange(self.n_rows) * (self.period / self.n_rows), dtype=np.float64)
+
+    @cached_property
+    def fine_time(self) -> FloatArray:
+        """Time of the fine grid, s."""
+        return np.asarray(np.arange(self.n_fine) * (self.period / self.n_fine), dtype=np.float64)
+
+    @cached_property
+    def in_log(self) -> BoolArray:
+        """Points of the fine grid within the log."""
+        return np.asarray(self.fine_time < self.duration)
+
+    def from_samples(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at all samples of a period."""
+        return np.asarray(scipy.fft.rfft(values)[: self.n_bins])
+
+    def from_grid(self, values: FloatArray) -> ComplexArray:
+        """Spectrum of a signal given at any number of evenly spaced points of a period, of shape (..., n_points)."""
+        whole = np.asarray(scipy.fft.rfft(values)[..., : self.n_bins], dtype=np.complex128)
+        return np.asarray(whole * (self.n_extended / values.shape[-1]))
+
+    def fine(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal on the fine grid."""
+        return self.grid(spectrum, self.n_fine)
+
+    def rows(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal at the rows."""
+        return self.grid(spectrum, self.n_rows)
+
+    def course(self, spectrum: ComplexArray) -> FloatArray:
+        """Signal at the points of an integration: the band ends at a quarter of their rate."""
+        return self.grid(spectrum, _POINTS_PER_ROW * self.n_rows)
+
+    def grid(self, spectrum: ComplexArray, n: int) -> FloatArray:
+        """Signal at any number of evenly spaced points of a period."""
+        return np.asarray(scipy.fft.irfft(spectrum * (1 / self.n_extended), n, norm="forward"))
+
+    def continued(self, x: FloatArray, *, smoothly: bool) -> FloatArray:
+        """A signal and its way back from its end to its beginning: with the velocities of both ends if `smoothly`."""
+        n = self.n_extended - x.size
+        u = np.arange(1, n + 1) / (n + 1)
+        if not smoothly:
+            return np.concatenate([x, x[-1] * (1 - u) + x[0] * u])
+        m = max(8, int(_END_SECONDS * self.log.sampling_frequency))
+        (v0, x0), (v1, x1) = (
+            np.polyfit(k, part, 2)[1:] for k, part in ((np.arange(1 - m, 1), x[-m:]), (np.arange(m), x[:m]))
+        )
+        return np.concatenate([x, bridge((x0, v0), (x1, v1), n)])
