@@ -28,6 +28,7 @@ from symid.data import LowPass, derivatives
 from symid.diagnosis import LIBRARY
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.findings.comparison import Comparison, compared
+from symid.diagnosis.findings.curves import signals_of, spectrum_of
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
@@ -194,7 +195,7 @@ def residual_of(effect: str) -> Residual:
     begun = first_state(record, start)
     base = Fit(*begun) if signature.at == READING else fitted_axis(*begun)
     comparison = compared(record, None, [base], None)
-    signals = comparison.signals()
+    signals = signals_of(comparison)
     time, rate = signals.time, 1 / (signals.time[1] - signals.time[0])
     over = {
         "time": time,
@@ -296,7 +297,7 @@ def draw_since_reversal(axes: Axes, found: Residual) -> None:
 
 def draw_spectrum(axes: Axes, found: Residual) -> None:
     """Density of the force error beside that of the noise."""
-    spectrum = found.comparison.spectrum()
+    spectrum = spectrum_of(found.comparison)
     axes.loglog(spectrum.frequency, spectrum.reidentified, color="black", linewidth=1.0, label="force error")
     axes.loglog(spectrum.frequency, spectrum.noise, "--", color=NOISE, linewidth=1.0, label="noise")
     axes.set_xlabel("frequency [Hz]")

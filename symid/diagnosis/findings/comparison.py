@@ -10,7 +10,6 @@ import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.data.density import power_density
-from symid.diagnosis.findings.diagnosis_result import Signals, Spectrum
 from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
 from symid.diagnosis.findings.repetition import repetition
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
@@ -22,8 +21,6 @@ from symid.diagnosis.prediction.reversal import SLOW, near
 from symid.diagnosis.prediction.weighting import Weighting
 from symid.diagnosis.thresholds import THRESHOLDS
 
-_SEGMENT = 1024
-_USED = 0.65
 _UNEVEN = 2.0
 _FEW = 8
 _ENOUGH = 60
@@ -281,39 +278,6 @@ class Comparison:
         fallen = np.flatnonzero(self._relative_density < np.sqrt(0.5))
         bins = fallen[fallen > 8]
         return float(self.record.omega[bins[0]] / (2 * np.pi)) if bins.size else self.record.band_hz
-
-    def signals(self) -> Signals:
-        """Forces in the band of the gap."""
-        record, inside = self.record, self.record.row_time < self.record.duration
-        measured = record.rows(self.measured * record.taper)[inside]
-
-        def predicted(model: int) -> FloatArray:
-            state = self.states[model]
-            if state is None:
-                return np.full(measured.size, np.nan)
-            return measured - record.rows(state.errors[self.drive] * record.taper)[inside]
-
-        return Signals(
-            time=record.row_time[inside] + record.log.time[0],
-            position=record.rows(self.motion)[inside],
-            velocity=record.rows(1j * record.omega * self.motion)[inside],
-            measured=measured,
-            nominal=predicted(0),
-            reidentified=predicted(1),
-            explained=predicted(len(self.states) - 1),
-            compared=self.weighting.kept[inside],
-        )
-
-    def spectrum(self) -> Spectrum:
-        """Error density against noise density."""
-        record = self.record
-        grid, before = self.power(1, _SEGMENT)
-        after = self.power(len(self.errors) - 1, _SEGMENT)[1]
-        used = (grid > 0) & (grid < _USED * record.band_hz)
-        weight = np.interp(grid, record.omega / (2 * np.pi), self.weighting.density[self.drive])
-        noise = np.sqrt(2 / self.row_rate) / weight
-        reidentified, explained = (np.sqrt(power / self.kept_share) / weight for power in (before, after))
-        return Spectrum(grid[used], reidentified[used], explained[used], noise[used])
 
     @property
     def row_rate(self) -> float:

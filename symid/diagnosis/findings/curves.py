@@ -1,0 +1,47 @@
+"""Courses and spectra of a comparison, as pages and plots draw them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symid.arrays import FloatArray
+from symid.diagnosis.findings.comparison import Comparison
+from symid.diagnosis.findings.diagnosis_result import Signals, Spectrum
+
+_SEGMENT = 1024
+_USED = 0.65
+
+
+def signals_of(comparison: Comparison) -> Signals:
+    """Forces of a drive in the band of the gap: measured, and of the models."""
+    record, inside = comparison.record, comparison.record.row_time < comparison.record.duration
+    measured = record.rows(comparison.measured * record.taper)[inside]
+
+    def predicted(model: int) -> FloatArray:
+        state = comparison.states[model]
+        if state is None:
+            return np.full(measured.size, np.nan)
+        return measured - record.rows(state.errors[comparison.drive] * record.taper)[inside]
+
+    return Signals(
+        time=record.row_time[inside] + record.log.time[0],
+        position=record.rows(comparison.motion)[inside],
+        velocity=record.rows(1j * record.omega * comparison.motion)[inside],
+        measured=measured,
+        nominal=predicted(0),
+        reidentified=predicted(1),
+        explained=predicted(len(comparison.states) - 1),
+        compared=comparison.weighting.kept[inside],
+    )
+
+
+def spectrum_of(comparison: Comparison) -> Spectrum:
+    """Density of a drive's force error, before and after, against that of the noise."""
+    record = comparison.record
+    grid, before = comparison.power(1, _SEGMENT)
+    after = comparison.power(len(comparison.errors) - 1, _SEGMENT)[1]
+    used = (grid > 0) & (grid < _USED * record.band_hz)
+    weight = np.interp(grid, record.omega / (2 * np.pi), comparison.weighting.density[comparison.drive])
+    noise = np.sqrt(2 / comparison.row_rate) / weight
+    reidentified, explained = (np.sqrt(power / comparison.kept_share) / weight for power in (before, after))
+    return Spectrum(grid[used], reidentified[used], explained[used], noise[used])
