@@ -7,8 +7,8 @@ from typing import Any
 import sympy as sp
 
 from symid.axis import Axis
+from symid.codegen.dynamics_store import dynamics_text
 from symid.codegen.lowering import code
-from symid.codegen.store import dynamics_text
 from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
 
 

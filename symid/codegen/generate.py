@@ -8,13 +8,13 @@ from pathlib import Path
 
 from symid.axis import axis_file, axis_names, load_axis
 from symid.codegen.dynamics_record import generated_dynamics
+from symid.codegen.dynamics_store import dynamics_file
 from symid.codegen.model import GeneratedModel
 from symid.codegen.module import module_text
 from symid.codegen.store import (
     GeneratedFile,
     compile_module,
     delays_of,
-    dynamics_file,
     generated_folder,
     module_name,
     orphans,

@@ -14,7 +14,7 @@ import numpy as np
 
 from symid.arrays import BoolArray, FloatArray, read_only
 from symid.axis import Axis
-from symid.codegen.store import stored_dynamics
+from symid.codegen.dynamics_store import stored_dynamics
 from symid.errors import SettingError
 from symid.simulation.law_functions import array_function, law_function
 from symid.simulation.plant import JointLaw, LawFunction, Plant, ScaledLaw, SensorRow, condensed
