@@ -218,7 +218,7 @@ def error_of_reading(comparison: Comparison) -> np.ndarray:
     """Measured less predicted further reading of the re-identified model, in the rows of the comparison's signals."""
     record, state = comparison.record, comparison.states[1]
     assert state is not None
-    return record.rows(state.errors[1] * record.taper)[record.row_time < record.duration]
+    return record.rows(state.errors[1] * record.taper)[record.rows_in_log]
 
 
 def spring_force(log: Log, p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -155,13 +155,10 @@ class Page:
                 "Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=buttons, clickCount=1
             )
 
-    def picture(self, box: Mapping[str, float] | None = None) -> bytes:
-        """What is shown as PNG, or a rectangle of the page: `x`, `y`, `width` and `height`."""
-        if box is None:
-            shot = self.send("Page.captureScreenshot")
-        else:
-            clip = {name: box[name] for name in ("x", "y", "width", "height")} | {"scale": 1}
-            shot = self.send("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)
+    def picture(self, box: Mapping[str, float]) -> bytes:
+        """A rectangle of the page, with `x`, `y`, `width` and `height`, as PNG."""
+        clip = {name: box[name] for name in ("x", "y", "width", "height")} | {"scale": 1}
+        shot = self.send("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)
         return base64.b64decode(shot["data"])
 
     @property

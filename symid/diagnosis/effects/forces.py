@@ -107,7 +107,7 @@ def is_line_of_motion(prediction: Prediction, frequency: float, amplitude: float
 def _has_line(prediction: Prediction, drive: int, frequency: float, amplitude: float) -> bool:
     """The same of one drive."""
     record = prediction.record
-    inside = record.row_time < record.duration
+    inside = record.rows_in_log
     force = record.rows(prediction.outputs[drive] * record.taper)[inside]
     lines = np.abs(np.fft.rfft((force - force.mean()) * np.hanning(force.size))) / (force.size / 4)
     velocity = record.rows(1j * record.omega * record.motions[drive])[inside]

@@ -172,7 +172,7 @@ class SaturationEffect(DriveEffect):
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         force = _whole_force(prediction, place)
         clipped = np.clip(force, -shape[0], shape[0])
-        return self._force(prediction, place, prediction.record.from_samples(force - clipped))
+        return self._force(prediction, place, prediction.record.from_grid(force - clipped))
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
         return "1", str(_drive_unit(prediction, place))
@@ -208,7 +208,7 @@ class GainNonlinearityEffect(DriveEffect):
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
         force = _whole_force(prediction, place)
-        bent = prediction.record.from_samples(force * np.abs(force) ** (self.power - 1))
+        bent = prediction.record.from_grid(force * np.abs(force) ** (self.power - 1))
         return self._force(prediction, place, bent)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:
@@ -225,7 +225,7 @@ class GainAsymmetryEffect(DriveEffect):
         return abs(placed.amplitudes[0]) < _USUAL_BEND
 
     def columns(self, prediction: Prediction, place: str, shape: Shape) -> ComplexArray:
-        size = prediction.record.from_samples(np.abs(_whole_force(prediction, place)))
+        size = prediction.record.from_grid(np.abs(_whole_force(prediction, place)))
         return self._force(prediction, place, size)
 
     def units(self, prediction: Prediction, place: str) -> tuple[str, ...]:

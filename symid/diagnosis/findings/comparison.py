@@ -228,7 +228,7 @@ class Comparison:
         """Kept rows within some time of a reversal or of a standstill of the driven joint."""
         record = self.record
         velocity = record.rows(1j * record.omega * self.motion)
-        inside = record.row_time < record.duration
+        inside = record.rows_in_log
         slow = np.abs(velocity) < SLOW * np.abs(velocity[inside]).max(initial=0.0)
         turns = slow | (np.diff(np.signbit(velocity), prepend=np.signbit(velocity[0])) != 0)
         return near(turns & inside, self.row_rate)[self.weighting.kept]
@@ -264,7 +264,7 @@ class Comparison:
 
     def not_repeated(self) -> NotRepeated | None:
         """Part of the last model's force error that is new each time; None where the motion does not repeat."""
-        record, inside = self.record, self.record.row_time < self.record.duration
+        record, inside = self.record, self.record.rows_in_log
         errors = self.errors[-1]
         if errors is None:
             return None

@@ -14,7 +14,7 @@ _USED = 0.65
 
 def signals_of(comparison: Comparison) -> Signals:
     """Forces of a drive in the band of the gap: measured, and of the models."""
-    record, inside = comparison.record, comparison.record.row_time < comparison.record.duration
+    record, inside = comparison.record, comparison.record.rows_in_log
     measured = record.rows(comparison.measured * record.taper)[inside]
 
     def predicted(model: int) -> FloatArray:

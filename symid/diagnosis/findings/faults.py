@@ -104,7 +104,7 @@ def _fits_mirrored(begun: Fit, found: Fit, force: str) -> bool:
     """Whether the axis fits a force of the other sign far better than the one recorded."""
     record = begun.state.prediction.record
     log = replace(record.log, signals={**record.log.signals, force: -record.log[force]})
-    other = replace(record, log=log, driven_joints={})
+    other = replace(record, log=log)
     fit = fitted(*first_state(other, begun.parameters, begun.weighting.allowed))
     return fit.mean_square < _MIRRORED * found.mean_square
 

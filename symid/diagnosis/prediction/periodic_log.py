@@ -110,13 +110,14 @@ class PeriodicLog:
         return np.asarray(np.arange(self.n_fine) * (self.period / self.n_fine), dtype=np.float64)
 
     @cached_property
+    def rows_in_log(self) -> BoolArray:
+        """Rows within the log."""
+        return np.asarray(self.row_time < self.duration)
+
+    @cached_property
     def in_log(self) -> BoolArray:
         """Points of the fine grid within the log."""
         return np.asarray(self.fine_time < self.duration)
-
-    def from_samples(self, values: FloatArray) -> ComplexArray:
-        """Spectrum of a signal given at all samples of a period."""
-        return np.asarray(scipy.fft.rfft(values)[: self.n_bins])
 
     def from_grid(self, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal given at any number of evenly spaced points of a period, of shape (..., n_points)."""

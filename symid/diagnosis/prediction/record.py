@@ -48,7 +48,7 @@ class Record(PeriodicLog):
     # time by which signals were recorded late, s; negative for a force that acts later than recorded
     late: Mapping[str, float] = field(default_factory=dict)
     # joints whose motion is measured, which no model changes
-    driven_joints: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+    driven_joints: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def forces(self) -> tuple[str, ...]:
@@ -130,7 +130,7 @@ class Record(PeriodicLog):
 
     def _in_time(self, name: str, values: FloatArray) -> ComplexArray:
         """Spectrum of a signal as if it had not been recorded late."""
-        return np.asarray(self.from_samples(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
+        return np.asarray(self.from_grid(values) * np.exp(1j * self.omega * self.late.get(name, 0.0)))
 
     @cached_property
     def whole_forces(self) -> FloatArray:
@@ -227,5 +227,5 @@ def record_of(
     band = motion_hz or max(motion_band(log[name], log.sampling_frequency) for name in driven)
     record = Record(dynamics=dynamics, log=log, signals=signals, motion_hz=band, late=dict(late or {}))
     while motion_hz is None and record.is_drowned and record.n_bins > FEWEST_BINS:
-        record = replace(record, motion_hz=record.motion_hz * _SLOWER, driven_joints={})
+        record = replace(record, motion_hz=record.motion_hz * _SLOWER)
     return record
