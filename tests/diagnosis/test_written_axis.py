@@ -212,6 +212,28 @@ def test_what_is_declared_is_identified_and_not_found(element: Imperfection) -> 
             assert off < 4 * change.reidentified_std + 0.02 * abs(change.nominal)
 
 
+@pytest.mark.parametrize(
+    ("kind", "here", "there"),
+    [
+        ("payload_change", PayloadChange(MOTOR, 8.0, time=9.0), PayloadChange(MOTOR, 8.0, time=4.0)),
+        ("periodic_disturbance", PeriodicForce(MOTOR, 6.0, 3.0, 7.3), PeriodicForce(MOTOR, 3.0, -6.0, 7.3)),
+    ],
+)
+def test_moments_and_phases_are_written_as_the_validation_log_has_them(
+    kind: str, here: Imperfection, there: Imperfection
+) -> None:
+    logs = [machine(RIGID.with_effect(one), VALUES, seed) for seed, one in enumerate((here, there), start=1)]
+    library = [effect for effect in LIBRARY if effect.name == kind]
+    nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
+    found = diagnose(RIGID, logs[0], validation=logs[1], nominal=nominal, held=True, library=library)
+    explained = explained_axis(found)
+    without, written = (
+        np.std(logs[1]["q"] - simulate(without_noise(model), explained.values, path(2), LOOP).log["q"])
+        for model in (RIGID, explained.axis)
+    )
+    assert written < 0.02 * without
+
+
 def test_a_declared_limit_is_identified() -> None:
     nominal = {name: VALUES[name] for name in RIGID.physical_parameters}
     log = machine(RIGID.with_effect(ForceLimit(110.0)), VALUES, 1)

@@ -13,7 +13,7 @@ from symid.data.density import power_density
 from symid.diagnosis.findings.gap import Gap, Level, NotRepeated, Removed, Reversal
 from symid.diagnosis.findings.repetition import repetition
 from symid.diagnosis.findings.shares import closed_fraction, closed_interval, removed_share
-from symid.diagnosis.fitting.applied import applied, errors_of
+from symid.diagnosis.fitting.applied import applied, errors_of, fitted_to_log
 from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.state import State
 from symid.diagnosis.prediction.record import Record
@@ -49,6 +49,11 @@ class Comparison:
     def with_effects(self, n: int) -> Comparison:
         """The nominal and the re-identified model, and those with one to `n` effects."""
         return replace(self, states=self.states[: 2 + n], errors=self.errors[: 2 + n])
+
+    def fitted_to_log(self) -> Comparison:
+        """The same models with the phases and moments of this log, which only their errors leave out so far."""
+        own = (None if state is None else fitted_to_log(state, self.weighting) for state in self.states)
+        return replace(self, states=tuple(own))
 
     @property
     def of_drives(self) -> tuple[Comparison, ...]:

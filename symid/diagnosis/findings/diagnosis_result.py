@@ -15,6 +15,7 @@ from symid.shown import Shown
 
 if TYPE_CHECKING:
     from symid.diagnosis.experiment.design import Experiment
+    from symid.diagnosis.fitting.state import State
     from symid.diagnosis.prediction.record import Record
     from symid.diagnosis.selection.step import SelectionStep
 
@@ -191,6 +192,8 @@ class Diagnosis(Shown):
         The motion designed as the next experiment, and what simulation says of it, where one was asked for.
     search : tuple of SelectionStep
         The models that were fitted, from which the next experiment is designed; part of no file.
+    model : State or None
+        The model found, with the phases and moments of the log on which the gap was measured; part of no file.
     """
 
     axis: Axis
@@ -214,6 +217,7 @@ class Diagnosis(Shown):
     simulated: Simulator | None = None
     planned: Experiment | None = None
     search: tuple[SelectionStep, ...] = field(default=(), repr=False)
+    model: State | None = field(default=None, repr=False)
 
     @property
     def headline(self) -> str:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from symid.arrays import BoolArray, ComplexArray, FloatArray
+from symid.arrays import BoolArray, FloatArray
 from symid.diagnosis.effects import Placed
-from symid.diagnosis.fitting.fit import solved
+from symid.diagnosis.fitting.fit import ITERATIONS, fitted, solved
 from symid.diagnosis.fitting.sensitivity import derivatives
 from symid.diagnosis.fitting.state import State, first_state, leveled, with_effects
 from symid.diagnosis.prediction.record import Record
@@ -59,7 +59,8 @@ def _timed(state: State, weighting: Weighting) -> State:
 def errors_of(state: State, weighting: Weighting) -> FloatArray:
     """Weighted errors without what unknown starts and values of the log itself explain; nan where no row is kept."""
     error = weighting.known(state.rows, state.beginning)
-    columns = weighting.known(weighting.rows(_own_columns(state)), state.beginning)
+    of_log = _belongs_to_log(state)
+    columns = weighting.known(weighting.rows(derivatives(state)[of_log]), state.beginning)
     if len(columns):
         error = error - columns.T @ solved(columns.T, error)
     rows = np.full(state.rows.shape, np.nan)
@@ -67,12 +68,17 @@ def errors_of(state: State, weighting: Weighting) -> FloatArray:
     return rows
 
 
-def _own_columns(state: State) -> ComplexArray:
-    """Derivatives by what belongs to the log: parameters declared so, amplitudes of effects in time."""
+def fitted_to_log(state: State, weighting: Weighting) -> State:
+    """The state with the phases, moments and zeros that fit its log; all other values stay."""
+    of_log = _belongs_to_log(state)
+    return fitted(state, weighting, ITERATIONS, of_log).state if of_log.any() else state
+
+
+def _belongs_to_log(state: State) -> BoolArray:
+    """Which free values belong to the log, shape (n_columns,): parameters declared so, effects in time."""
     dynamics = state.prediction.record.dynamics
-    columns = derivatives(state)
     own = [name in dynamics.axis.log_parameters for name in dynamics.parameters]
     for item in state.placed:
         free = 0 if item.effect.fixed else len(item.amplitudes)
         own += [item.effect.per_log] * (free + len(item.shape))
-    return np.asarray(columns[np.array(own, dtype=bool)])
+    return np.array(own, dtype=bool)

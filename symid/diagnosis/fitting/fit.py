@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from symid.arrays import ComplexArray, FloatArray
+from symid.arrays import BoolArray, ComplexArray, FloatArray
 from symid.axis import Axis, Spring
 from symid.diagnosis.effects import Placed
 from symid.diagnosis.fitting.cross_validation import Blocks, blocks_of, log_likelihood
@@ -131,11 +131,11 @@ def solved(columns: FloatArray, error: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(columns / scale, error, rcond=_RANK)[0] / scale)
 
 
-def fitted(state: State, weighting: Weighting, iterations: int = 6) -> Fit:
-    """Gauss-Newton from a state, whose effects are fitted too."""
+def fitted(state: State, weighting: Weighting, iterations: int = 6, free: BoolArray | None = None) -> Fit:
+    """Gauss-Newton from a state, whose effects are fitted too; `free` are the columns of values that may move."""
     fit, cost = Fit(state, weighting), cost_of(state, weighting)
     for _ in range(iterations):
-        found, after = _searched(fit, cost)
+        found, after = _searched(fit, cost, free)
         if found is None:
             break
         fit, settled = Fit(found, weighting), after > cost * (1 - _SETTLED)
@@ -225,14 +225,15 @@ def cost_of(state: State, weighting: Weighting) -> float:
     return float(error @ error)
 
 
-def _searched(fit: Fit, cost: float) -> tuple[State | None, float]:
+def _searched(fit: Fit, cost: float, free: BoolArray | None) -> tuple[State | None, float]:
     """The least damped step of Levenberg and Marquardt that lowers the cost; None if none does, or none could by much.
 
     Damping holds back directions that the rows hardly feel, such as a stiffness and the mass behind it in a fixed
     ratio; a shorter step would hold back all.
     """
     state, weighting = fit.state, fit.weighting
-    flat, error = (weighting.known(x, state.beginning) for x in (fit.columns, state.rows))
+    moves = np.ones(len(fit.columns), dtype=bool) if free is None else free
+    flat, error = (weighting.known(x, state.beginning) for x in (fit.columns[moves], state.rows))
     if not (np.isfinite(flat).all() and np.isfinite(error).all()):
         return None, cost
     scale = np.linalg.norm(flat, axis=1)
@@ -249,7 +250,9 @@ def _searched(fit: Fit, cost: float) -> tuple[State | None, float]:
         try:
             left = normal + damping * np.eye(len(normal))
             step = np.linalg.lstsq(left, gradient, rcond=_RANK)[0] / scale if damping else undamped
-            found = evaluated(state, weighting, *_moved(state, step))
+            whole = np.zeros(moves.size)
+            whole[moves] = step
+            found = evaluated(state, weighting, *_moved(state, whole))
             after = cost_of(found, weighting)
         except (SettingError, np.linalg.LinAlgError, OverflowError):  # masses not positive, motion unbounded
             after = np.inf

@@ -56,6 +56,8 @@ class ExplainedAxis:
 def explained_axis(found: Diagnosis) -> ExplainedAxis:
     """The axis with the effects of a diagnosis added, and the values of its parameters.
 
+    What belongs to a log, such as the moment of a change, is that of the validation log, as in `Gap.motion`.
+
     Parameters
     ----------
     found : Diagnosis
@@ -66,12 +68,11 @@ def explained_axis(found: Diagnosis) -> ExplainedAxis:
     SettingError
         If nothing was fitted, or none of the effects is an element of an axis.
     """
-    if not found.search:
+    if found.model is None:
         raise SettingError("nothing was fitted: the axis stays as it is declared")
+    explained = _as_sensed(axis_of(found.model), found.axis)
     if not found.effects:
-        return _as_sensed(axis_of(found.search[0].before.state), found.axis)
-    accepted = [step for step in found.search if step.accepts]
-    explained = _as_sensed(axis_of(accepted[len(found.effects) - 1].confirmed[0].fit.state), found.axis)
+        return explained
     if explained.axis == found.axis.without(*found.axis.imperfections):
         raise SettingError("; ".join(explained.left_out))
     impossible = impossible_values(explained.axis, explained.values)

@@ -49,11 +49,15 @@ def with_motion(
     An effect with which the axis moves less like the machine becomes unlikely.
     """
     models = comparison.with_effects(len(found.effects))
+    if runs[1] is not None:  # the validation log has phases and moments of its own
+        models = models.fitted_to_log()
     motions = motions_of(models, runs, allowed, controller=controller, simulated=simulated)
     of_force = dict(zip(comparison.record.forces, motions, strict=True))
     drives = (replace(own, gap=replace(own.gap, motion=of_force[own.gap.signal])) for own in found.drives)
     motion = of_force[found.gap.signal]
-    found = replace(found, gap=replace(found.gap, motion=motion), drives=tuple(drives))
+    found = replace(
+        found, gap=replace(found.gap, motion=motion), drives=tuple(drives), model=models.states[-1]
+    )
     return _contradicted(found, motion) if found.effects else found
 
 
