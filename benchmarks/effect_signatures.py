@@ -33,8 +33,8 @@ from symid.diagnosis.fitting.fit import Fit
 from symid.diagnosis.fitting.start import fitted_axis
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.joined import joined
-from symid.report.colours import MEASURED, MODEL, NOISE
-from symid.report.plots import PLOT_STYLE
+from symid.report.figures.colours import MEASURED, MODEL, NOISE
+from symid.report.figures.identification_figure import PLOT_STYLE
 
 from .blind import draw, gap, laws, motion
 from .blind.engine import CONTROL_HZ, LOG_TICKS

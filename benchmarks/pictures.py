@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from symid.report.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_html
 
 from .diagnosis.real.rigs import emps
 

@@ -50,8 +50,8 @@ class Shown:
         Parameters
         ----------
         **settings
-            ``palette``: `symid.report.colours.LIGHT` or ``DARK``. Of an identification also ``axis`` and ``runs``, its
-            declaration and its logs, for the residual over the motion and the frequency response.
+            ``palette``: ``LIGHT`` or ``DARK`` of `symid.report.figures.colours`. Of an identification also ``axis`` and
+            ``runs``, its declaration and its logs, for the residual over the motion and the frequency response.
 
         Raises
         ------

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from diagnosis_example import diagnosis_example
 
 from symid.diagnosis import Diagnosis
-from symid.report.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_html
 
 
 def written(found: Diagnosis) -> str:

@@ -37,7 +37,7 @@ from symid.cli.terminal import say, tracked, working
 from symid.fleet import BatchSettings, Interrupted, identify_batch, review_fleet, summary_of
 from symid.fleet.batch_settings import METHODS
 from symid.fleet.worker_limits import LONGEST
-from symid.report.fleet_tables import print_batch
+from symid.report.tables.fleet import print_batch
 
 batch_options = shared(
     option(

@@ -7,7 +7,7 @@ import click
 from symid.cli.options import give_result, json_option
 from symid.cli.outputs import SafeCommand
 from symid.files import read_json
-from symid.report.result_comparison import comparison_record, print_comparison, values_of
+from symid.report.tables.result_comparison import comparison_record, print_comparison, values_of
 
 
 @click.command("compare", cls=SafeCommand, epilog="Example: symid compare monday.json friday.json")

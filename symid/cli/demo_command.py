@@ -12,10 +12,10 @@ from symid.cli.terminal import say, working
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
 from symid.identification import Preparation, identify, predict, read_axis_log
-from symid.report.diagnosis import diagnosis_record, print_diagnosis
-from symid.report.diagnosis_page import write_html
-from symid.report.identification import identification_record, print_identification
-from symid.report.pages import html_path
+from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.page import html_path
+from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.tables.identification import identification_record, print_identification
 
 PUBLISHED_RECIPE = Preparation(
     cutoff_hz=100.0, filter_force=False, decimation=10, trim=(49, 0), standstill=0.0, difference_order=2

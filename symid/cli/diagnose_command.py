@@ -33,7 +33,7 @@ from symid.cli.terminal import say, working
 from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
 from symid.errors import SettingError
-from symid.report.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import ClosedLoop
 
 _LIMITS = ("lowest", "highest", "speed", "acceleration", "jerk", "force", "seconds")
@@ -115,7 +115,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     if experiment:
         found = _with_experiment(found, limits, experiment)
     if page:
-        from symid.report.diagnosis_page import (
+        from symid.report.pages.diagnosis_page import (
             write_html,  # bokeh and jinja2 are loaded only where a page is written
         )
 

@@ -58,8 +58,8 @@ from symid.identification import (
     measured_signals,
     open_axis_log,
 )
-from symid.report.colours import palette_of
-from symid.report.identification import (
+from symid.report.figures.colours import palette_of
+from symid.report.tables.identification import (
     identification_record,
     print_identification,
     print_shared,
@@ -131,7 +131,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     # output error may have no start to begin at
     validation: Any = found.predict(validating) if validating and found.fit is not None else None
     if options["method"] == "oe":
-        from symid.report.output_error import output_error_record  # sympy takes half a second to load
+        from symid.report.tables.output_error import output_error_record  # sympy takes half a second to load
 
         record = output_error_record(cast("OutputErrorIdentification", found), validation)
     else:
@@ -140,13 +140,16 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
     drawn = [run if isinstance(run, Log) else run.window(0, min(run.block, run.n_samples)) for run in runs]
     drawn += [validating] if validating and validation is not None else []
     if options["plot"]:
-        from symid.report.plots import identification_figure, save_figure  # matplotlib takes a second to load
+        from symid.report.figures.drawn import save_figure
+        from symid.report.figures.identification_figure import (
+            identification_figure,  # matplotlib takes a second to load
+        )
 
         palette = palette_of(options["dark"])
         figure = identification_figure(found, validation, axis=known, runs=drawn, palette=palette)
         save_figure(figure, options["plot"])
     if options["report"]:
-        from symid.report.identification_page import write_identification_html  # as above
+        from symid.report.pages.identification_page import write_identification_html  # as above
 
         write_identification_html(
             cast("Identification", found),

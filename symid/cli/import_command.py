@@ -19,8 +19,8 @@ from symid.data.formats import SUFFIXES, suffix_of
 from symid.data.formats.scope_text import writer_of
 from symid.errors import SettingError
 from symid.identification import LogMapping, guessed_mapping, stated_period
-from symid.report.colours import palette_of
-from symid.report.console import TextTable, report_console
+from symid.report.figures.colours import palette_of
+from symid.report.tables.console import TextTable, report_console
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def command(log: str, **options: Any) -> None:
     look = replace(look, period=1 / known.rate) if known.rate else look
     mapping = _mapping(look, declared, known) if declared else None
     if options["plot"]:
-        from symid.report.foreign_figure import plot_foreign  # matplotlib takes a second to load
+        from symid.report.figures.foreign_figure import plot_foreign  # matplotlib takes a second to load
 
         palette = palette_of(options["dark"])
         plot_foreign(look.table, look.columns, look.period, options["plot"], palette)

@@ -7,8 +7,8 @@ import click
 from symid.axis import load_axis
 from symid.cli.options import dark_option, give_result, json_option, measured_option, plot_option, signal_list
 from symid.cli.outputs import SafeCommand
-from symid.report.colours import palette_of
-from symid.report.derivation import derivation_record, print_derivation
+from symid.report.figures.colours import palette_of
+from symid.report.tables.derivation import derivation_record, print_derivation
 from symid.symbolic import derive
 
 
@@ -22,8 +22,8 @@ def command(axis: str, measured: str | None, plot: str | None, dark: bool, json_
     """Show the equations of motion, the eliminated model, the regressor and the parameter maps of AXIS."""
     declared = load_axis(axis)
     if plot:
-        from symid.report.plots import save_figure  # matplotlib takes a second to load
-        from symid.report.schematic import schematic
+        from symid.report.figures.drawn import save_figure  # matplotlib takes a second to load
+        from symid.report.figures.schematic import schematic
 
         save_figure(schematic(declared, palette_of(dark)), plot)
     model = derive(declared, signal_list(measured))

@@ -31,16 +31,10 @@ from symid.cli.simulate_command import band_of, cascades_of, controller_options,
 from symid.cli.terminal import tracked
 from symid.codegen import model_of
 from symid.identification import Preparation, measured_signals
-from symid.report.colours import palette_of
-from symid.report.plots import save_figure
-from symid.report.tuning import (
-    print_total_tuning,
-    print_tuning,
-    total_record,
-    total_tuning_figure,
-    tuning_figure,
-    tuning_record,
-)
+from symid.report.figures.colours import palette_of
+from symid.report.figures.drawn import save_figure
+from symid.report.figures.tuning_figure import total_tuning_figure, tuning_figure
+from symid.report.tables.tuning import print_total_tuning, print_tuning, total_record, tuning_record
 from symid.simulation import Controller, Plant, Trajectory, plant_of
 from symid.tuning import (
     TotalTuning,

@@ -198,3 +198,14 @@ def _correlation(covariance: FloatArray) -> FloatArray:
 def _sums_of_squares(correlation: FloatArray) -> FloatArray:
     """Sum over the lags of r_jj(k)^2, shape (..., n_equations)."""
     return np.asarray(np.sum(np.diagonal(correlation, axis1=-3, axis2=-2) ** 2, axis=-2))
+
+
+def correlation_matrix(covariance: FloatArray) -> FloatArray:
+    """Correlation of a covariance; nan where a deviation is 0 or not known.
+
+    >>> correlation_matrix(np.array([[4.0, 3.0], [3.0, 9.0]])).tolist()
+    [[1.0, 0.5], [0.5, 1.0]]
+    """
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    known = np.where(deviations > 0, deviations, np.nan)
+    return np.asarray(covariance / np.outer(known, known))

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from symid.arrays import FloatArray
 from symid.codegen.generate import compiled
 from symid.errors import SettingError
+from symid.estimation.correlation import correlation_matrix
 from symid.symbolic.pipeline import DerivedModel
 
 
@@ -93,16 +93,5 @@ def _table(
         **table,
         "std": np.sqrt(np.maximum(np.diag(matrix), 0.0)).tolist(),
         "covariance": matrix.tolist(),
-        "correlation": correlation(matrix).tolist(),
+        "correlation": correlation_matrix(matrix).tolist(),
     }
-
-
-def correlation(covariance: FloatArray) -> FloatArray:
-    """Correlation of a covariance; nan where a deviation is 0 or not known.
-
-    >>> correlation(np.array([[4.0, 3.0], [3.0, 9.0]])).tolist()
-    [[1.0, 0.5], [0.5, 1.0]]
-    """
-    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    known = np.where(deviations > 0, deviations, np.nan)
-    return np.asarray(covariance / np.outer(known, known))

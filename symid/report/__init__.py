@@ -1,1 +1,1 @@
-"""Results as text, JSON records and figures."""
+"""Results as tables and JSON records, as figures and as pages."""

@@ -18,26 +18,27 @@ from symid.files import write_whole
 from symid.fleet import Batch, review_fleet, summary_of
 from symid.identification import Identification, SharedIdentification
 from symid.output_error import OutputErrorIdentification
-from symid.report.console import ReportConsole
-from symid.report.derivation import print_derivation
-from symid.report.diagnosis import diagnosis_record, print_diagnosis
-from symid.report.diagnosis_page import write_html
-from symid.report.drawn import Drawn, svg_of
-from symid.report.fleet_page import write_fleet_html
-from symid.report.fleet_tables import print_batch
-from symid.report.identification import (
+from symid.report.figures.drawn import Drawn, svg_of
+from symid.report.figures.identification_figure import identification_figure
+from symid.report.figures.overviews import batch_figure, diagnosis_figure, log_figure
+from symid.report.figures.schematic import schematic
+from symid.report.figures.tuning_figure import total_tuning_figure, tuning_figure
+from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.fleet_page import write_fleet_html
+from symid.report.pages.identification_page import write_identification_html
+from symid.report.pages.page import html_path, page_templates
+from symid.report.tables.console import ReportConsole
+from symid.report.tables.derivation import print_derivation
+from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
+from symid.report.tables.fleet import print_batch
+from symid.report.tables.identification import (
     identification_record,
     print_identification,
     print_shared,
     shared_record,
 )
-from symid.report.identification_page import write_identification_html
-from symid.report.output_error import output_error_record
-from symid.report.overviews import batch_figure, diagnosis_figure, log_figure
-from symid.report.pages import html_path, page_templates
-from symid.report.plots import identification_figure
-from symid.report.schematic import schematic
-from symid.report.tuning import print_total_tuning, print_tuning, total_tuning_figure, tuning_figure
+from symid.report.tables.output_error import output_error_record
+from symid.report.tables.tuning import print_total_tuning, print_tuning
 from symid.shown import Shown
 from symid.symbolic import DerivedModel
 from symid.tuning import TotalTuning, Tuning

@@ -9,7 +9,7 @@ import pytest
 from symid import GROUND, Sensor, Velocity, axis_source, derive, load_axis
 from symid.errors import SettingError
 from symid.export import mjcf
-from symid.report.schematic import schematic_svg
+from symid.report.figures.schematic import schematic_svg
 from symid.simulation import plant_of, simulate, trapezoids, tuned_cascade
 
 VALUES = {"Ms": 100.0, "Fvs": 50.0, "Ks": 1e6, "Mm": 20.0, "Fvm": 30.0, "Fsm": 10.0}

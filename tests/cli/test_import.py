@@ -10,7 +10,7 @@ from recorded_run import PERIOD, TRUE, table
 
 from symid import load_axis, read_axis_log
 from symid.data import Layout, foreign_columns, guessed_layout, open_table
-from symid.report.colours import DARK
+from symid.report.figures.colours import DARK
 
 KT = 12.5  # N/A
 

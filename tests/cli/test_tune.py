@@ -8,7 +8,7 @@ from axes.shipped import write_parameters
 from command_line import run
 
 from symid.axis import axis_names, load_axis
-from symid.report.colours import DARK, LIGHT
+from symid.report.figures.colours import DARK, LIGHT
 
 STATUSES = {"ok", "bound_not_reached", "bound_met_everywhere", "not_determined"}
 

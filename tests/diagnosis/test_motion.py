@@ -17,7 +17,7 @@ from symid.diagnosis.fitting.state import evaluated
 from symid.diagnosis.in_motion.declared import ExplainedAxis, axis_of
 from symid.diagnosis.in_motion.replayed import fastest, simulated_positions
 from symid.errors import SettingError
-from symid.report.diagnosis import diagnosis_record
+from symid.report.tables.diagnosis import diagnosis_record
 from symid.simulation import Cascade, ClosedLoop, plant_of, simulate, trapezoids, tuned_cascade
 
 LOOP = Cascade("q", position_gain=40.0, velocity_gain=6000.0, integral_gain=8.0)

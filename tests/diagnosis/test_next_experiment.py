@@ -15,7 +15,7 @@ from symid.diagnosis.experiment.design import next_experiment_of
 from symid.diagnosis.experiment.discrimination import Rivals, Separation
 from symid.diagnosis.experiment.simulated import simulated_experiment
 from symid.diagnosis.findings.wording import spoken
-from symid.report.diagnosis import diagnosis_record
+from symid.report.tables.diagnosis import diagnosis_record
 from symid.simulation import Limits
 
 

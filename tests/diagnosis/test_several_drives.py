@@ -15,8 +15,8 @@ from symid import Axis, Body, Diagnosis, Drive, Log, Position, ViscousFriction, 
 from symid.diagnosis import next_experiment_of
 from symid.diagnosis.experiment.discrimination import shares_of
 from symid.errors import LogError, SettingError
-from symid.report.diagnosis import diagnosis_record, print_diagnosis
-from symid.report.diagnosis_page import write_html
+from symid.report.pages.diagnosis_page import write_html
+from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 from symid.simulation import Cascade
 
 

@@ -47,7 +47,7 @@ from symid.diagnosis import LIBRARY, diagnose, explained_axis
 from symid.diagnosis.in_motion.declared import impossible_values
 from symid.diagnosis.in_motion.replayed import without_noise
 from symid.export import c_source, mjcf
-from symid.report.derivation import derivation_record
+from symid.report.tables.derivation import derivation_record
 from symid.simulation import Cascade, Trajectory, simulate, trapezoids
 
 MOTOR, LOAD = Body("motor", mass="M"), Body("load", mass="Ml")

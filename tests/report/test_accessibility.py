@@ -13,9 +13,9 @@ from fleet_example import fleet_example
 
 from symid import Log, identify, load_axis
 from symid.fleet import review_fleet
-from symid.report.diagnosis_page import write_html
-from symid.report.fleet_page import write_fleet_html
-from symid.report.identification_page import write_identification_html
+from symid.report.pages.diagnosis_page import write_html
+from symid.report.pages.fleet_page import write_fleet_html
+from symid.report.pages.identification_page import write_identification_html
 
 pytestmark = pytest.mark.browser
 

@@ -13,8 +13,8 @@ from rich.console import Console
 from symid.cli.options import write_json
 from symid.diagnosis import Level
 from symid.diagnosis.findings.gap import Removed
-from symid.report.diagnosis import diagnosis_record, print_diagnosis
-from symid.report.waterfall import waterfall
+from symid.diagnosis.findings.waterfall import waterfall
+from symid.report.tables.diagnosis import diagnosis_record, print_diagnosis
 
 PROMISED = {
     "axis",

@@ -8,7 +8,7 @@ from browser import Page
 from fleet_example import fleet_example
 
 from symid.fleet import review_fleet
-from symid.report.fleet_page import write_fleet_html
+from symid.report.pages.fleet_page import write_fleet_html
 
 pytestmark = pytest.mark.browser
 

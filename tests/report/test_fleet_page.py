@@ -8,7 +8,7 @@ import pytest
 from fleet_example import fleet_example
 
 from symid.fleet import review_fleet
-from symid.report.fleet_page import write_fleet_html
+from symid.report.pages.fleet_page import write_fleet_html
 
 HOSTILE = "</script><script>window.hostile = 1</script><img src=x onerror='window.hostile = 1'>\"&"
 

@@ -11,7 +11,7 @@ from diagnosis_page import page_of, written
 
 from symid.diagnosis import EffectParameter
 from symid.errors import SettingError
-from symid.report.pages import html_path
+from symid.report.pages.page import html_path
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
 """Attributes that make a browser load something."""

@@ -11,8 +11,9 @@ import pytest
 from command_line import run
 
 import symid
-from symid.report.identification_page import fit_percent, write_identification_html
-from symid.report.residual_correlation import correlation, residual_correlations
+from symid.estimation.residual_measures import fit_percent
+from symid.identification.residual_correlation import correlation, residual_correlations
+from symid.report.pages.identification_page import write_identification_html
 
 
 def recording(file: Path, noise: np.ndarray | float = 0.0) -> None:

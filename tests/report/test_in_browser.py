@@ -11,8 +11,8 @@ from diagnosis_example import KINDS, diagnosis_example, without_nominal
 from diagnosis_page import page_of, written
 
 from benchmarks.pictures import photograph
-from symid.report.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
-from symid.report.diagnosis_page import write_html
+from symid.report.figures.colours import EXPLAINED, MEASURED, MODEL, NOMINAL, PAPER, in_dark
+from symid.report.pages.diagnosis_page import write_html
 
 pytestmark = pytest.mark.browser
 

@@ -11,11 +11,11 @@ from hand_made import RATE, plain_force, rigid_log
 from symid import Log, load_axis
 from symid.diagnosis import diagnose
 from symid.diagnosis.effects import DelayEffect
-from symid.report.binned import means_over
-from symid.report.error_maps import error_maps
-from symid.report.frequency_response import response_of
-from symid.report.interactive import plots_of
-from symid.report.page_bode import bode_plots
+from symid.estimation.residual_measures import means_over
+from symid.report.pages.error_maps import error_maps
+from symid.report.pages.interactive import plots_of
+from symid.report.pages.page_bode import bode_plots
+from symid.simulation.frequency_response import response_of
 
 AXIS = load_axis("rigid_1m")
 LATE = 4e-3

@@ -16,10 +16,10 @@ from matplotlib.lines import Line2D
 from symid import Log, load_axis
 from symid.codegen.store import load_generated
 from symid.identification import Identification, identify, predict
-from symid.report.bode import correlated_pairs, draw_ellipse
-from symid.report.colours import DARK, LIGHT
-from symid.report.frequency_response import response_of
-from symid.report.plots import identification_figure
+from symid.report.figures.bode import correlated_pairs, draw_ellipse
+from symid.report.figures.colours import DARK, LIGHT
+from symid.report.figures.identification_figure import identification_figure
+from symid.simulation.frequency_response import response_of
 
 AXIS = load_axis("rigid_1m")
 

@@ -32,8 +32,8 @@ from symid import (
     load_axis,
 )
 from symid.axis import axis_names
-from symid.report.colours import DARK, LIGHT, Palette
-from symid.report.schematic import schematic
+from symid.report.figures.colours import DARK, LIGHT, Palette
+from symid.report.figures.schematic import schematic
 
 AXES = {
     **{name: load_axis(name) for name in axis_names()},

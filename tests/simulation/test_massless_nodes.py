@@ -26,7 +26,7 @@ from symid import (
 from symid.axis import Element
 from symid.codegen.generate import compiled
 from symid.errors import SettingError
-from symid.report.schematic import schematic
+from symid.report.figures.schematic import schematic
 from symid.simulation import Cascade, plant_of, simulate, trapezoids
 
 MOTOR, NODE, LOAD = Body("motor", mass="Mm"), Body("node", mass=0.0), Body("load", mass="Ml")

@@ -19,7 +19,7 @@ from symid import (
 )
 from symid.codegen.generate import compiled
 from symid.errors import DeclarationError
-from symid.report.schematic import schematic
+from symid.report.figures.schematic import schematic
 from symid.simulation import plant_of
 
 SPAN, RADIUS = 1.2, 0.01

@@ -27,6 +27,7 @@ from symid.diagnosis.in_motion.replayed import (
 from symid.diagnosis.prediction.joined import Joined
 from symid.diagnosis.thresholds import THRESHOLDS
 from symid.errors import SettingError, SymidError
+from symid.estimation.residual_measures import fit_percent
 from symid.simulation import Cascade
 
 _SAME = 0.01
@@ -212,8 +213,7 @@ def _fit(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> float:
     if not pairs:
         return math.nan
     measured, simulated = (np.concatenate(values) for values in zip(*pairs, strict=True))
-    size = float(np.linalg.norm(measured - measured.mean()))
-    return 100.0 * (1.0 - float(np.linalg.norm(measured - simulated)) / size) if size else math.nan
+    return fit_percent(measured, simulated)
 
 
 def _rms(values: FloatArray) -> float:

@@ -1,0 +1,59 @@
+"""Figures that notebooks display, files show and pages hold."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections import Counter
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from symid.errors import SettingError
+from symid.files import replacing
+
+
+class Drawn(Figure):
+    """A figure without a window; notebooks show it with or without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        """PNG that notebooks show."""
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=110)
+        return picture.getvalue()
+
+
+def save_figure(figure: Figure, file: str | Path) -> None:
+    """Write a figure as png, svg or pdf, as a whole or not at all; SettingError for another suffix."""
+    path = Path(file)
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise SettingError(f"figure {path.name!r} is of no known kind: end its name with .png, .svg or .pdf")
+    with replacing(path) as unfinished:
+        figure.savefig(unfinished, dpi=150, format=path.suffix.lower()[1:])
+
+
+def apart(svg: str, name: str) -> str:
+    """An SVG element whose identifiers begin with a name, for a page that holds several.
+
+    >>> apart('<svg id="a"><use xlink:href="#a" clip-path="url(#b)"/></svg>', "fit")
+    '<svg id="fit-a"><use xlink:href="#fit-a" clip-path="url(#fit-b)"/></svg>'
+    """
+    return re.sub(r'( id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
+
+
+def svg_of(figure: Figure, name: str) -> str:
+    """A figure as an element of a page, the same each time; figures of one page need different names."""
+    text = io.StringIO()
+    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
+        figure.savefig(text, format="svg", metadata=nothing)
+    svg = text.getvalue()[text.getvalue().index("<svg ") :]
+    seen: Counter[str] = Counter()  # an identifier stands once: signs of the same kind are numbered
+
+    def numbered(match: re.Match[str]) -> str:
+        seen[match[1]] += 1
+        count = seen[match[1]]
+        return match[0] if count == 1 else f' id="{match[1]} {count}"'
+
+    return re.sub(r' id="([^"]*)"', numbered, svg)

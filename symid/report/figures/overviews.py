@@ -1,0 +1,128 @@
+"""Figures of a log, of a batch and of a diagnosis."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+
+from symid.data import Log
+from symid.diagnosis import Diagnosis
+from symid.diagnosis.findings.waterfall import waterfall
+from symid.errors import SettingError
+from symid.fleet import Batch
+from symid.fleet.results import parameter_names
+from symid.report.figures.colours import LIGHT, Palette
+from symid.report.figures.drawn import Drawn
+from symid.report.figures.panels import draw_over_time
+from symid.text import visible
+
+_WIDTH, _ROW = 10.0, 1.9
+"""In inches."""
+_MINIMAL = re.compile(r"X\d+")
+"""Names of minimal parameters, which repeat the information of the physical ones."""
+
+
+def log_figure(log: Log, palette: Palette = LIGHT) -> Drawn:
+    """Each signal of a log over time, SI.
+
+    >>> log = Log.from_arrays({"q": [0.0, 0.1], "F": [1.0, 2.0]}, sampling_period=0.5)
+    >>> [axes.get_ylabel() for axes in log_figure(log).axes]
+    ['q', 'F']
+    """
+    figure, rows = _rows(len(log.signals), palette)
+    for axes, (name, values) in zip(rows, log.signals.items(), strict=True):
+        draw_over_time(axes, log.time, {name: (values, palette.model, 0.9)}, name)
+    rows[0].set_title(visible(log.source), loc="left")
+    rows[-1].set_xlabel("time [s]")
+    return figure
+
+
+def batch_figure(batch: Batch, palette: Palette = LIGHT) -> Drawn:
+    """Each physical parameter over the logs that are ok, with 95 % intervals; the minimal ones where there are none."""
+    table = batch.table.filter(status="ok")
+    drawn = [
+        (axis, name, units[name])
+        for axis, sets in batch.units.items()
+        for units in [{name: unit for each in sets.values() for name, unit in each.items()}]
+        for name in parameter_names(table)
+        if name in units and table.filter(axis=axis)[name].is_not_null().any()
+    ]
+    if not drawn:
+        raise SettingError("there is nothing to draw: no log of this batch is ok")
+    drawn = [one for one in drawn if not _MINIMAL.fullmatch(one[1])] or drawn
+    figure, rows = _rows(len(drawn), palette)
+    for axes, (axis, name, unit) in zip(rows, drawn, strict=True):
+        of_axis = table.with_row_index("place").filter(axis=axis)
+        width = 1.96 * of_axis[f"{name}_std"].to_numpy()
+        places, values = of_axis["place"].to_numpy(), of_axis[name].to_numpy()
+        axes.errorbar(places, values, width, fmt="o", color=palette.model)
+        axes.set_ylabel(f"{name} [{unit}]")
+        axes.set_title(axis, loc="left")
+    rows[-1].set_xlabel("log, in the order of the batch")
+    return figure
+
+
+def diagnosis_figure(found: Diagnosis, palette: Palette = LIGHT) -> Drawn:
+    """Force and its error over time, the error over frequency, and how far it shrinks.
+
+    Models that a diagnosis does not have are left out.
+    """
+    with mpl.rc_context(palette.style):
+        figure = Drawn(figsize=(_WIDTH, 4.2 * _ROW), layout="constrained")
+        force, error, below = figure.subplots(3, 1, height_ratios=(1.2, 1, 1.3))
+        signals, unit = found.signals, found.gap.unit
+        models = {
+            "nominal": (signals.nominal, palette.residual),
+            "re-identified": (signals.reidentified, palette.model),
+            "explained": (signals.explained, palette.other),
+        }
+        known = {name: one for name, one in models.items() if np.isfinite(one[0]).any()}
+        measured = {"measured": (signals.measured, palette.measured, 2.6)}
+        curves = {name: (values, colour, 0.9) for name, (values, colour) in known.items()}
+        errors = {name: (signals.measured - values, colour, 0.8) for name, (values, colour) in known.items()}
+        draw_over_time(force, signals.time, measured | curves, f"{found.gap.signal} [{unit}]")
+        draw_over_time(error, signals.time, errors, f"error [{unit}]")
+        force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
+        force.set_title(found.axis.name, loc="left")
+        error.sharex(force)
+        error.set_xlabel("time [s]")
+        below.axis("off")
+        place: Any = below.get_subplotspec()
+        left, right = place.subgridspec(1, 2)
+        _spectrum(figure.add_subplot(left), found, palette)
+        _stages(figure.add_subplot(right), found, palette)
+    return figure
+
+
+def _rows(count: int, palette: Palette) -> tuple[Drawn, list[Axes]]:
+    """Axes below each other that share their horizontal one."""
+    with mpl.rc_context(palette.style):
+        figure = Drawn(figsize=(_WIDTH, _ROW * count + 0.4), layout="constrained")
+        return figure, list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
+
+
+def _spectrum(axes: Axes, found: Diagnosis, palette: Palette) -> None:
+    spectrum = found.spectrum
+    curves = (
+        (spectrum.reidentified, palette.model, "re-identified"),
+        (spectrum.explained, palette.other, "explained"),
+        (spectrum.noise, palette.residual, "noise"),
+    )
+    for values, colour, name in curves:
+        if np.isfinite(values).any():
+            axes.loglog(spectrum.frequency, values, color=colour, linewidth=1.0, label=name)
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel(f"error [{found.gap.unit}/√Hz]")
+    axes.legend(loc="best", frameon=False)
+
+
+def _stages(axes: Axes, found: Diagnosis, palette: Palette) -> None:
+    """The error of each model, the noise floor last."""
+    sizes = {stage.model: stage.level.rms for stage in waterfall(found) if stage.level is not None}
+    axes.barh(list(sizes), list(sizes.values()), color=palette.measured)
+    axes.invert_yaxis()
+    axes.set_xlabel(f"rms of the error [{found.gap.unit}]")

@@ -1,0 +1,56 @@
+"""Curves of a tuning: the error against cutoff and sampling frequency."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+
+from symid.report.figures.colours import LIGHT, Palette
+from symid.report.figures.drawn import Drawn
+from symid.tuning import BoundSearch, TotalTuning, Tuning
+
+_CIRCLE: Any = {"fillstyle": "none", "markersize": 9}
+
+
+def tuning_figure(found: Tuning, palette: Palette = LIGHT) -> Drawn:
+    """Largest error against the cutoff and against the sampling frequency."""
+    with mpl.rc_context(palette.style):
+        figure = Drawn(figsize=(10, 4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        _draw(left, found.cutoff, "cutoff frequency [Hz]", "low-pass filter, exact derivatives [35]", palette)
+        title = f"central differences of {', '.join(found.measured)} [37]"
+        _draw(right, found.sampling, "sampling frequency [Hz]", title, palette)
+        look: Any = {"color": palette.residual, "linestyle": ":", "linewidth": 1}
+        right.axvline(found.first_sampling_hz, label="first guess [36]", **look)
+        left.set_ylabel("largest error of a parameter [%]")
+        for axes in (left, right):
+            axes.legend(loc="lower left", frameon=True, edgecolor="none", framealpha=0.9)
+    return figure
+
+
+def _draw(axes: Axes, search: BoundSearch, label: str, title: str, palette: Palette) -> None:
+    look = {"color": palette.other, "linewidth": 1, "label": "error"}
+    axes.loglog(search.scanned_hz, search.scanned_errors, ".-", **look)
+    axes.axhline(search.bound, color=palette.model, linewidth=1, label=f"bound {search.bound:g} %")
+    tuned, circle = search.frequency_hz, {**_CIRCLE, "color": palette.model}
+    axes.loglog(tuned, search.largest_error, "o", label=f"tuned {tuned:.4g} Hz", **circle)
+    axes.set_xlabel(label)
+    axes.set_title(title, loc="left")
+
+
+def total_tuning_figure(found: TotalTuning, palette: Palette = LIGHT) -> Drawn:
+    """Total error against the cutoff."""
+    with mpl.rc_context(palette.style):
+        figure = Drawn(figsize=(6, 4), layout="constrained")
+        axes = figure.subplots()
+        label = "scan, best decimation"
+        axes.loglog(found.cutoffs_hz, found.totals, ".-", color=palette.other, linewidth=1, label=label)
+        tuned, decimation = found.preparation.cutoff_hz, found.preparation.decimation
+        label = f"tuned {tuned:.4g} Hz, decimation {decimation}"
+        axes.loglog(tuned, found.total_percent, "o", color=palette.model, label=label, **_CIRCLE)
+        axes.set_xlabel("cutoff frequency [Hz]")
+        axes.set_ylabel("total error, rms over parameters [%]")
+        axes.legend(loc="best", frameon=True, edgecolor="none", framealpha=0.9)
+    return figure

@@ -1,0 +1,119 @@
+"""An identification as one HTML file: fit, parameters, residual and provenance."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+
+from symid import __version__
+from symid.arrays import FloatArray
+from symid.axis import Axis
+from symid.data import Log
+from symid.estimation.correlation import correlation_matrix
+from symid.estimation.residual_measures import fit_percent
+from symid.files import write_whole
+from symid.identification import Identification, OutputPrediction
+from symid.identification.observation import Observation
+from symid.identification.residual_correlation import residual_correlations
+from symid.report.figures.correlation_figure import correlation_figure
+from symid.report.figures.drawn import Drawn, apart, svg_of
+from symid.report.figures.identification_figure import identification_figure
+from symid.report.pages.page import html_path, page_templates
+from symid.report.tables.identification import identification_record
+
+_INTERVAL = float(scipy.special.ndtri(0.975))
+
+
+def write_identification_html(
+    found: Identification,
+    file: str | Path,
+    validation: OutputPrediction | None = None,
+    *,
+    axis: Axis | None = None,
+    runs: Sequence[Log] = (),
+    command: str = "",
+) -> None:
+    """Write an identification as one HTML file, which loads nothing.
+
+    With the axis and its logs, that of the validation last, the page shows the residual over the motion and the
+    frequency response; `command` is the command line that made it.
+    """
+    path = html_path(file)
+    record = identification_record(found, validation)
+    page = page_templates().get_template("identification.html")
+    text = page.render(
+        r=record,
+        fits=_fits(found, validation),
+        parameters=_parameters(found),
+        correlations=_correlations(found),
+        fit=_svg(identification_figure(found, validation, axis=axis, runs=runs), "fit-plot"),
+        remembered=_svg(correlation_figure(found), "memory-plot"),
+        whiteness=[(name, own.outside, across.outside) for name, own, across in residual_correlations(found)],
+        made=_made(found, validation, command),
+        version=__version__,
+    )
+    write_whole(path, text)
+
+
+def _fits(found: Identification, validation: OutputPrediction | None) -> list[dict[str, Any]]:
+    logs = zip(found.logs, found.observations, strict=True)
+    runs: list[tuple[str, Observation, FloatArray]] = [(log, run, found.fit.solution) for log, run in logs]
+    if validation is not None:
+        runs.append((f"{validation.log} (validation)", validation.observation, validation.parameters))
+    rows = []
+    for source, run, parameters in runs:
+        for j, (output, unit) in enumerate(found.output_units.items()):
+            y, predicted = run.y[j][run.valid[j]], (run.W[j] @ parameters)[run.valid[j]]
+            rms = float(np.sqrt(np.mean(np.square(y - predicted)))) if y.size else float("nan")
+            row = {"log": source, "output": output, "unit": unit, "rms": rms, "rows": y.size}
+            rows.append({**row, "fit": fit_percent(y, predicted)})
+    return rows
+
+
+def _parameters(found: Identification) -> list[dict[str, Any]]:
+    """Physical parameters, or minimal ones where there are none, with their 95 % intervals."""
+    deviations = found.physical_deviations if found.physical else found.standard_deviations
+    units: Mapping[str, str] = found.model.physical_units if found.physical else found.model.minimal_units
+    return [
+        {
+            "name": name,
+            "unit": units[name],
+            "value": value,
+            "std": float(std),
+            "low": value - _INTERVAL * float(std),
+            "high": value + _INTERVAL * float(std),
+        }
+        for (name, value), std in zip(found.parameters.items(), deviations, strict=True)
+    ]
+
+
+def _correlations(found: Identification) -> list[tuple[str, list[float]]]:
+    """Correlations of the same parameters."""
+    covariance = found.physical[0].propagated(found.covariance) if found.physical else found.covariance
+    names = found.model.physical_units if found.physical else found.model.minimal_units
+    return [(name, row.tolist()) for name, row in zip(names, correlation_matrix(covariance), strict=True)]
+
+
+def _svg(figure: Drawn | None, name: str) -> str:
+    return apart(svg_of(figure, name), name) if figure is not None else ""
+
+
+def _made(found: Identification, validation: OutputPrediction | None, command: str) -> list[tuple[str, str]]:
+    """Provenance: time, programs and files."""
+    logs = [*found.logs, *([validation.log] if validation is not None else [])]
+    hashes = []
+    for log in dict.fromkeys(logs):
+        with contextlib.suppress(OSError), open(log, "rb") as file:  # a log may come from no file
+            hashes.append((f"SHA-256 of {log}", hashlib.file_digest(file, "sha256").hexdigest()))
+    libraries = f"NumPy {np.__version__}, SciPy {scipy.__version__}"
+    programs = f"symid {__version__}, Python {platform.python_version()}, {libraries}"
+    when = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    return [("written", when), *([("command", command)] if command else []), ("programs", programs), *hashes]

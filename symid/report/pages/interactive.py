@@ -1,0 +1,189 @@
+"""Plots of a diagnosis that can be zoomed: force, error and motion over time, error over motion and frequency, Bode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from bokeh.embed import components
+from bokeh.models.annotations.geometry import BoxAnnotation
+from bokeh.models.plots import GridPlot
+from bokeh.models.sources import ColumnDataSource
+from bokeh.models.tools import HoverTool
+from bokeh.resources import Resources
+
+from symid.arrays import FloatArray
+from symid.axis import length_unit
+from symid.diagnosis.findings.diagnosis_result import Diagnosis
+from symid.report.figures.colours import EXPLAINED, INK, MEASURED, MODEL, NOISE, NOMINAL
+from symid.report.pages.error_maps import error_maps
+from symid.report.pages.page_bode import bode_plots
+from symid.report.pages.page_plots import (
+    Curve,
+    draw_curves,
+    new_plot,
+    noise_band,
+    stacked,
+    with_one_crosshair,
+)
+from symid.units import Unit
+
+_MOST_POINTS = 20_000
+
+
+@dataclass(frozen=True)
+class Plots:
+    """Plots as pieces of a page."""
+
+    library: str  # script of the plotting library
+    script: str  # script that draws
+    # signals, over_velocity, over_position, spectrum: where it draws
+    signals: str
+    over_velocity: str
+    over_position: str
+    spectrum: str
+    # where it draws the frequency response of each sensor; none where the log does not excite the axis
+    responses: Mapping[str, str]
+    others: Mapping[str, str]  # where it draws the signals of further drives
+
+
+def plots_of(found: Diagnosis) -> Plots:
+    """Plots of the signals, the error and the frequency responses, with all that they need."""
+    library = Resources(mode="inline", components=["bokeh"]).render_js()
+    over_velocity, over_position = error_maps(found)
+    fixed = {
+        "signals": _over_time(found),
+        "over_velocity": over_velocity,
+        "over_position": over_position,
+        "spectrum": _spectrum(found),
+    }
+    others = {
+        own.gap.signal: _over_time(replace(found, gap=own.gap, signals=own.signals, spectrum=own.spectrum))
+        for own in found.drives
+        if own.gap.signal != found.gap.signal
+    }
+    script, places = components({**fixed, **others, **bode_plots(found)})
+    responses = {name: place for name, place in places.items() if name not in {**fixed, **others}}
+    drawn = {name: places[name] for name in fixed}
+    further = {name: places[name] for name in others}
+    return Plots(library, script, **drawn, responses=responses, others=further)
+
+
+def _over_time(found: Diagnosis) -> GridPlot:
+    """Force, error, position and velocity below each other with one time; values follow the time that is shown."""
+    source, gap, length = _thinned(found), found.gap, length_unit(found.drive.at)
+    curves = _curves(found)
+    force = new_plot("force", f"{gap.signal} [{gap.unit}]", 320, window_axis="x")
+    draw_curves(force, source, curves)
+    error = new_plot("error", f"error [{gap.unit}]", 210, force, window_axis="x")
+    errors = [replace(curve, column=f"error_{curve.column}") for curve in _compared(curves)]
+    draw_curves(error, source, errors)
+    error.add_layout(noise_band(2 * gap.noise_floor.rms))
+    position = new_plot("position", f"position [{length}]", 130, force, window_axis="x")
+    draw_curves(position, source, [Curve("position", "", NOISE)])
+    velocity = new_plot("velocity", f"velocity [{length / Unit.of('s')}]", 155, force, window_axis="x")
+    draw_curves(velocity, source, [Curve("velocity", "", NOISE)])
+    velocity.xaxis.axis_label = "time [s]"
+    with_one_crosshair(force, error, position, velocity)
+    first: Any = force.select_one({"name": "measured"})
+    values = [(curve.label, f"@{curve.column}{{0.00}}") for curve in curves]
+    tips = [("time", "@time{0.0000} s"), *values]
+    force.add_tools(HoverTool(mode="vline", renderers=[first], tooltips=tips))  # at the cross-hair
+    return stacked(force, error, position, velocity)
+
+
+def _curves(found: Diagnosis) -> list[Curve]:
+    """Measured force, and the force of each available model."""
+    curves = [
+        Curve("measured", "measured", MEASURED, 3.4),
+        Curve("nominal", "nominal values", NOMINAL),
+        Curve("reidentified", "re-identified", MODEL),
+    ]
+    if not np.isfinite(found.signals.nominal).any():
+        del curves[1]
+    return [*curves, *([Curve("explained", "with effects", EXPLAINED)] if found.effects else [])]
+
+
+def _compared(curves: list[Curve]) -> list[Curve]:
+    """Curves whose error is drawn: that of the nominal values would dwarf the others."""
+    return [curve for curve in curves if curve.column in ("reidentified", "explained")]
+
+
+def _thinned(found: Diagnosis) -> ColumnDataSource:
+    """Columns of the plots over time; errors only where samples are part of the gap.
+
+    Predictions at the ends of a log far beyond the measured range are left out: they would dwarf the rest.
+    """
+    signals = found.signals
+    columns = {name: getattr(signals, name) for name in ("measured", "position", "velocity")}
+    low, high = np.nanmin(signals.measured), np.nanmax(signals.measured)
+    room = 0.5 * (high - low)
+    for name in ("nominal", "reidentified", "explained"):
+        force = getattr(signals, name)
+        credible = signals.compared | ((force > low - room) & (force < high + room))
+        columns[name] = np.where(credible, force, np.nan)
+        columns[f"error_{name}"] = np.where(signals.compared, signals.measured - force, np.nan)
+    del columns["error_nominal"]
+    thin = {name: envelope(values, _MOST_POINTS).astype(np.float32) for name, values in columns.items()}
+    return ColumnDataSource({"time": envelope_places(signals.time, _MOST_POINTS), **thin})
+
+
+def _spectrum(found: Diagnosis) -> GridPlot:
+    """Densities of the error of both models against that of the noise, up to the band of the gap and beyond it."""
+    density, gap = found.spectrum, found.gap
+    rows = density.frequency > 0
+    names = ("frequency", "reidentified", "explained", "noise")
+    source = ColumnDataSource({name: getattr(density, name)[rows] for name in names})
+    plot = new_plot(
+        "spectrum",
+        f"density of the error [{gap.unit}/√Hz]",
+        340,
+        x_axis_type="log",
+        y_axis_type="log",
+        x_axis_label="frequency [Hz]",
+    )
+    draw_curves(plot, source, [*_compared(_curves(found)), Curve("noise", "noise", INK, 1.6)], "frequency")
+    plot.add_layout(BoxAnnotation(left=gap.band_hz, fill_color=NOISE, fill_alpha=0.12, level="underlay"))
+    return stacked(plot)
+
+
+def envelope(values: FloatArray, most: int) -> FloatArray:
+    """Lowest and highest value of each bundle of samples, in the order in which they come: no peak is lost.
+
+    Two values for each bundle, at the places of `envelope_places`, nan where the whole bundle is nan; a curve of at
+    most `most` points stays as it is.
+
+    >>> envelope(np.array([0.0, 9.0, 1.0, 2.0, -5.0, 3.0, 4.0, 5.0]), most=4).tolist()
+    [0.0, 9.0, -5.0, 5.0]
+    """
+    size = _bundle(values.size, most)
+    if size == 1:
+        return values
+    padded = np.full(-(-values.size // size) * size, np.nan)
+    padded[: values.size] = values
+    bundles = padded.reshape(-1, size)
+    low = np.argmin(np.where(np.isnan(bundles), np.inf, bundles), axis=1)
+    high = np.argmax(np.where(np.isnan(bundles), -np.inf, bundles), axis=1)
+    rows = np.arange(bundles.shape[0])[:, None]
+    ends: FloatArray = bundles[rows, np.sort(np.stack([low, high], axis=1), axis=1)]
+    return ends.ravel()
+
+
+def envelope_places(places: FloatArray, most: int) -> FloatArray:
+    """Places of the points of an envelope: beginning and middle of each bundle, the same for all curves.
+
+    >>> envelope_places(np.arange(8.0), most=4).tolist()
+    [0.0, 2.0, 4.0, 6.0]
+    """
+    size = _bundle(places.size, most)
+    if size == 1:
+        return places
+    begin = np.arange(0, places.size, size)
+    middle = np.minimum(begin + size // 2, places.size - 1)
+    return np.stack([places[begin], places[middle]], axis=1).ravel()
+
+
+def _bundle(count: int, most: int) -> int:
+    return 1 if count <= most else -(-2 * count // most)

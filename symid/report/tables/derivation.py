@@ -1,0 +1,119 @@
+"""A derived model as text and as a JSON record."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from symid.axis import ActuatorDelay
+from symid.report.tables.console import report_console
+from symid.symbolic import DerivedModel
+
+_BESIDE = {
+    False: "passed over by the regressor, simulated only",
+    True: "no part of the regressor, taken off the force before",
+}
+
+
+def derivation_record(model: DerivedModel) -> dict[str, Any]:
+    """Record of `symid show --json`."""
+    minimal, maps = model.minimal, model.parameter_map
+    branches = [{name: str(value) for name, value in branch.items()} for branch in maps.inverse]
+    dynamics = minimal.source.source
+    return {
+        "axis": model.axis.name,
+        "measured": list(model.measured),
+        "equations_of_motion": [f"{e.lhs} = {e.rhs}" for e in dynamics.equations],
+        "constants": dict(dynamics.constants),
+        "output": [str(y) for y in minimal.output],
+        "regressor": [[str(entry) for entry in row] for row in minimal.regressor],
+        "minimal_parameters": {name: str(function) for name, function in maps.functions.items()},
+        "minimal_units": {p.name: str(p.unit) for p in minimal.parameters},
+        "physical_units": {name: str(unit) for name, unit in model.axis.physical_parameters.items()},
+        "inverse": branches[0] if branches else None,
+        "inverse_branches": branches,
+        "identifiability": dict(maps.identifiability),
+        "identifiability_counted": maps.counted,
+        "determined_combinations": [str(function) for function in maps.combinations],
+        "relations": maps.relations,
+        "assumptions": [
+            *model.assumptions,
+            *(
+                f"{type(element).__name__} is {_BESIDE[isinstance(element, ActuatorDelay)]}: {element.formula}"
+                for element in model.axis.imperfections
+            ),
+        ],
+    }
+
+
+def print_derivation(model: DerivedModel, console: Console | None = None) -> None:
+    """Print a derived model."""
+    console = console or report_console()
+    record = derivation_record(model)
+    console.print(f"[bold]{record['axis']}[/bold] measured by {', '.join(record['measured'])}\n")
+    motion = "Equations of motion (coordinates relative to the body that carries)"
+    _section(console, motion, record["equations_of_motion"])
+    for name, value in record["constants"].items():
+        console.print(f"    with {name} = {value:g}")
+    title = "Minimal model y = D X, columns of D"
+    regressor = Table(box=None, pad_edge=False, title_justify="left", title=title)
+    regressor.add_column("X")
+    for output in record["output"]:
+        regressor.add_column(f"y = {output}", overflow="fold")
+    regressor.add_column("unit of X")
+    regressor.add_column("X in physical parameters", overflow="fold")
+    for j, (name, expression) in enumerate(record["minimal_parameters"].items()):
+        entries = (row[j] for row in record["regressor"])
+        regressor.add_row(name, *entries, record["minimal_units"][name], _shortened(expression))
+    console.print(regressor)
+    console.print()
+    for i, branch in enumerate(record["inverse_branches"]):
+        count = len(record["inverse_branches"])
+        which = f", solution {i + 1} of {count}" if count > 1 else ""
+        lines = [f"{name} = {_shortened(value)}" for name, value in branch.items()]
+        _section(console, f"Inverse map{which}", lines)
+    if not record["inverse_branches"]:
+        lines = ["no closed form; identification solves for the parameters numerically"]
+        _section(console, "Inverse map", lines)
+    _print_identifiability(console, record)
+
+
+def _print_identifiability(console: Console, record: dict[str, Any]) -> None:
+    words = {
+        "unique": "determined uniquely",
+        "several": "determined up to a finite choice",
+        "none": "not determined",
+    }
+    lines = []
+    for kind, meaning in words.items():
+        if names := [name for name, value in record["identifiability"].items() if value == kind]:
+            lines.append(f"{meaning}: {', '.join(names)}")
+    if not record["identifiability_counted"]:
+        lines.append(
+            "the solutions were not counted (the system is large): a finite choice may be a unique value"
+        )
+    if record["determined_combinations"]:
+        combinations = ", ".join(map(_shortened, record["determined_combinations"]))
+        lines.append(f"determined combinations: {combinations}")
+    if record["relations"]:
+        lines.append(
+            f"{record['relations']} more minimal than physical parameters: as many relations check the structure"
+        )
+    _section(console, "Identifiability", lines)
+    if record["assumptions"]:
+        _section(console, "Assumptions", record["assumptions"])
+
+
+def _section(console: Console, title: str, lines: list[str]) -> None:
+    console.print(f"[italic]{title}[/italic]")
+    for line in lines:
+        console.print(f"    {line}", markup=False)
+    console.print()
+
+
+def _shortened(expression: str, most: int = 400) -> str:
+    if len(expression) <= most:
+        return expression
+    return f"{expression[:most]} ... ({len(expression)} characters; --json has all)"

@@ -1,0 +1,65 @@
+"""The gap in the simulated motion as rows of a table and in a line."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from symid.report.tables.number_text import MISSING, share, significant
+
+_DRIVERS = {
+    "given": "simulated under the controller that was given",
+    "identified": "simulated under a cascade read from the log",
+    "observer": "driven by the measured force, with a slow observer that keeps the axis to the measured position",
+}
+_MICRO = 1e6
+
+
+def motions(record: dict[str, Any]) -> list[dict[str, Any]]:
+    """The simulated motion next to each drive, that of the gap alone with one; empty where it was not simulated."""
+    return [gap["motion"] for gap in record.get("drives") or [record["gap"]] if gap["motion"]]
+
+
+def motion_rows(motion: dict[str, Any], record: dict[str, Any]) -> list[tuple[str, ...]]:
+    """Rows of the table of a simulated motion: the model, its fits, and its errors in millionths of the unit."""
+    errors = [motion["nominal"], motion["reidentified"], *motion["steps"]]
+    names = [stage["model"] for stage in record["waterfall"]]
+    return [(name, *_cells(error)) for name, error in zip(names, errors, strict=False) if error is not None]
+
+
+def _cells(error: dict[str, Any]) -> tuple[str, ...]:
+    if error["status"] != "ok":
+        return ("failed", *[MISSING] * 4)
+    fits = (_fit(error[f"{name}_fit"]) for name in ("position", "velocity", "tracking"))
+    sizes = (significant(_MICRO * error[f"{name}_rms"], 3) for name in ("position", "reversal"))
+    return (*fits, *sizes)
+
+
+def _fit(per_cent: float) -> str:
+    """A fit in per cent, near 100 with the digits that distinguish it from 100.
+
+    >>> _fit(99.99312), _fit(96.64), _fit(-31.2), _fit(100.0), _fit(float("nan"))
+    ('99.9931 %', '96.6 %', '-31.2 %', '100 %', '–')
+    """
+    if not math.isfinite(per_cent):
+        return MISSING
+    left = abs(100.0 - per_cent)
+    places = 1 if left >= 1 else min(1 - math.floor(math.log10(left)), 6) if left else 0
+    return f"{per_cent:.{max(places, 1) if left else 0}f} %"
+
+
+def motion_line(motion: dict[str, Any]) -> str:
+    """How the axis was simulated, effects left out, and the reason of a failure."""
+    gains = ", ".join(f"{name} {value:.4g}" for name, value in motion["gains"].items())
+    explains = ""
+    if motion["share"] < 0:  # gains so high that errors of the readings alone make more force than there is
+        explains = ", from which the force does not follow by the readings alone"
+    elif motion["share"] == motion["share"]:
+        explains = f", which explains {share(motion['share'])} of the force"
+    line = f"motion: {_DRIVERS[motion['driver']]} ({gains}){explains}"
+    if motion["tracking_rms"] == motion["tracking_rms"]:
+        size = significant(_MICRO * motion["tracking_rms"], 3)
+        line += f"; measured tracking error {size} u{motion['unit']} rms"
+    errors = (motion["reidentified"], motion["explained"])
+    messages = [error["message"] for error in errors if error["message"]]
+    return "; ".join([line, *dict.fromkeys(messages)])

@@ -1,0 +1,191 @@
+"""Comparison of two sets of parameters: differences and their significance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy
+from rich.console import Console
+
+from symid.arrays import FloatArray
+from symid.errors import SettingError
+from symid.files import is_finite_number, shortened
+from symid.report.tables.console import TextTable, plain, report_console
+from symid.report.tables.number_text import percent, significant, with_deviation
+
+_DIFFERENT = 3.0
+"""Standard deviations from which on parameters count as different."""
+_CERTAIN = 1e-3
+"""Probability below which two sets as a whole count as different."""
+
+
+@dataclass(frozen=True, eq=False)
+class Values:
+    """Physical parameters of a result."""
+
+    # source, axis, status: name of the file, and its axis and status; empty if missing
+    source: str
+    axis: str
+    status: str
+    # values, deviations: SI; nan where a deviation is not known
+    values: Mapping[str, float]
+    deviations: Mapping[str, float]
+    units: Mapping[str, str] = field(default_factory=dict)  # of the parameters, where they are known
+    covariance: FloatArray | None = None  # shape (n, n): of the parameters in their order
+    settings: Mapping[str, Any] = field(default_factory=dict)  # with which they were found
+
+
+def values_of(record: object, source: str) -> Values:
+    """Parameters in the JSON of `symid identify`, `symid diagnose` or a user; SettingError if it holds none.
+
+    >>> values_of({"M": 5.0, "Fv": {"value": 1.0, "std": 0.1}}, "P.json").deviations["Fv"]
+    0.1
+    """
+    if not isinstance(record, dict):
+        raise SettingError(f"{source} holds {shortened(record)}: give what symid identify --json wrote")
+    named = (record.get(name) for name in ("physical", "parameters"))
+    found = next((one for one in named if isinstance(one, dict)), None)
+    known = record.get("known")
+    entries = record if found is None else {**found, **(known if isinstance(known, dict) else {})}
+    values, deviations, units = {}, {}, {}
+    for name, entry in entries.items():
+        value, std, unit = _entry(entry)
+        if is_finite_number(value):
+            values[name], deviations[name] = float(value), std
+            units.update({name: unit} if unit else {})
+    if not values:
+        raise SettingError(
+            f"{source} holds no parameters: give what symid identify --json wrote, or names and values"
+        )
+    axis, status = (record[name] if isinstance(record.get(name), str) else "" for name in ("axis", "status"))
+    return Values(
+        source,
+        axis,
+        status,
+        values,
+        deviations,
+        units,
+        _covariance(record, values),
+        record["filter"] if isinstance(record.get("filter"), dict) else {},
+    )
+
+
+def comparison_record(first: Values, second: Values) -> dict[str, Any]:
+    """Record of `symid compare --json`; SettingError if the two share no parameter."""
+    shared = [name for name in first.values if name in second.values]
+    if not shared:
+        raise SettingError(
+            f"{first.source} has {', '.join(first.values)}, {second.source} has {', '.join(second.values)}: "
+            "they share no parameter, compare two results of one axis"
+        )
+    both = (first, second)
+    return {
+        "files": [one.source for one in both],
+        "axis": [one.axis for one in both],
+        "status": [one.status for one in both],
+        "parameters": {name: _compared(name, first, second) for name in shared},
+        "only_in": [[name for name in one.values if name not in shared] for one in both],
+        "together": _together(first, second),
+        "settings": {
+            name: [one.settings.get(name) for one in both]
+            for name in dict.fromkeys([*first.settings, *second.settings])
+            if first.settings.get(name) != second.settings.get(name)
+        },
+    }
+
+
+def print_comparison(record: dict[str, Any], console: Console | None = None) -> None:
+    """Print the record of `comparison_record`."""
+    console = console or report_console()
+    files = zip("AB", record["files"], record["axis"], record["status"], strict=True)
+    for which, file, axis, status in files:
+        console.print(plain(f"{which}: {file}" + "".join(f", {word}" for word in (axis, status) if word)))
+    numbers = ("A", "B", "B - A", "of A", "deviations")
+    table = TextTable("", "", *numbers, "unit", right=numbers)
+    for name, one in record["parameters"].items():
+        a, b = (with_deviation(one[key]["value"], one[key]["std"]) for key in ("a", "b"))
+        apart = significant(one["deviations"], 2) + "  differs" * one["differs"]
+        table.add(name, a, b, significant(one["difference"]), percent(one["relative"]), apart, one["unit"])
+    console.print(table)
+    together = record["together"]
+    if together is not None:
+        console.print(
+            f"together: chi-square {together['chi_square']:.3g} of {together['parameters']} parameters, "
+            f"probability {together['probability']:.2g} if both logs were of one machine"
+            + (": they differ" if together["differs"] else "")
+        )
+    for file, names in zip(record["files"], record["only_in"], strict=True):
+        if names:
+            console.print(plain(f"only in {file}: {', '.join(names)}"))
+    for name, (a, b) in record["settings"].items():
+        console.print(plain(f"setting {name}: {a} and {b}"))
+
+
+def _entry(entry: object) -> tuple[Any, float, str]:
+    """Value, deviation and unit of a parameter; of a diagnosis those with the effects found."""
+    if not isinstance(entry, dict):
+        return entry, math.nan, ""
+    unit = entry.get("unit")
+    for name in ("explained", "reidentified"):
+        inner = entry.get(name)
+        if isinstance(inner, dict) and is_finite_number(inner.get("value")):
+            entry = inner
+            break
+    stds = [entry[name] for name in ("std_corrected", "std") if is_finite_number(entry.get(name))]
+    std = stds[0] if stds else math.nan
+    return entry.get("value"), float(std), unit if isinstance(unit, str) else ""
+
+
+def _covariance(record: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray | None:
+    covariance = record.get("covariance")
+    names = record.get("physical")
+    if not isinstance(covariance, dict) or not isinstance(names, dict) or list(names) != list(values):
+        return None
+    try:
+        matrix = np.array(covariance.get("physical"), dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return matrix if matrix.shape == (len(values), len(values)) and np.isfinite(matrix).all() else None
+
+
+def _compared(name: str, first: Values, second: Values) -> dict[str, Any]:
+    a, b = first.values[name], second.values[name]
+    stds = (first.deviations[name], second.deviations[name])
+    known = [std for std in stds if math.isfinite(std)]
+    spread = math.hypot(*known) if known else math.nan
+    apart = (b - a) / spread if spread > 0 else math.nan
+    return {
+        "a": {"value": a, "std": stds[0]},
+        "b": {"value": b, "std": stds[1]},
+        "difference": b - a,
+        "relative": (b - a) / a if a else math.nan,
+        "deviations": apart,
+        "differs": bool(abs(apart) > _DIFFERENT),
+        "unit": first.units.get(name) or second.units.get(name, ""),
+    }
+
+
+def _together(first: Values, second: Values) -> dict[str, Any] | None:
+    """Test whether both sets as a whole belong to one machine: (b - a)' (A + B)^-1 (b - a) against chi-square."""
+    names = list(first.values)
+    if first.covariance is None or second.covariance is None or names != list(second.values):
+        return None
+    difference = np.array([second.values[name] - first.values[name] for name in names])
+    covariance = first.covariance + second.covariance
+    scale = np.sqrt(np.diag(covariance))
+    if not (scale > 0).all():
+        return None
+    scaled = difference / scale
+    solved, *_ = np.linalg.lstsq(covariance / np.outer(scale, scale), scaled, rcond=None)
+    square = float(scaled @ solved)
+    probability = float(scipy.special.chdtrc(len(names), max(square, 0.0)))
+    return {
+        "chi_square": square,
+        "parameters": len(names),
+        "probability": probability,
+        "differs": probability < _CERTAIN,
+    }

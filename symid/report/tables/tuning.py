@@ -1,0 +1,117 @@
+"""A tuning as a JSON record and as tables."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from symid.report.tables.console import report_console
+from symid.tuning import BoundSearch, TotalTuning, Tuning
+
+
+def tuning_record(found: Tuning) -> dict[str, Any]:
+    """Record of `symid tune --json`."""
+    return {
+        "axis": found.axis,
+        "measured": list(found.measured),
+        "status": found.status,
+        "message": found.message,
+        "left_out": list(found.left_out),
+        "filter": {"cutoff_hz": found.cutoff.frequency_hz, "order": found.order, "decimation": 1},
+        "cutoff": _search(found.cutoff),
+        "differences": found.differences,
+        "first_sampling_hz": found.first_sampling_hz,
+        "sampling_hz": found.sampling.frequency_hz,
+        "sampling_period_s": found.sampling_period,
+        "sampling": {"parameters": found.kind, **_search(found.sampling)},
+    }
+
+
+def _search(search: BoundSearch) -> dict[str, Any]:
+    return {
+        "status": search.status,
+        "frequency_hz": search.frequency_hz,
+        "bound_percent": search.bound,
+        "largest_error_percent": search.largest_error,
+        "errors_percent": dict(search.errors),
+        "curve": {
+            "frequency_hz": search.scanned_hz.tolist(),
+            "largest_error_percent": search.scanned_errors.tolist(),
+        },
+    }
+
+
+def print_tuning(found: Tuning, console: Console | None = None) -> None:
+    """Print frequencies and errors as tables."""
+    console = console or report_console()
+    console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
+    if found.message:
+        console.print(found.message)
+    if found.left_out:
+        console.print(f"tuned without what jumps at standstill: {', '.join(found.left_out)}")
+    table = Table("", "frequency", "largest error", "bound", box=None)
+    cutoff, sampling = found.cutoff, found.sampling
+    first = f"first sampling frequency [36], {found.differences} differences"
+    for name, search in (("cutoff [35]", cutoff), ("sampling frequency [37]", sampling)):
+        error, bound = f"{search.largest_error:.4g} %", f"{search.bound:g} %"
+        table.add_row(name, f"{search.frequency_hz:.2f} Hz", error, bound)
+        if search is cutoff:
+            table.add_row(first, f"{found.first_sampling_hz:.2f} Hz", "", "")
+    console.print(table)
+    errors = Table("error of", "from the cutoff [35]", "from sampling [37]", box=None)
+    for name in {**sampling.errors, **cutoff.errors}:
+        parts = (part.errors.get(name) for part in (cutoff, sampling))
+        errors.add_row(name, *("" if error is None else f"{error:.4g} %" for error in parts))
+    console.print(errors)
+
+
+def total_record(found: TotalTuning) -> dict[str, Any]:
+    """Record of `symid tune --noise-from LOG --json`."""
+    return {
+        "axis": found.axis,
+        "measured": list(found.measured),
+        "status": found.status,
+        "message": found.message,
+        "filter": {
+            "cutoff_hz": found.preparation.cutoff_hz,
+            "order": found.preparation.order,
+            "decimation": found.preparation.decimation,
+        },
+        "noise": dict(found.noise),
+        "sampling_hz": found.sampling_hz,
+        "recommended_sampling_hz": found.recommended_sampling_hz,
+        "total_error_percent": found.total_percent,
+        "decisive": list(found.decisive),
+        "errors_percent": {
+            name: {"systematic": found.systematic[name], "total": total}
+            for name, total in found.total.items()
+        },
+        "curve": {"cutoff_hz": found.cutoffs_hz.tolist(), "total_error_percent": found.totals.tolist()},
+    }
+
+
+def print_total_tuning(found: TotalTuning, console: Console | None = None) -> None:
+    """Print the setting and the errors that it leaves."""
+    console, settings = console or report_console(), found.preparation
+    console.print(f"{found.axis} from {', '.join(found.measured)}: {found.status}")
+    if found.message:
+        console.print(found.message)
+    noise = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
+    console.print(f"noise (standard deviation, SI): {noise}")
+    setting = f"cutoff {settings.cutoff_hz:.4g} Hz, decimation {settings.decimation}"
+    console.print(f"{setting}: total error {found.total_percent:.3g} %")
+    least = found.recommended_sampling_hz
+    enough = (
+        f"systematic errors are below half of the total from {least:.4g} Hz on"
+        if math.isfinite(least)
+        else "systematic errors exceed half of the total at every sampling frequency up to eight times this one"
+    )
+    console.print(f"sampling frequency {found.sampling_hz:g} Hz; {enough}")
+    table = Table("error of", "systematic", "total", box=None)
+    for name, total in found.total.items():
+        decides = "" if name in found.decisive else "lost"
+        table.add_row(name, f"{found.systematic[name]:.3g} %", f"{total:.3g} %", decides)
+    console.print(table)
