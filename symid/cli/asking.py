@@ -61,7 +61,7 @@ def asked(
         unit = Unit.of("s") if signal == "t" else axis.signal_units[signal]
         known = _with_signal(signal, quantity, unit, columns, guess(known), known)
     missing = guess(known).missing
-    if known.rate is None and any("--rate" in line for line in missing):
+    if known.rate is None and any("sampling_period" in line for line in missing):
         known = replace(known, rate=_asked_number("Sampling rate in Hz"))
     if lacking := next((line for line in missing if "has no factor" in line), None):
         signal = lacking.partition(" ")[0]

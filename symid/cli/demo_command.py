@@ -8,6 +8,7 @@ from click import option
 from symid.axis import load_axis, shipped_folder
 from symid.cli.options import json_option, write_json
 from symid.cli.outputs import Output, SafeCommand
+from symid.cli.said_options import with_options
 from symid.cli.terminal import say, working
 from symid.codegen import load_generated
 from symid.diagnosis import diagnose
@@ -42,8 +43,9 @@ def command(report: str, json_file: str | None) -> None:
     found = identify(load_generated("emps"), log, preparation=PUBLISHED_RECIPE, ddof=1)
     with working("diagnosing"):
         diagnosis = diagnose(axis, log, validation=other, nominal=found.physical_parameters)
-    write_html(diagnosis, page)
-    identified, gap = identification_record(found, predict(found, other)), diagnosis_record(diagnosis)
+    write_html(diagnosis, page, with_options)
+    identified = with_options(identification_record(found, predict(found, other)))
+    gap = with_options(diagnosis_record(diagnosis))
     if json_file:
         write_json({"identification": identified, "diagnosis": gap, "report": str(page)}, json_file)
     if json_file != "-":

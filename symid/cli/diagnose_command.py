@@ -29,6 +29,7 @@ from symid.cli.options import (
     write_json,
 )
 from symid.cli.outputs import Output, SafeCommand, overwrite_option
+from symid.cli.said_options import with_options
 from symid.cli.terminal import say, working
 from symid.data import write_log
 from symid.diagnosis import Diagnosis, diagnose, diagnose_against, explained_axis, next_experiment_of
@@ -119,7 +120,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             write_html,  # bokeh and jinja2 are loaded only where a page is written
         )
 
-        write_html(found, page)
+        write_html(found, page, with_options)
     give_result(diagnosis_record(found), options["json_file"], print_diagnosis)
     if written:
         _write_axis(found, written)

@@ -48,6 +48,7 @@ from symid.cli.options import (
     signal_list,
 )
 from symid.cli.outputs import SafeCommand
+from symid.cli.said_options import with_options
 from symid.cli.terminal import tracked, working
 from symid.data import AnyLog, Log
 from symid.errors import SettingError
@@ -158,6 +159,7 @@ def command(axis: str, logs: tuple[str, ...], **options: Any) -> None:
             axis=declared,
             runs=drawn,
             command=shlex.join(["symid", *sys.argv[1:]]),
+            said=with_options,
         )
     give_result(record, options["json_file"], print_identification)
 

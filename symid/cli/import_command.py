@@ -14,6 +14,7 @@ from symid.axis import Axis, load_axis
 from symid.cli.asking import Known, asked, asked_file
 from symid.cli.options import POSITIVE, dark_option, give_result, json_option, number, plot_option, write_json
 from symid.cli.outputs import Output, SafeCommand
+from symid.cli.said_options import with_options
 from symid.data import ForeignColumn, Layout, Table, foreign_columns, guessed_layout, open_table
 from symid.data.formats import SUFFIXES, suffix_of
 from symid.data.formats.scope_text import writer_of
@@ -93,7 +94,7 @@ def command(log: str, **options: Any) -> None:
         palette = palette_of(options["dark"])
         plot_foreign(look.table, look.columns, look.period, options["plot"], palette)
     if mapping and options["output"]:
-        write_json(mapping.as_record, options["output"])
+        write_json(with_options(mapping.as_record), options["output"])
     record = {
         "log": log,
         "layout": asdict(look.layout) if look.layout else None,
@@ -175,9 +176,9 @@ def _show_mapping(log: str, mapping: LogMapping | None, options: dict[str, Any])
     for guess in mapping.guesses:
         console.print(f"    {guess}", markup=False)
     for lack in mapping.missing:
-        console.print(f"Missing: {lack}", markup=False)
+        console.print(f"Missing: {with_options(lack)}", markup=False)
     if options["output"]:
-        check = "check it, delete the guesses that are right, then" if mapping.guesses else "use it with"
+        check = "check each guess, delete those that you confirm, then" if mapping.guesses else "use it with"
         console.print(
             f"\nwrote {options['output']}: {check}\n    symid identify "
             f"{options['axis']} {log} --mapping {options['output']}",

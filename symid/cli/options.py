@@ -15,6 +15,7 @@ from click import option
 
 from symid.axis import Axis
 from symid.cli.outputs import Output
+from symid.cli.said_options import with_options
 from symid.errors import SettingError
 from symid.files import is_finite_number, read_json, shortened, write_whole
 from symid.units import Unit, to_si
@@ -262,7 +263,11 @@ def write_json(record: object, file: str) -> None:
 
 
 def give_result(record: Any, json_file: str | None, show: Callable[[Any], object]) -> None:
-    """Write a record as JSON where that is asked for, and show it unless standard output takes the JSON."""
+    """Write a record as JSON where that is asked for, and show it unless standard output takes the JSON.
+
+    Settings that it names become options.
+    """
+    record = with_options(record)
     if json_file:
         write_json(record, json_file)
     if json_file != "-":

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Sized
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import TypeVar
 
+from symid.cli.said_options import with_options
 from symid.text import one_line, visible
 
 Item = TypeVar("Item")
@@ -65,10 +66,10 @@ def tracked(items: Iterable[Item], what: str, total: int | None = None) -> Itera
 
 
 def say(text: str, *, err: bool = False, end: str = "\n") -> None:
-    """Print text on standard output or standard error; nothing where that is closed."""
+    """Print text on standard output or standard error, its settings as options; nothing where that is closed."""
     stream = sys.stderr if err else sys.stdout
     if stream is not None:
-        print(visible(text), end=end, file=stream)
+        print(visible(with_options(text)), end=end, file=stream)
 
 
 def fail(message: str, code: int = 2) -> int:

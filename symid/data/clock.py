@@ -104,7 +104,7 @@ def inspect_clock(time: FloatArray, *, minimum: int = MINIMUM_SAMPLES, before: i
     if rate.change is not None:
         faults.append(
             f"t changes its sampling period from {rate.before:.6g} s to {rate.after:.6g} s at "
-            f"{place_of(time, rate.change, before)}: split the log there, or give --resample own"
+            f"{place_of(time, rate.change, before)}: split the log there, or give `resample=own`"
         )
     late, wide = _lateness(intervals, rate, step)
     faults += _gaps(time, intervals, wide, rate, before)
@@ -158,7 +158,7 @@ class ClockOfBlocks:
         if abs(periods[worst] - np.median(periods)) > _CLOCK_DIFFERENCE * np.median(periods):
             faults = (
                 f"t changes its sampling period: {np.median(periods):.6g} s in most of the log, {periods[worst]:.6g} s "
-                f"from t = {self._blocks[worst].start:.7g} s on: split the log there, or give --resample own",
+                f"from t = {self._blocks[worst].start:.7g} s on: split the log there, or give `resample=own`",
             )
         notes = tuple(note for block in self._blocks for note in block.notes)
         return Clock(self._first, _rounded(period), faults, notes[:1])
@@ -260,7 +260,7 @@ def _gaps(
     period = rate.before if rate.change is None or first < rate.change else rate.after
     return [
         f"t has {counted(where.size, 'gap')}, the first after {place_of(time, first, before)}, "
-        f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there, or give --resample own"
+        f"{intervals[first]:.4g} s instead of {period:.4g} s: split the log there, or give `resample=own`"
     ]
 
 
@@ -278,7 +278,7 @@ def _jitter(
         f"t = {time[worst + 1]:.7g} s by {100.0 * deviation[worst]:.3g} %"
     )
     if rms > _JITTER:
-        return [f"{said}: at most {100.0 * _JITTER:g} % is accepted, give --resample own"], []
+        return [f"{said}: at most {100.0 * _JITTER:g} % is accepted, give `resample=own`"], []
     return [], [f"{said}; treated as uniform"]
 
 

@@ -76,7 +76,7 @@ def sources_of(given: Assignment, named: Collection[str]) -> tuple[Source, ...]:
     if not faults and not any(source.signal in given.expected for source in sources):
         faults.append(
             f"has none of the signals {', '.join(given.expected)}: {_there(given.headers)}, "
-            f"name one with --column {next(iter(given.expected), 'q')}=NAME"
+            f"name one with `columns` {next(iter(given.expected), 'q')}=NAME"
         )
     if faults:
         raise LogError("; ".join(faults))
@@ -97,7 +97,7 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
         hint = "map it with" if signal == TIME else "correct"
         raise LogError(
             f"there is no column {column!r} for the {what}{_similar(column, given.headers)}: "
-            f"{_there(given.headers)}, {hint} --column {signal}=NAME, or let symid import look at the file"
+            f"{_there(given.headers)}, {hint} `columns` {signal}=NAME, or let symid import look at the file"
         )
     if signal not in given.alternatives:
         return None
@@ -108,7 +108,7 @@ def _source(given: Assignment, signal: str, *, must: bool) -> Source | None:
     if signal in given.units or signal in given.gains:
         raise LogError(
             f"unit or gain of {signal!r} is given, but it is made from column {given.headers[position]!r}: "
-            f"add --column {signal}={split_unit(given.headers[position])[0]} or drop them"
+            f"add `columns` {signal}={split_unit(given.headers[position])[0]} or drop them"
         )
     return Source(signal, position, gain * _factor(given, other, position, None))
 
@@ -125,7 +125,7 @@ def _factor(given: Assignment, signal: str, position: int, unit: Unit | None) ->
         return gain * to_si(text, unit)
     except LogError as error:
         taken = (
-            f", or --unit {signal}={unit} if gain {gain:g} is {unit} per {text}"
+            f", or `units` {signal}={unit} if gain {gain:g} is {unit} per {text}"
             if signal in given.gains
             else ""
         )

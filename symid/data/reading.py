@@ -46,7 +46,7 @@ def read_table(
     if resample is None:
         if other := [name for name in clocks if clocks[name] is not values[TIME]]:
             raise LogError(
-                f"{other[0]!r} has other times than {next(iter(clocks))!r}: give --resample own, "
+                f"{other[0]!r} has other times than {next(iter(clocks))!r}: give `resample=own`, "
                 "or save them with one clock"
             )
         return _checked(str(file), values, notes, expected)

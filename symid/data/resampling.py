@@ -59,7 +59,7 @@ def resampled(
     if period * _FASTER < own:
         raise LogError(
             f"cannot be resampled to {1 / period:.6g} Hz, above the {1 / own:.6g} Hz of its fastest signal: samples "
-            "between would pass for readings without noise; give --resample own or a lower rate"
+            "between would pass for readings without noise; give `resample=own` or a lower rate"
         )
     time = begin + period * np.arange(int(np.floor(count * (1 + 1e-12))) + 1)
     done = f"resampled to {1 / period:.6g} Hz by cubic splines"

@@ -249,6 +249,6 @@ def design(
         apart = ", or that drives differ by apart=..." if is_common else ""
         raise SettingError(
             f"none of {len(tried)} references within the limits determines the parameters of axis "
-            f"{experiment.axis.name!r}: allow more travel, speed, force or --seconds{apart}, or lower the noise"
+            f"{experiment.axis.name!r}: allow more travel, speed, force or time{apart}, or lower the noise"
         )
     return Design(best, {name: again.get(name) for name in DEFAULTS}, len(tried))

@@ -112,7 +112,7 @@ def _default_moves(limits: Limits, rate: float, seconds: float) -> Trajectory:
         way /= 1.2
         made = _trapezoids(limits, rate, way, speeds, _DWELL)
         if way * rate < limits.speed * 1e-3:
-            raise SettingError(f"{seconds:g} s are too short for moves to and fro: give more --seconds")
+            raise SettingError(f"{seconds:g} s are too short for moves to and fro: give more time")
     return replace(made, name=DEFAULTS[0])
 
 

@@ -132,7 +132,7 @@ def _compiler() -> tuple[str, ...]:
     compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
     if compiler is None:
         raise SettingError(
-            "a unit needs a C compiler, and none is on the path: install gcc or clang, or use --to c"
+            "a unit needs a C compiler, and none is on the path: install gcc or clang, or take `to=c`"
         )
     return (compiler,)
 

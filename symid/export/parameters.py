@@ -53,7 +53,7 @@ def parameter_record(
         minimal = dict(zip(module.minimal_units, map(float, found), strict=True))
     if missing := [name for name in module.minimal_units if name not in minimal]:
         raise SettingError(
-            f"the minimal parameter {missing[0]} has no value: give --measured as it was identified, or physical "
+            f"the minimal parameter {missing[0]} has no value: give `measured` as it was identified, or physical "
             "values alone"
         )
     return {
@@ -87,7 +87,7 @@ def _table(
     if matrix.shape != (len(units), len(units)):
         raise SettingError(
             f"the covariance of the {kind} parameters is of shape {matrix.shape}, there are {len(units)} of them: "
-            "give --measured as it was identified"
+            "give `measured` as it was identified"
         )
     return {
         **table,

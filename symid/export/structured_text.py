@@ -88,7 +88,7 @@ class _StructuredTextPrinter(StrPrinter):  # type: ignore[misc]  # sympy has no 
     def _print_Function(self, expression: Any) -> str:
         name = _FUNCTIONS.get(str(expression.func))
         if name is None or len(expression.args) != 1:
-            raise SettingError(f"Structured Text has no function {str(expression.func)!r}: use --to c")
+            raise SettingError(f"Structured Text has no function {str(expression.func)!r}: take `to=c`")
         return f"{name}({self._print(expression.args[0])})"
 
     def _print_Abs(self, expression: Any) -> str:

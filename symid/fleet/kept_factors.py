@@ -44,7 +44,7 @@ def unpacked(log: str, text: str) -> LogFactors:
         kept = tuple(TriangularFactor(R, int(count)) for R, count in zip(Rs, rows, strict=True))
         return LogFactors(log, kept, covariance.reshape(p, p), float(head[0]))
     except (ValueError, IndexError, OverflowError) as error:
-        raise SettingError(f"{log}: its factors are damaged: run symid batch --joint again") from error
+        raise SettingError(f"{log}: its factors are damaged: make the batch with `joint` again") from error
 
 
 def join_results(
@@ -59,7 +59,7 @@ def join_results(
     Parameters
     ----------
     table : polars.DataFrame
-        Of `symid batch --joint`.
+        Of a batch with `joint`.
     model_of : callable
         Takes an axis and its sensors, gives the model that they were identified with.
     statuses, by_folder
@@ -71,7 +71,7 @@ def join_results(
         If the table holds no factors, or those of an axis cannot be joined.
     """
     if FACTORS not in table.columns:
-        raise SettingError("the results hold no factors to join: run symid batch with --joint")
+        raise SettingError("the results hold no factors to join: make the batch with `joint`")
     found = {}
     for part in groups(table, by_folder):
         rows = part.rows.filter(pl.col("status").is_in(list(statuses)), pl.col(FACTORS).is_not_null())

@@ -201,7 +201,7 @@ def _distributed() -> Any:
     try:
         import distributed  # the extra symid[cluster]
     except ImportError as error:
-        raise SettingError("--scheduler needs Dask: install it with pip install 'symid[cluster]'") from error
+        raise SettingError("`scheduler` needs Dask: install it with pip install 'symid[cluster]'") from error
     return distributed
 
 

@@ -76,7 +76,7 @@ def work(axes: tuple[FleetAxis, ...], task: Task) -> LogOutcome:
 
 def killed(task: Task) -> LogOutcome:
     """Row of a log that killed the process that worked on it, twice; no key, so that it is tried again."""
-    message = "its worker died twice, as for want of memory or time: use fewer --jobs, more --timeout, or a shorter log"
+    message = "its worker died twice, as for want of memory or time: use fewer `jobs`, more `seconds`, or a shorter log"
     row = {"log": visible(task.log), "status": "failed", "message": message}
     return LogOutcome(task.log, {**row, "finished": time_text(time.time())})
 
@@ -121,7 +121,7 @@ def _axis_of(axes: tuple[FleetAxis, ...], log: str) -> FleetAxis:
         if axis.is_held_in(columns):
             return axis
     names = ", ".join(axis.axis.name for axis in axes)
-    raise LogError(f"holds force and a sensor of none of {names}: name columns with --column SIGNAL=NAME")
+    raise LogError(f"holds force and a sensor of none of {names}: name columns with `columns` SIGNAL=NAME")
 
 
 def _identified(axis: FleetAxis, path: str) -> dict[str, Value]:

@@ -129,7 +129,7 @@ def measured_signals(
         if missing:
             raise LogError(
                 f"{log.source}: there is no column for {', '.join(missing)}, which axis {axis.name!r} needs: "
-                f"map one with --column {missing[0]}=NAME"
+                f"map one with `columns` {missing[0]}=NAME"
             )
         require_changing(log, needed)
     return tuple(wanted)

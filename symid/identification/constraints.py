@@ -121,7 +121,7 @@ def _prior(name: str, value: object) -> tuple[float, float]:
     if deviation < max(_SHARPEST * abs(mean), _SMALLEST):
         raise SettingError(
             f"the prior of {name} has a deviation of {deviation:g}, finer than numbers are: give the value as known "
-            f"(--fix {name}={mean:g})"
+            f"(`fixed` {name}={mean:g})"
         )
     return mean, deviation
 

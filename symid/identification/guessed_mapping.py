@@ -153,7 +153,7 @@ class _Guess:
             self.guesses.append(f"a sample every {sampling_period:g} s: given, or stated above the header")
         else:
             self.missing.append(
-                "no column of the time has a known unit: give sampling_period in s (--rate), or the column of t"
+                "no column of the time has a known unit: give `sampling_period`, or the column of t"
             )
 
     def called(self, signal: str) -> list[ForeignColumn]:

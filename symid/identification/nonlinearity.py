@@ -76,7 +76,7 @@ class ColumnTests:
                 return (
                     f"{force} lacks what is fast in the motion (its second derivative takes away "
                     f"{100 * missing.share:.2g} % of the residual's power): it was smoothed; record it raw, or lower "
-                    "--cutoff"
+                    "`cutoff_hz`"
                 )
         return ""
 
@@ -126,7 +126,7 @@ class ColumnTests:
             if drift.share > certain and self.criteria.gain_drift < abs(drift.factor) < _NO_DRIFT:
                 return (
                     f"{force} changes by {100 * drift.factor:+.2g} % from begin to end of the log against what the "
-                    "same motion takes: its gain drifts, or the machine changes; identify the parts apart (--trim)"
+                    "same motion takes: its gain drifts, or the machine changes; identify the parts apart (`trim`)"
                 )
         return ""
 
@@ -145,7 +145,7 @@ class ColumnTests:
             if gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain:
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "
-                    "correct its unit, sign or gain (--unit, --gain)"
+                    "correct its unit, sign or gain (`units`, `gains`)"
                 )
         return ""
 

@@ -33,14 +33,14 @@ def disagreement_of(model: GeneratedModel, parts: Sequence[Excerpt], criteria: C
         if low > 1.0 + criteria.gain or high < 1.0 - criteria.gain or crossed <= 0.0:
             return (
                 f"{name} is {np.sqrt(max(low * high, 0.0)) * np.sign(crossed):.4g} times what other sensors say "
-                f"({what}): correct its unit, sign or gain (--unit, --gain)"
+                f"({what}): correct its unit, sign or gain (`units`, `gains`)"
             )
         differs = float(np.sqrt(np.sum((own - other) ** 2) / power))
         noise = np.sqrt(np.mean([_noise(part, name, terms) for part in parts]) * own.size / power)
         if differs > max(criteria.worst_fit, criteria.noise_explains * float(noise)):
             return (
                 f"{name} differs from what other sensors say ({what}) by {100 * differs:.3g} %, more than noise does: "
-                "one of them is late or damaged; correct its time (--late), or leave it out of --measured"
+                "one of them is late or damaged; correct its time (`late`), or leave it out of `measured`"
             )
     return ""
 

@@ -131,7 +131,7 @@ def said_declared(
         one = len(passed_over) == 1
         notes.append(
             f"{' and '.join(passed_over)} {'is' if one else 'are'} declared, but this method passes "
-            f"{'it' if one else 'them'} over: take --method oe with --controller-gain, which simulates "
+            f"{'it' if one else 'them'} over: take `method=oe` with `controller`, which simulates "
             f"{'it' if one else 'them'}"
         )
     return tuple(notes)

@@ -52,7 +52,7 @@ class Change:
         return (
             f"parameters change within the logs: from t = {self.begins:.4g} s on {name} is {self.inside[i]:.4g} "
             f"{unit}, elsewhere {self.outside[i]:.4g}: gain, payload or machine change, or a part is damaged; identify "
-            "the parts apart (--trim)"
+            "the parts apart (`trim`)"
         )
 
 

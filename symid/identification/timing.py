@@ -109,10 +109,10 @@ class Timing:
 
     @property
     def remedy(self) -> str:
-        """The option that takes the delay out."""
+        """The setting that takes the delay out."""
         if self.seems_held:
-            return f"--held {self.signal}"
-        return f"--late {self.signal}={_microseconds(self.declared + self.suggested, 4)}us"
+            return f"`held` {self.signal}"
+        return f"`late` {self.signal}={_microseconds(self.declared + self.suggested, 4)}us"
 
     @property
     def statement(self) -> str:

@@ -122,7 +122,7 @@ def _bias_statement(found: Identification, names: tuple[str, ...]) -> tuple[str,
     share = np.sum(np.abs(bias.noise[places]) / deviations[places])
     rest = np.sum(np.abs(bias.preparation[places]) / deviations[places])
     cause = (
-        f"{_NOISE_IN_W}: lower --cutoff, or take --method iv"
+        f"{_NOISE_IN_W}: lower `cutoff_hz`, or take `method=iv`"
         if share > rest
         else _cause_of_preparation(found)
     )
@@ -142,10 +142,10 @@ def _cause_of_preparation(found: Identification) -> str:
     chosen = observation.preparation
     assert chosen.cutoff_hz is not None
     if not chosen.filter_force:
-        return "the force is not filtered as the motion is: take --filter all"
+        return "the force is not filtered as the motion is: take `filter_force=True`"
     differences = max(found.model.highest_derivatives.values())
     order = chosen.difference_order
     gain = float(central_difference_gain(chosen.cutoff_hz, found.sampling_period, order=order)) ** differences
     if gain < _FAITHFUL:
-        return "central differences lose what is fast: lower --cutoff, or record faster"
-    return "the low-pass moves the reversals of friction: raise --cutoff"
+        return "central differences lose what is fast: lower `cutoff_hz`, or record faster"
+    return "the low-pass moves the reversals of friction: raise `cutoff_hz`"

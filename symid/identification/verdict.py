@@ -56,7 +56,7 @@ def verdict(
     names = list(model.minimal_units)
     if fit.status == "too_few_rows":
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters"
-        return "too_few_rows", f"{rows}: give a longer log or --standstill 0"
+        return "too_few_rows", f"{rows}: give a longer log or `standstill=0`"
     if correlated is not None and sum(fit.rows) < _rows_needed(correlated) * len(names):
         rows = f"{sum(fit.rows)} rows are left for {len(names)} parameters, and they are not independent"
         return "too_few_rows", f"{rows}: give a longer log"
@@ -75,14 +75,14 @@ def verdict(
         return "no_physical_parameters", cause
     if not physical and len(model.physical_units) > len(names):
         few = f"{len(names)} minimal parameters do not determine {len(model.physical_units)} physical ones"
-        return "no_physical_parameters", f"{few}: give what is known with --fix, or add a sensor"
+        return "no_physical_parameters", f"{few}: give what is known with `fixed`, or add a sensor"
     if not physical and has_start:
         return "no_physical_parameters", (
-            "no single solution was found from the nominal values: give what is known with --fix, add a sensor, or "
+            "no single solution was found from the nominal values: give what is known with `fixed`, add a sensor, or "
             "correct the nominal values"
         )
     if not physical:
-        cure = "give --nominal P.json with nominal values as a start"
+        cure = "give `nominal`, values to start from"
         return (
             "no_physical_parameters",
             f"the inverse map has no closed form, and a search finds no single solution: {cure}",

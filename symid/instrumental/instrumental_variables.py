@@ -37,7 +37,10 @@ _WEAK = 10.0
 """F below which instruments are weak."""
 _NONE = 1e-3
 """Canonical correlation below which there are none."""
-_CURE = "give the reference of this log and the machine's --controller-gain and --rate, or take --method wls"
+_CURE = (
+    "give the reference of this log, and of the machine's controller the gains (`controller`) and the rate "
+    "(`rate_hz`), or take `method=wls`"
+)
 
 
 def identify_by_instruments(
@@ -104,7 +107,7 @@ def identify_by_instruments(
         try:
             Z = _instruments(model, runs, loop, first, parameters)
         except SettingError as error:
-            weak = f"the axis cannot be simulated with the parameters found, give --nominal P.json: {error}"
+            weak = f"the axis cannot be simulated with the parameters found, give `nominal`: {error}"
             break
         result = estimate_by_instruments(first.observations, Z, first.fit)
         if result.correlation < _NONE:

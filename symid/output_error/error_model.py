@@ -57,7 +57,7 @@ class ErrorModel:
             said = ", ".join(f"{signal} {seconds:g} s" for signal, seconds in declared.items())
             raise SettingError(
                 f"the forces are late by different times ({said}): output error takes one for all drives, "
-                "give each the same --late or take --method wls"
+                "give each the same `late` or take `method=wls`"
             )
         run = run_of(
             self.dynamics,

@@ -45,13 +45,13 @@ def verdict_of(
     if found.fit is None:
         return (
             "no_start",
-            "no start was possible: a log holds no lasting motion, or give nominal values with --nominal P.json",
+            "no start was possible: a log holds no lasting motion, or give `nominal`, values to start from",
         )
     minimum = found.fit.search.minimum
     if minimum is None or not minimum.converged:
         return (
             "not_converged",
-            "the iterations did not come to rest: give nominal values with --nominal P.json",
+            "the iterations did not come to rest: give `nominal`, values to start from",
         )
     values = np.array(list(found.physical_parameters.values()))
     absent = _absent(found)
@@ -145,7 +145,7 @@ def _change_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
     i = fit.change.most_certain(certain)
     return (
         f"parameters change within the logs: in a part {names[i]} is {inside[i]:.4g}, elsewhere {outside[i]:.4g}: "
-        "gain, payload or machine change, or a part is damaged; identify the parts apart (--trim)"
+        "gain, payload or machine change, or a part is damaged; identify the parts apart (`trim`)"
     )
 
 

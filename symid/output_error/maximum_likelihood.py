@@ -115,7 +115,7 @@ def identify_output_error(
     )
     status, message = verdict_of(found, regression if visible is whole else None, own)
     if status == "not_converged" and visible is not whole and loop is None:
-        message = "predictions do not determine friction at hidden bodies: give the controller with --controller-gain"
+        message = "predictions do not determine friction at hidden bodies: give `controller`, its gains"
     return replace(found, status=status, message=message, notes=(*found.notes, *remarks_on(found)))
 
 

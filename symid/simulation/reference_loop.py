@@ -75,9 +75,7 @@ class ClosedLoop:
         if not gains:
             return loop
         if "velocity_gain" not in gains:
-            raise SettingError(
-                "--controller-gain lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller"
-            )
+            raise SettingError("`controller` lacks Kpv: give Kpp, Kpv and Kiv of the machine's controller")
         every = {"position_gain": 0.0, "integral_gain": 0.0, **gains}
         first, *others = (Cascade(signal, **every) for signal in axis.controlled_signals)
         return replace(loop, controller=(first, *others) if others else first)
@@ -113,7 +111,7 @@ class ClosedLoop:
         if self.trajectory is None and not all(name in log.signals for name in self.reference_columns(log)):
             raise SettingError(
                 f"{log.source} has no column reference (the commanded position), without which the closed loop cannot "
-                "be simulated: map one with --column reference=NAME, or take --method wls"
+                "be simulated: map one with `columns` reference=NAME, or take `method=wls`"
             )
         self._samples_for_one(log)
 
@@ -142,7 +140,7 @@ class ClosedLoop:
         if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-6):
             raise SettingError(
                 f"the controller's rate of {self.rate_hz:g} Hz is not a multiple of the "
-                f"{log.sampling_frequency:g} Hz of {log.source}: give one that is with --rate"
+                f"{log.sampling_frequency:g} Hz of {log.source}: give one that is (`rate_hz`)"
             )
         return round(ratio)
 

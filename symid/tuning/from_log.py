@@ -195,5 +195,6 @@ def plausible_parameters(
     if nominal:
         return dict(nominal)
     raise SettingError(
-        f"{log.source}: no cutoff gives positive masses and springs for axis {axis.name!r}: give --parameters"
+        f"{log.source}: no cutoff gives positive masses and springs for axis {axis.name!r}: "
+        "give nominal values of its parameters"
     )

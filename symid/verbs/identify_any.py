@@ -88,8 +88,7 @@ def identify(
     measured : sequence of str, optional
         Sensors to use; those that all logs hold by default, those of a model if one is given.
     method : {"wls", "ols", "iv", "oe"}
-        Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood), as
-        ``--method``.
+        Weighted or ordinary least squares, instrumental variables, or output error (maximum likelihood).
     preparation : Preparation, optional
         Filter, differences, decimation, rows; what is left open is chosen from each log. Of "oe" only `late`, `held`
         and `standstill` count.

@@ -109,7 +109,7 @@ def test_alternative_column(tmp_path):
         path, expected=EXPECTED, alternatives=alternatives, columns={"Fm": "vir"}, gains={"Fm": 35.0}
     )
     assert_same(named)
-    assert "add --column Fm=vir" in said(path, alternatives=alternatives, gains={"Fm": 2.0})
+    assert "add `columns` Fm=vir" in said(path, alternatives=alternatives, gains={"Fm": 2.0})
 
 
 def test_named_columns_that_are_missing(tmp_path):
@@ -127,7 +127,7 @@ def test_no_time_and_no_signal(tmp_path):
     path = write(tmp_path / "a.csv", {"time": T, "q2": Q2, "Fm": FM})
     message = said(path)
     assert "the file has time, q2, Fm" in message
-    assert "--column t=NAME" in message
+    assert "`columns` t=NAME" in message
     path = write(tmp_path / "b.csv", {"t": T, "x": Q2})
     assert "has none of the signals q2, ddq1, Fm" in said(path)
 

@@ -41,7 +41,7 @@ def errors(log) -> dict[str, float]:
 
 def test_jitter_of_a_third_is_taken_out(tmp_path: Path) -> None:
     t = jittered(0.3)
-    with pytest.raises(LogError, match=r"jitters .* give --resample own"):
+    with pytest.raises(LogError, match=r"jitters .* give `resample=own`"):
         read(t, tmp_path, None)
     log = read(t, tmp_path)
     assert max(errors(log).values()) < 1e-4

@@ -108,7 +108,7 @@ def test_clocks_that_differ_are_resampled_if_that_is_said(tmp_path: Path) -> Non
     path = tmp_path / "clocks.csv"
     path.write_text(twincat(clocks=True), encoding="utf-8")
     assert open_table(path).headers[2:] == ("t", "t of Axis.ActForce")
-    with pytest.raises(LogError, match="'F' has other times than 'q': give --resample own"):
+    with pytest.raises(LogError, match="'F' has other times than 'q': give `resample=own`"):
         read_log(path, expected=EXPECTED, columns=NAMES, units={"q": "mm"})
     log = read_log(path, expected=EXPECTED, columns=NAMES, units={"q": "mm"}, resample="own")
     assert log.sampling_period == pytest.approx(PERIOD)

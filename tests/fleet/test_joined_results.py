@@ -45,7 +45,7 @@ def test_joined_parameters_are_those_of_all_logs_together(logs: Path) -> None:
 def test_results_without_factors_say_how_to_get_them(logs: Path) -> None:
     plain = identify_batch("rigid_1m", logs / "0.parquet", jobs=1)
     assert FACTORS not in plain.table.columns
-    with pytest.raises(SettingError, match="run symid batch with --joint"):
+    with pytest.raises(SettingError, match="make the batch with `joint`"):
         join_results(plain.table, model_of)
     damaged = plain.table.with_columns(pl.lit("no factors").alias(FACTORS))
     with pytest.raises(SettingError, match="factors are damaged"):

@@ -123,7 +123,7 @@ def test_a_force_that_is_not_filtered_is_named_as_the_cause() -> None:
     assert with_bias.bias is not None
     shift = with_bias.physical_parameters["M"] - without.physical_parameters["M"]
     assert with_bias.bias.preparation[0] == pytest.approx(shift, rel=0.2)
-    assert any("--filter all" in text for text in (with_bias.message, *with_bias.notes))
+    assert any("`filter_force=True`" in text for text in (with_bias.message, *with_bias.notes))
 
 
 def test_examination_can_be_left_out() -> None:

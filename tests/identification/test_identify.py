@@ -129,7 +129,7 @@ def test_too_few_rows_is_a_status() -> None:
         load_generated("direct_2m1s"), log, preparation=Preparation(cutoff_hz=100.0, standstill=1e3)
     )
     assert found.status == "too_few_rows"
-    assert "--standstill 0" in found.message
+    assert "`standstill=0`" in found.message
     assert found.physical_parameters == {}
 
 

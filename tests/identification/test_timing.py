@@ -62,7 +62,7 @@ def test_a_delay_is_named_and_measured(late: float, cutoff: float | None) -> Non
 @pytest.mark.parametrize("late", [1.0, -2.5])
 def test_the_remedy_in_the_message_takes_whole_and_half_samples_out(late: float) -> None:
     found = identified(rigid_log(late=late), cutoff_hz=40.0)
-    assert f"--late F={1000 * late:.0f}us" in found.message
+    assert f"`late` F={1000 * late:.0f}us" in found.message
     again = identified(rigid_log(late=late), cutoff_hz=40.0, late={"F": late / RATE})
     assert again.status == "ok"
     wrong, right = (
@@ -75,7 +75,7 @@ def test_the_remedy_in_the_message_takes_whole_and_half_samples_out(late: float)
 def test_a_held_force_is_a_note_with_its_option() -> None:
     found = identified(rigid_log(late=-0.5, force=0.5, ripple=0.0), cutoff_hz=40.0)
     assert found.status == "ok"
-    assert any("--held F" in note for note in found.notes)
+    assert any("`held` F" in note for note in found.notes)
 
 
 @pytest.mark.parametrize("force", [0.0, 0.5, 10.0])

@@ -149,7 +149,7 @@ def test_a_reference_that_is_not_that_of_the_log_makes_weak_instruments() -> Non
         load_generated("rigid_1m"), Log.from_arrays(signals, sampling_period=1 / RATE), loop, nominal=RIGID
     )
     assert found.status == "weak_instruments"
-    assert "--controller-gain" in found.message
+    assert "`controller`" in found.message
 
 
 def test_mistakes_are_refused() -> None:

@@ -28,13 +28,11 @@ def starting_parameters(axis: Axis, record: Record) -> dict[str, float]:
     try:
         found = identify(model_of(axis, record.signals), record.log, examine=False).physical_parameters
     except SymidError as error:
-        raise SettingError(
-            f"no values to begin with can be identified ({error}): give --nominal P.json"
-        ) from error
+        raise SettingError(f"no values to begin with can be identified ({error}): give `nominal`") from error
     lacking = [name for name in axis.physical_parameters if not np.isfinite(found.get(name, np.nan))]
     if lacking:
         raise SettingError(
-            f"no values to begin with follow from the log for {', '.join(lacking)}: give --nominal P.json"
+            f"no values to begin with follow from the log for {', '.join(lacking)}: give `nominal`"
         )
     masses = record.dynamics.parameters_of("mass")
     values = {name: float(found[name]) for name in axis.physical_parameters}

@@ -169,10 +169,10 @@ def _left_out(prediction: Prediction, item: Placed) -> str:
     numbers = ", ".join(f"{name} = {value:.4g} {unit}" for name, (value, unit) in found.items())
     if item.effect.name == "delay":
         late = f"{force_at(prediction.record.forces, item.at)}={-1e6 * found['T'][0]:.4g}us"
-        return f"delay ({numbers}) cannot be an element of an axis, as the force was recorded late: use --late {late}"
+        return f"delay ({numbers}) cannot be an element of an axis, as the force was recorded late: give `late` {late}"
     if item.effect.name == "sensor_delay":
         late = f"{item.at}={1e6 * found['T'][0]:.4g}us"
-        return f"sensor_delay ({numbers}) cannot be an element of an axis, as it is early: use --late {late}"
+        return f"sensor_delay ({numbers}) cannot be an element of an axis, as it is early: give `late` {late}"
     return f"{item.effect.name} at {item.at} ({numbers}) cannot be an element of an axis"
 
 

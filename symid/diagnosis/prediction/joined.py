@@ -49,7 +49,7 @@ def joined(logs: Sequence[Log]) -> Joined:
             raise LogError(
                 f"log {log.source!r} is sampled every {log.sampling_period:g} s, {first.source!r} every "
                 f"{first.sampling_period:g} s: logs that are diagnosed together need one sampling period: "
-                "resample them with symid import --resample"
+                "read them with `resample`"
             )
     names = [name for name in first.signals if all(name in log.signals for log in logs)]
     n = max(round(_WAY / first.sampling_period), 2 * _ENDS)

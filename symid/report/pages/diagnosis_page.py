@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from symid import __version__
 from symid.diagnosis import Diagnosis
 from symid.files import write_whole
 from symid.report.pages.bar_scale import scale_of
-from symid.report.pages.page import html_path, page_templates
+from symid.report.pages.page import as_it_is, html_path, page_templates
 from symid.report.tables.diagnosis import diagnosis_record
 
 VERDICTS = {
@@ -33,12 +35,15 @@ _MOST_SHOWN = 8
 """Number of alternatives that are shown at first; accepted effects always are."""
 
 
-def write_html(found: Diagnosis, file: str | Path) -> None:
-    """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing."""
+def write_html(found: Diagnosis, file: str | Path, said: Callable[[Any], Any] = as_it_is) -> None:
+    """Write a diagnosis as one HTML file, which loads nothing; without JavaScript only its plots are missing.
+
+    `said` writes the settings that messages name.
+    """
     from symid.report.figures.schematic import schematic_svg
     from symid.report.pages.interactive import plots_of  # half a second to load: only where a page is written
 
-    path, record = html_path(file), diagnosis_record(found)
+    path, record = html_path(file), said(diagnosis_record(found))
     accepted = {(effect.effect, effect.at) for effect in found.effects}
     ranked = list(enumerate(record["alternatives"], start=1))
     shown = [(k, one) for k, one in ranked if k <= _MOST_SHOWN or (one["effect"], one["at"]) in accepted]

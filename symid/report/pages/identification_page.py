@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from symid.identification.residual_correlation import residual_correlations
 from symid.report.figures.correlation_figure import correlation_figure
 from symid.report.figures.drawn import Drawn, apart, svg_of
 from symid.report.figures.identification_figure import identification_figure
-from symid.report.pages.page import html_path, page_templates
+from symid.report.pages.page import as_it_is, html_path, page_templates
 from symid.report.tables.identification import identification_record
 
 _INTERVAL = float(scipy.special.ndtri(0.975))
@@ -40,14 +40,15 @@ def write_identification_html(
     axis: Axis | None = None,
     runs: Sequence[Log] = (),
     command: str = "",
+    said: Callable[[Any], Any] = as_it_is,
 ) -> None:
     """Write an identification as one HTML file, which loads nothing.
 
     With the axis and its logs, that of the validation last, the page shows the residual over the motion and the
-    frequency response; `command` is the command line that made it.
+    frequency response; `command` is the command line that made it, `said` writes the settings that messages name.
     """
     path = html_path(file)
-    record = identification_record(found, validation)
+    record = said(identification_record(found, validation))
     page = page_templates().get_template("identification.html")
     text = page.render(
         r=record,

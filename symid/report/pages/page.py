@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from inspect import isfunction
 from pathlib import Path
+from typing import TypeVar
 
 import jinja2
 
@@ -12,6 +13,8 @@ from symid.report.figures import colours
 from symid.report.tables import number_text
 from symid.report.tables.diagnosis import removes
 from symid.report.tables.motion_gap import motion_line, motion_rows, motions
+
+Record = TypeVar("Record")
 
 
 def html_path(file: str | Path) -> Path:
@@ -22,6 +25,11 @@ def html_path(file: str | Path) -> Path:
     if not path.parent.is_dir():
         raise SettingError(f"report {path}: there is no folder {path.parent}; make it first")
     return path
+
+
+def as_it_is(record: Record) -> Record:
+    """The record: settings in its messages stay as the library names them."""
+    return record
 
 
 def page_templates() -> jinja2.Environment:

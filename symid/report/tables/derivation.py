@@ -116,4 +116,4 @@ def _section(console: Console, title: str, lines: list[str]) -> None:
 def _shortened(expression: str, most: int = 400) -> str:
     if len(expression) <= most:
         return expression
-    return f"{expression[:most]} ... ({len(expression)} characters; --json has all)"
+    return f"{expression[:most]} ... ({len(expression)} characters; the record has all)"

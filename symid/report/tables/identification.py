@@ -113,7 +113,7 @@ def _physical(found: Identification, branch: int) -> dict[str, dict[str, Any]]:
 
 
 def _timing(found: Identification) -> dict[str, Any] | None:
-    """Estimated delay of the force; ``late_s`` has the sign of ``--late``."""
+    """Estimated delay of the force; ``late_s`` has the sign of ``late``."""
     timing = found.timing
     if timing is None:
         return None

@@ -46,7 +46,7 @@ def values_of(record: object, source: str) -> Values:
     0.1
     """
     if not isinstance(record, dict):
-        raise SettingError(f"{source} holds {shortened(record)}: give what symid identify --json wrote")
+        raise SettingError(f"{source} holds {shortened(record)}: give the record of an identification")
     named = (record.get(name) for name in ("physical", "parameters"))
     found = next((one for one in named if isinstance(one, dict)), None)
     known = record.get("known")
@@ -59,7 +59,7 @@ def values_of(record: object, source: str) -> Values:
             units.update({name: unit} if unit else {})
     if not values:
         raise SettingError(
-            f"{source} holds no parameters: give what symid identify --json wrote, or names and values"
+            f"{source} holds no parameters: give the record of an identification, or names and values"
         )
     axis, status = (record[name] if isinstance(record.get(name), str) else "" for name in ("axis", "status"))
     return Values(
