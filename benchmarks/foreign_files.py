@@ -90,6 +90,17 @@ def twincat(path: Path) -> None:
     path.write_text("\r\n".join([*lines, "", *body.splitlines()]) + "\r\n")
 
 
+def twincat_shared(path: Path) -> None:
+    """As Scope exports by default: one column of times, in stamps of 100 ns, for all channels of a sample time."""
+    names, units = ("ActPos", "ActTorque", "SetPos"), ("mm (Length)", "Nm (Torque)", "mm (Length)")
+    lines = ["Name;run", "Starttime of export;132959733843760000;Montag, 2. Mai 2022;15:56:24.376", ""]
+    lines += [";".join(row) for row in (("Name", *names), ("SampleTime[ms]", *"111"), ("Unit", *units))]
+    stamps = [132959733843760000 + round(1e7 * t) for t in T.tolist()]
+    body = rows([1e3 * Q, F / 10.0, 1e3 * R], ";", comma=True).splitlines()
+    lines += ["", *(f"{stamp};{row}" for stamp, row in zip(stamps, body, strict=True)), "EOF"]
+    path.write_text("\r\n".join(lines) + "\r\n", "utf-8-sig")
+
+
 def control_desk(path: Path) -> None:
     head = [
         'header_version,"1.0"',
@@ -264,6 +275,7 @@ FILES: dict[str, tuple[str, Callable[[Path], None], str, str]] = {
         "",
     ),
     "TwinCAT Scope": ("c.csv", twincat, "--gain 10", ""),
+    "TwinCAT, shared times": ("w.csv", twincat_shared, "--gain 10", ""),
     "ControlDesk CSV": ("d.csv", control_desk, "--gain 85", ""),
     "ControlDesk MAT": ("d.mat", dspace_mat, "", ""),
     "Simulink structure": ("e.mat", simulink, "", ""),

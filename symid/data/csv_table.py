@@ -77,7 +77,8 @@ def _laid_out(path: Path, layout: Layout, lines: Sequence[str], content: Callabl
             text = content().decode(layout.encoding).replace("\r\n", "\n").replace("\r", "\n")
         except UnicodeError as error:
             raise LogError(f"{path}: is not text in {layout.encoding}: correct the encoding") from error
-        text = text.split("\n", skipped)[-1]
+        text = text.split("\n", skipped)[-1].rstrip("\n")
+        text = text[:-4] if text.endswith("\nEOF") else text  # some writers mark the end of a file
         if layout.separator == " ":
             text = "\n".join(" ".join(line.split()) for line in text.split("\n"))
         values = text.encode("utf-8", errors="replace")

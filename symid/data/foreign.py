@@ -99,9 +99,13 @@ def foreign_columns(table: Table) -> tuple[ForeignColumn, ...]:
     """
     require_room(len(table.headers) * (table.n_rows or 0))
     values = table.read(range(len(table.headers)))
+    clocks = dict.fromkeys(
+        table.clocks.values(), "it holds the times of other columns, which are read in seconds"
+    )
+    clocks |= dict.fromkeys(table.stamps, "its values are moments, which are read in seconds")
     return tuple(
-        ForeignColumn(header, "time", "s", False, "its values are moments, which are read in seconds", True)
-        if i in table.stamps
+        ForeignColumn(header, "time", "s", False, clocks[i], True)
+        if i in clocks
         else replace(_guessed(header, column), doubt=_sign_and_magnitude(column))
         for i, (header, column) in enumerate(zip(table.headers, values, strict=True))
         if not isinstance(column, str) and column.size and header

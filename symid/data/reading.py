@@ -45,8 +45,9 @@ def read_table(
     clocks = _clocks(table, sources, values)
     if resample is None:
         if other := [name for name in clocks if clocks[name] is not values[TIME]]:
+            like = next((name for name in clocks if name not in other), TIME)
             raise LogError(
-                f"{other[0]!r} has other times than {next(iter(clocks))!r}: give `resample=own`, "
+                f"{other[0]!r} has other times than {like!r}: give `resample=own`, "
                 "or save them with one clock"
             )
         return _checked(str(file), values, notes, expected)

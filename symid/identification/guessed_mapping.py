@@ -177,7 +177,9 @@ class _Guess:
             if signal not in self.named and not column.header.startswith(signal) and len(others) >= alike:
                 self.guesses.append(f"{signal} may as well be column {' or '.join(others)}")
         elif needed:
-            self.missing.append(f"no column seems to be the {quantity} {signal}: name it in columns")
+            self.missing.append(
+                f"no column seems to be the {quantity} {signal}: name it, `columns` {signal}=NAME"
+            )
 
     def drive(self, drive: Drive, unit: Unit, gain: float | None, rated: float | None) -> None:
         """A column for a drive's force, one of its name first, with its factor where it needs one."""
@@ -191,7 +193,7 @@ class _Guess:
         alike = [measured[q] for q in (own, "percent", "current") if q in measured]
         column = self.chosen(signal, alike or self.called(signal))
         if column is None:
-            self.missing.append(f"no column seems to be the force {signal}: name it in columns")
+            self.missing.append(f"no column seems to be the force {signal}: name it, `columns` {signal}=NAME")
             return
         if rated is not None and column.quantity != "percent":
             self.guesses.append(f"the rated value is not used: column {column.header!r} is not in percent")
@@ -212,7 +214,7 @@ class _Guess:
             self.gains[signal] = factor
             self.guesses.append(f"{signal} is {factor:g} {unit} per {'%' if in_percent else per}: given")
             return
-        self.missing.append(f"{signal} has no factor: give gains {signal} in {unit} per {per}")
+        self.missing.append(f"{signal} has no factor: give `gains` {signal} in {unit} per {per}")
 
 
 def _turning(columns: Sequence[ForeignColumn], unit: Unit) -> list[ForeignColumn]:

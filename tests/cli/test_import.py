@@ -91,7 +91,7 @@ def test_guesses_that_were_checked_are_silent_and_late_is_used(
 @pytest.mark.parametrize(
     ("kind", "options", "words"),
     [
-        ("milliseconds", "", "F has no factor: give gains F in N per A"),
+        ("milliseconds", "", "F has no factor: give --gain F in N per A"),
         ("percent", "", "per % (rated value / 100)"),
     ],
 )
@@ -241,7 +241,7 @@ def test_a_torque_is_no_force_without_a_factor(
     text = table({"t [s]": recorded.time, "Lage [m]": recorded["q"], "Moment [N*m]": recorded["F"]}, ";")
     (folder / "a.csv").write_text(text)
     assert run("import", "a.csv", "--axis", "rigid_1m", "-o", "map.json") == 0
-    assert "F has no factor: give gains F in N per N*m" in capsys.readouterr().out
+    assert "F has no factor: give --gain F in N per N*m" in capsys.readouterr().out
 
 
 def test_options_complete_a_mapping_that_lacks_something(

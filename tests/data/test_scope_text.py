@@ -57,6 +57,47 @@ def twincat(separator: str = "\t", *, comma: bool = False, unit: float = 1e3, cl
     return "\r\n".join(lines) + "\r\n"
 
 
+def grouped(*, stamps: bool = False, end: str = "", named_alone: bool = False, late: bool = False) -> str:
+    """One column of times for all channels of a sample time, in ms or stamps of 100 ns, as Scope exports by default.
+
+    The force is the first of two groups if `late`, and has only the first half of its samples.
+    """
+    groups = (
+        [["Axis.ActForce"], ["Axis.ActPos", "Axis.SetPos"]] if late else [["Axis.ActPos", "Axis.ActForce"]]
+    )
+    values = {"Axis.ActPos": 1e3 * Q, "Axis.SetPos": 1e3 * Q, "Axis.ActForce": F[: N // 2] if late else F}
+    units = {"Axis.ActPos": "mm (Length)", "Axis.SetPos": "mm (Length)", "Axis.ActForce": "(None)"}
+    rows = {
+        "Name": {name: name for name in values},
+        "SampleTime[ms]": dict.fromkeys(values, "2"),
+        "BitMask": dict.fromkeys(values, "0xffff"),
+        "Unit": units,
+    }
+    above = [
+        ["Name", "x"],
+        ["Starttime of export", "132959733843760000", "Montag", "15:56:24.376"],
+        [""],
+        [""],
+    ]
+    for key, cells in list(rows.items())[: 1 if named_alone else None]:
+        above.append([text for group in groups for text in (key, *(cells[name] for name in group))])
+    times = [str(132959733843760000 + 20_000 * k) if stamps else f"{2 * k}" for k in range(N)]
+    body = [
+        [
+            text
+            for group in groups
+            for there in [k < values[group[0]].size]
+            for text in (
+                [times[k], *(repr(float(values[name][k])) for name in group)]
+                if there
+                else [""] * (1 + len(group))
+            )
+        ]
+        for k in range(N)
+    ]
+    return "\r\n".join("\t".join(row) for row in [*above, [""], *body]) + f"\r\n{end}"
+
+
 def control_desk() -> str:
     rows = zip(T.tolist(), (1e3 * Q).tolist(), F.tolist(), strict=True)
     lines = [
@@ -91,6 +132,32 @@ def test_twincat(name: str, text: str, encoding: str, tmp_path: Path) -> None:
     assert log.sampling_period == pytest.approx(PERIOD)
     np.testing.assert_allclose(log["q"], Q, rtol=1e-12, atol=1e-15)
     np.testing.assert_allclose(log["F"], F, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "headers", "rows"),
+    [
+        (grouped(), ("Axis.ActPos [mm]", "Axis.ActForce", "t"), N),
+        (grouped(end="EOF\r\n"), ("Axis.ActPos [mm]", "Axis.ActForce", "t"), N),
+        (grouped(stamps=True), ("Axis.ActPos [mm]", "Axis.ActForce", "t"), N),
+        (grouped(named_alone=True), ("Axis.ActPos", "Axis.ActForce", "t"), N),
+        (
+            grouped(late=True),
+            ("Axis.ActForce", "Axis.ActPos [mm]", "Axis.SetPos [mm]", "t", "t of Axis.ActPos"),
+            N // 2,
+        ),
+    ],
+    ids=["ms", "end of file", "stamps", "names alone", "shorter first"],
+)
+def test_channels_that_share_times(text: str, headers: tuple[str, ...], rows: int, tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text(text, encoding="utf-8-sig", newline="")
+    assert open_table(path).headers == headers
+    resample = "own" if rows < N else None
+    log = read_log(path, expected=EXPECTED, columns=NAMES, units={"q": "mm"}, resample=resample)
+    assert (log.n_samples, log.sampling_period) == (rows, pytest.approx(PERIOD, rel=1e-12))
+    np.testing.assert_allclose(log["q"], Q[:rows], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(log["F"], F[:rows], rtol=1e-9)
 
 
 def test_control_desk(tmp_path: Path) -> None:

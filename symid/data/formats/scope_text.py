@@ -1,7 +1,8 @@
 """Text of scopes that write lines of properties above their columns: TwinCAT Scope and ControlDesk of dSPACE.
 
-TwinCAT writes a column of times, in ms, before the values of each channel. ControlDesk writes the names of its
-properties in the first column, and the values beside it, below ``trace_values``.
+TwinCAT writes a column of times, in ms or as stamps of 100 ns, before each channel, or before all channels of one
+sample time. The name of a property stands above each column of times, and its values above the channels. ControlDesk
+writes the names of its properties in the first column, and the values beside it, below ``trace_values``.
 """
 
 from __future__ import annotations
@@ -23,9 +24,14 @@ Writer = Literal["twincat", "dspace"]
 
 _BEGINNING: Final = 800_000
 _SEPARATORS: Final = ("\t", ";", ",")
-_TWINCAT: Final = ("Name", "SymbolComment", "Data-Type", "SampleTime[ms]", "SymbolName", "NetID")
-"""Properties of which at least two begin lines of such a file, ``Name`` the first of them."""
+_TWINCAT: Final = ("Name", "SymbolComment", "Data-Type", "SampleTime[ms]", "SymbolName", "NetID", "Unit")
+"""Properties of channels."""
+_OF_EXPORT: Final = ("Starttime of export", "StartRecord")
+"""Properties of a file; with ``Name``, one of them or two of channels begin lines of such a file."""
+_STAMP, _ROUNDED = 1e-7, 32.0
+"""Seconds in a full time stamp, and stamps by which one may be off as a number of 64 bit, which keeps 16 of them."""
 _VALUES: Final = "trace_values"
+_END: Final = "EOF"
 _NAMES, _UNITS = ("name", "path", "variable"), ("unit",)
 
 
@@ -45,7 +51,8 @@ def writer_of(path: Path) -> tuple[Writer, str] | None:
         first = [key[0].strip() for key in keys if key]
         if _VALUES in first:
             return "dspace", separator
-        if "Name" in first and sum(property in first for property in _TWINCAT) > 1:
+        known = sum(name in first for name in _TWINCAT) > 1 or any(name in first for name in _OF_EXPORT)
+        if "Name" in first and known:
             return "twincat", separator
     return None
 
@@ -65,15 +72,21 @@ def open_scope_text(path: Path, writer: Writer, separator: str) -> Table:
 
 
 def _begin(path: Path, rows: Sequence[Sequence[str]], separator: str) -> int:
-    """The first row of values: its second field is a number, and so are those of all rows below."""
+    """The first row of values: each of its fields is a number or empty, and so are those of all rows below."""
 
     def is_value(text: str) -> bool:
         return is_number(text, comma=separator != ",")
 
+    while rows and rows[-1] in ([_END], []):
+        rows = rows[:-1]
     begin = len(rows)
     for row in reversed(rows):
-        numbers = [text for text in row[1:] if text]
-        if not numbers or not all(map(is_value, numbers)) or not (row[0] == _VALUES or is_value(row[0])):
+        first, others = row[:1], [text for text in row[1:] if text]
+        if (
+            not others
+            or not all(map(is_value, others))
+            or not (first[0] in (_VALUES, "") or is_value(first[0]))
+        ):
             break
         begin -= 1
     if begin == len(rows):
@@ -84,32 +97,50 @@ def _begin(path: Path, rows: Sequence[Sequence[str]], separator: str) -> int:
 def _twincat(path: Path, above: Sequence[Sequence[str]], values: Table) -> Table:
     """Channels with their clocks; the stated sample time determines the unit of the times, ms without one."""
     properties = {row[0]: row for row in above if row and row[0] in _TWINCAT}
-    names, stated = properties["Name"], properties.get("SampleTime[ms]", [])
-    count = min(len(names), len(values.headers)) // 2
-    columns = values.read(range(2 * count))
+    names = properties["Name"][: len(values.headers)]
+
+    def stated(name: str, position: int) -> str:
+        row = properties.get(name, [])
+        return row[position] if position < len(row) else ""
+
+    columns = values.read(range(len(names)))
     channels = []
-    for k in range(count):
-        time, samples = columns[2 * k], columns[2 * k + 1]
-        if isinstance(time, str) or isinstance(samples, str):
+    clock: FloatArray | str = ""
+    for k, (name, samples) in enumerate(zip(names, columns, strict=True)):
+        if name == "Name":  # above a column of times, which those to its right share
+            clock = samples
             continue
-        there = np.isfinite(time) & np.isfinite(samples)
-        step = stated[2 * k + 1] if len(stated) > 2 * k + 1 else ""
-        factor = _seconds(time[there], step)
-        channels.append(Channel(names[2 * k + 1], "", factor * time[there], samples[there]))
+        if isinstance(clock, str) or isinstance(samples, str):
+            continue
+        there = np.isfinite(clock) & np.isfinite(samples)
+        time = _seconds(clock[there], stated("SampleTime[ms]", k))
+        unit = stated("Unit", k).partition("(")[0].strip()  # "mm (Length)", "(None)"
+        channels.append(Channel(name, unit, time, samples[there]))
     if not channels:
-        raise LogError(f"{path}: no channel has values: export the scope again")
+        raise LogError(
+            f"{path}: no channel has times and values: export the scope again, with a timeline for each sample time"
+        )
     return table_of_channels(channels)
 
 
-def _seconds(time: FloatArray, stated: str) -> float:
-    """Seconds in the unit of the times: the decimal unit that makes their steps the stated sample time."""
+def _seconds(time: FloatArray, stated: str) -> FloatArray:
+    """Times in seconds, by the decimal unit that makes their steps the stated sample time; ms without one.
+
+    Full stamps count from the first: 64 bit hold those of today to some us, which the sample time makes exact.
+    """
     if time.size < 2 or not stated or not is_number(stated, comma=True):
-        return 1e-3
-    ratio = 1e-3 * float(stated.replace(",", ".")) / float(np.median(np.diff(time)))
+        return 1e-3 * time
+    step = 1e-3 * float(stated.replace(",", "."))
+    ratio = step / float(np.median(np.diff(time)))
     if not (np.isfinite(ratio) and ratio > 0):
-        return 1e-3
+        return 1e-3 * time
     nearest = 10.0 ** round(np.log10(ratio))
-    return float(nearest) if nearest in (1.0, 1e-3, 1e-6, 1e-7, 1e-9) else 1e-3
+    if not np.isclose(nearest, _STAMP):
+        factor: float = nearest if nearest in (1.0, 1e-3, 1e-6, 1e-9) else 1e-3
+        return factor * time
+    since = _STAMP * (time - time[0])
+    even = step * np.round(since / step)
+    return even if np.abs(even - since).max() < _ROUNDED * _STAMP else since
 
 
 def _dspace(path: Path, above: Sequence[Sequence[str]], values: Table) -> Table:
