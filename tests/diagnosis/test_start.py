@@ -11,6 +11,7 @@ from symid import (
     Drive,
     Log,
     OffsetForce,
+    PayloadChange,
     Position,
     Spring,
     ViscousFriction,
@@ -21,6 +22,7 @@ from symid.axis import Between
 from symid.diagnosis import diagnose
 from symid.diagnosis.diagnose import Recorded, data_of
 from symid.diagnosis.fitting import start
+from symid.diagnosis.fitting.fit import converged
 from symid.diagnosis.fitting.state import first_state
 from symid.diagnosis.prediction.joined import joined
 from symid.diagnosis.thresholds import THRESHOLDS
@@ -64,6 +66,24 @@ def test_a_mode_far_from_where_it_is_sought_is_found(monkeypatch: pytest.MonkeyP
     alone = start.fitted_axis(*begin)
     assert alone.mean_square > 2 * THRESHOLDS.fit_of_noise
     assert alone.parameters["Ms"] <= THRESHOLDS.ran_away * FAR["Ms"]  # unbounded it grows out of sight
+
+
+def test_a_moment_at_the_wrong_end_of_the_log_is_found() -> None:
+    motor = Body("motor", mass="M")
+    laws = ViscousFriction(motor, "Fv"), CoulombFriction(motor, "Fs")
+    drive, sensors = Drive("F", motor, held=True, noise=1.0), (Position("q", motor, noise=1e-7),)
+    axis, values = Axis("rigid", (motor, *laws), drive, sensors), {"M": 40.0, "Fv": 120.0, "Fs": 12.0}
+    path = trapezoids(
+        [0.1, 0.05], [0.02, 0.1, 0.3], acceleration=3.0, jerk=60.0, dwell=0.1, sampling_period=1e-3
+    )
+    late, early = (axis.with_effect(PayloadChange(motor, 20.0, time=t)) for t in (12.0, 1.0))
+    log = simulate(late, values, path, tuned_cascade(plant_of(axis, values), "q")).log
+    data = data_of(early, (joined([log]), None), Recorded({}, None))
+    stuck = converged(*first_state(data.record, values, data.training))
+    assert stuck.mean_square > 3 * THRESHOLDS.fit_of_noise
+    found = start.from_other_moments(stuck)
+    assert found.mean_square < THRESHOLDS.fit_of_noise
+    assert found.state.placed[0].shape[0] == pytest.approx(20.0, rel=0.02)
 
 
 def test_numbers_that_are_declared_stay() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -67,8 +67,12 @@ def fitted_axis(state: State, weighting: Weighting) -> Fit:
         names = masses_and_stiffnesses(state.prediction.axis)
         return converged(state.within(THRESHOLDS.ran_away, names), weighting)
     best = min(tame, key=lambda fit: fit.mean_square, default=first)
-    clearly = best.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
-    return best if clearly or astray else first
+    return best if astray or _is_clearly_better(best, first) else first
+
+
+def _is_clearly_better(found: Fit, first: Fit) -> bool:
+    """Whether a fit leaves noise alone, or a small share of what another leaves."""
+    return found.mean_square < max(THRESHOLDS.fit_of_noise, THRESHOLDS.other_stiffness * first.mean_square)
 
 
 def _other_values(state: State) -> Iterator[dict[str, float]]:
@@ -81,28 +85,38 @@ def _other_values(state: State) -> Iterator[dict[str, float]]:
         yield values | {name: factor * values[name] for name in stiffnesses(axis)}
 
 
-def _from_other_shapes(fit: Fit) -> Fit:
-    """The same with other shapes of declared imperfections, one after the other, where these leave clearly less.
+def from_other_moments(fit: Fit) -> Fit:
+    """The same with other moments of changes that were found, where these leave clearly less.
+
+    All else has adapted itself to a moment at the wrong end of a slow motion, so that small steps stay there.
+    """
+    return _from_other_shapes(fit, ())
+
+
+def _from_other_shapes(fit: Fit, factors: Sequence[float] = _OTHER) -> Fit:
+    """The same with other shapes of its effects, one after the other, where these leave clearly less.
 
     A limit beyond the largest force and a moment at a rest are not found by small steps from the values declared.
     """
     for i in range(len(fit.state.placed)):
         if fit.mean_square < THRESHOLDS.fit_of_noise:
             break
-        tried = [
-            fitted(state, fit.weighting, _FEW) for state in _with_other_shapes(fit.state, fit.weighting, i)
-        ]
+        states = _with_other_shapes(fit.state, fit.weighting, i, factors)
+        tried = [fitted(state, fit.weighting, _FEW) for state in states]
         best = min(tried, key=lambda one: one.mean_square, default=fit)
-        if best.mean_square < THRESHOLDS.other_stiffness * fit.mean_square:
-            fit = converged(best.state, best.weighting)
+        if _is_clearly_better(best, fit):
+            fit = converged(best.state, best.weighting).after(fit)
     return fit
 
 
-def _with_other_shapes(state: State, weighting: Weighting, at: int) -> Iterator[State]:
+def _with_other_shapes(
+    state: State, weighting: Weighting, at: int, factors: Sequence[float]
+) -> Iterator[State]:
+    """States with the moments of a log for an effect that has one, with multiples of its shape for others."""
     item, others = state.placed[at], state.placed
     shapes = list(item.effect.shapes_of_log(state.prediction.record, item.shape))[1::2]
     if not shapes:
-        shapes = [tuple(factor * x for x in item.shape) for factor in _OTHER if item.shape]
+        shapes = [tuple(factor * x for x in item.shape) for factor in factors if item.shape]
     for shape in shapes:
         yield with_effects(state, weighting, (*others[:at], replace(item, shape=shape), *others[at + 1 :]))
 

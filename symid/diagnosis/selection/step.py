@@ -9,6 +9,7 @@ import numpy as np
 from symid.arrays import FloatArray
 from symid.diagnosis.effects import LATE_FORCES, Effect, Key, Placed, is_part
 from symid.diagnosis.fitting.fit import Fit, fitted_on
+from symid.diagnosis.fitting.start import from_other_moments
 from symid.diagnosis.selection.screening import Candidate
 from symid.diagnosis.thresholds import THRESHOLDS
 
@@ -110,7 +111,7 @@ class SelectionStep:
     def fitted_on(self) -> SelectionStep:
         """The same with its best model fitted until its error hardly falls any more."""
         best, *others = self.confirmed
-        return replace(self, confirmed=(replace(best, fit=fitted_on(best.fit)), *others))
+        return replace(self, confirmed=(replace(best, fit=fitted_on(from_other_moments(best.fit))), *others))
 
     def other_timing(self) -> tuple[SelectionStep, ...]:
         """The same with the lag accepted in place of the delay, or the other way round, if it explains as much or less.
