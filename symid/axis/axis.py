@@ -11,8 +11,8 @@ from typing import TypeAlias
 from symid.axis.elements import Body, Damper, Drive, Joint, PendulumWeight, Spring, Weight
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
-from symid.axis.quantities import end_of, force_unit, length_unit, parameter_units, unit_faults
-from symid.axis.sensors import Sensor
+from symid.axis.quantities import end_of, force_unit, parameter_units, signal_unit, unit_faults
+from symid.axis.sensors import Position, Sensor
 from symid.axis.signature import hash_of
 from symid.axis.validation import declaration_faults, known_faults
 from symid.errors import DeclarationError, SettingError
@@ -77,8 +77,8 @@ class Axis(Shown):
         drives = self.drive if isinstance(self.drive, tuple) else (self.drive,)
         faults = declaration_faults(self.name, self.elements, drives, self.sensors)
         faults = faults or (
-            *unit_faults(self.elements, drives),
-            *known_faults(self.elements, drives, self.known),
+            *unit_faults((*self.elements, *self.sensors), drives),
+            *known_faults((*self.elements, *self.sensors), drives, self.known),
         )
         if faults:
             raise DeclarationError(str(self.name), faults)
@@ -144,7 +144,7 @@ class Axis(Shown):
         """Values of the physical parameters that are known, SI, in the order of the declaration."""
         numbers = {
             name: value
-            for element in self.elements
+            for element in (*self.elements, *self.sensors)
             if not isinstance(element, (Weight, Imperfection))
             for name, value in element.numbers().items()
         }
@@ -158,12 +158,14 @@ class Axis(Shown):
     @cached_property
     def parameter_units(self) -> dict[str, Unit]:
         """Physical parameters, unknown and known, with their units, in the order of the declaration."""
-        return dict(parameter_units(self.elements, self.drives))
+        return dict(parameter_units((*self.elements, *self.sensors), self.drives))
 
     @cached_property
     def signed_parameters(self) -> tuple[str, ...]:
-        """Physical parameters that may be negative; masses, springs, dampers and friction levels may not."""
-        return tuple(term.parameter for law in self.laws for term in law.terms() if term.signed)
+        """Physical parameters that may be negative; masses, springs, dampers, friction levels and gains may not."""
+        of_laws = (term.parameter for law in self.laws for term in law.terms() if term.signed)
+        offsets = (s.named("offset") for s in self.sensors if s.offset is not None)
+        return (*of_laws, *offsets)
 
     @cached_property
     def log_parameters(self) -> tuple[str, ...]:
@@ -173,10 +175,7 @@ class Axis(Shown):
     @cached_property
     def signal_units(self) -> dict[str, Unit]:
         """Unit of every drive's and every sensor's signal, drives first."""
-        second = Unit.of("s")
-        units = {
-            sensor.signal: length_unit(sensor.body) / second**sensor.derivative for sensor in self.sensors
-        }
+        units = {sensor.signal: signal_unit(self.drives, sensor) for sensor in self.sensors}
         sent = {
             drive.signal: self.force_unit(drive.at) if drive.constant is None else Unit.of(drive.unit or "")
             for drive in self.drives
@@ -197,7 +196,7 @@ class Axis(Shown):
         """
         if len(self.drives) == 1:
             return (self.controlled,)
-        positions = [sensor for sensor in self.sensors if sensor.derivative == 0]
+        positions = [sensor for sensor in self.sensors if isinstance(sensor, Position)]
         driven = [end_of(drive.at) for drive in self.drives]
         return tuple(
             next((sensor.signal for sensor in positions if sensor.body == body), self.controlled)

@@ -84,7 +84,7 @@ class Parametrised:
         return str(getattr(self, "name", "")) or getattr(self, "body").name  # noqa: B009
 
 
-PARAMETER_FIELDS = ("mass", "inertia", "stiffness", "damping", "moment")
+PARAMETER_FIELDS = ("mass", "inertia", "stiffness", "damping", "moment", "gain", "offset")
 """Fields of elements that hold a parameter."""
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from symid.axis.elements import Body, Damper, Drive, Ground, Joint, PendulumWeight, Spring
 from symid.axis.laws import Law
+from symid.axis.sensors import Sensor
 from symid.units import Unit
 
 
@@ -33,8 +34,20 @@ def force_unit(drives: Sequence[Drive], joint: Joint) -> Unit:
     return unit * Unit.of("m") if turns else unit / Unit.of("m")
 
 
+def quantity_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
+    """Unit of what a sensor reads."""
+    if sensor.derivative is None:
+        return force_unit(drives, sensor.joint)
+    return length_unit(sensor.joint) / Unit.of("s") ** sensor.derivative
+
+
+def signal_unit(drives: Sequence[Drive], sensor: Sensor) -> Unit:
+    """Unit of its signal."""
+    return quantity_unit(drives, sensor) if sensor.unit is None else Unit.of(sensor.unit)
+
+
 def parameter_units(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[tuple[str, Unit]]:
-    """Each physical parameter with its unit, as often as an element or a drive has it."""
+    """Each physical parameter with its unit, as often as an element, a sensor or a drive has it."""
     second = Unit.of("s")
     for element in (*elements, *drives):
         match element:
@@ -50,6 +63,12 @@ def parameter_units(elements: Sequence[object], drives: Sequence[Drive]) -> Iter
                     yield element.named("damping"), force * second / length
             case PendulumWeight():
                 yield element.named("moment"), force_unit(drives, element.body) / Unit.of("m/s^2")
+            case Sensor():
+                quantity = quantity_unit(drives, element)
+                if element.gain is not None:
+                    yield element.named("gain"), quantity / signal_unit(drives, element)
+                if element.offset is not None:
+                    yield element.named("offset"), quantity
             case Law():
                 for term in element.terms():
                     yield term.parameter, term.unit(force_unit(drives, element.at), length_unit(element.at))

@@ -2,20 +2,80 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
 
-from symid.axis.elements import Body, Ground
+from symid.axis.elements import Between, Body, Drive, Ground, Joint, Parameter, Parametrised, Spring
 
-__all__ = ["Acceleration", "Position", "Sensor", "Velocity"]
+__all__ = ["Acceleration", "Force", "MotionSensor", "Position", "Sensor", "Velocity"]
+
+
+class ReadingPart(NamedTuple):
+    """A part of what a sensor reads: a derivative of a displacement times a parameter, or the force of a drive."""
+
+    of: Joint | Drive
+    derivative: int = 0
+    parameter: str | None = None
 
 
 @dataclass(frozen=True)
-class Sensor:
-    """A reading of the displacement of a body against another, or of a time derivative of it.
+class Sensor(Parametrised):
+    """A reading of a quantity of the axis: quantity = gain * signal + offset.
 
-    A kind of sensor is a subclass that sets `derivative`. Its unit, derivation, identification, simulation, export and
-    drawing follow from that.
+    A kind of sensor is a subclass that says what is read in `parts`. Its derivation, identification and simulation
+    follow from that.
+
+    Parameters
+    ----------
+    signal : str
+        Name of the signal, a column of the log.
+    gain : str or float, optional
+        Quantity per unit of the signal: name of the parameter, or its value; positive. 1 by default.
+    offset : str or float, optional
+        Quantity where the signal is 0: name of the parameter, or its value. 0 by default.
+    unit : str, optional
+        Unit of a signal with a gain, such as V; that of the quantity by default.
+    noise, resolution : float
+        Standard deviation of white noise and step of the reading, SI; for simulation.
+    delay : float
+        Age of a reading in seconds; for simulation.
+    """
+
+    signal: str
+    gain: Parameter | None = field(default=None, kw_only=True)
+    offset: Parameter | None = field(default=None, kw_only=True)
+    unit: str | None = field(default=None, kw_only=True)
+    noise: float = field(default=0.0, kw_only=True)
+    resolution: float = field(default=0.0, kw_only=True)
+    delay: float = field(default=0.0, kw_only=True)
+    quantity: ClassVar[str]
+    """What is read: position, velocity, acceleration or force."""
+    derivative: ClassVar[int | None] = None
+    """Which derivative of a displacement is read, 0, 1 or 2; None of a sensor that reads something else."""
+
+    @property
+    def parts(self) -> tuple[ReadingPart, ...]:
+        """Parts whose sum is the quantity."""
+        raise NotImplementedError
+
+    @property
+    def joint(self) -> Joint:
+        """The joint in which it reads."""
+        raise NotImplementedError
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether its gain or offset is a parameter."""
+        return self.gain is not None or self.offset is not None
+
+    @property
+    def _label(self) -> str:
+        return self.signal
+
+
+@dataclass(frozen=True)
+class MotionSensor(Sensor):
+    """A reading of the displacement of a body against another, or of a time derivative of it.
 
     Parameters
     ----------
@@ -25,20 +85,13 @@ class Sensor:
         The body measured.
     relative_to : Body or Ground, optional
         The body it is measured from. By default the body it is on, so that the sensor reads the body's coordinate.
-    noise, resolution : float
-        Standard deviation of white noise and step of the reading, SI; for simulation.
-    delay : float
-        Age of a reading in seconds; for simulation.
+    gain, offset, unit, noise, resolution, delay
+        As of any `Sensor`.
     """
 
-    signal: str
     body: Body
     relative_to: Body | Ground | None = None
-    noise: float = 0.0
-    resolution: float = 0.0
-    delay: float = 0.0
     derivative: ClassVar[int]
-    """Which time derivative of the displacement is read: 0, 1 or 2."""
 
     @property
     def reference(self) -> Body | Ground:
@@ -46,27 +99,87 @@ class Sensor:
         return self.body.on if self.relative_to is None else self.relative_to
 
     @property
-    def quantity(self) -> str:
-        """Quantity read: position, velocity or acceleration."""
-        return ("position", "velocity", "acceleration")[self.derivative]
+    def joint(self) -> Joint:
+        """The joint whose displacement it reads."""
+        return (
+            self.body if self.relative_to is None else Between(first=self.relative_to, second=self.body)
+        )
+
+    @property
+    def parts(self) -> tuple[ReadingPart, ...]:
+        """A derivative of that displacement."""
+        return (ReadingPart(self.joint, self.derivative),)
 
 
 @dataclass(frozen=True)
-class Position(Sensor):
-    """A position sensor: linear scale, encoder, laser."""
+class Position(MotionSensor):
+    """A position sensor: linear scale, encoder, laser.
+
+    Examples
+    --------
+    >>> table = Body("table", mass="M")
+    >>> Position("q", table, gain="cq", offset="oq").parts[0].of.name
+    'table'
+    """
 
     derivative: ClassVar = 0
+    quantity: ClassVar = "position"
 
 
 @dataclass(frozen=True)
-class Velocity(Sensor):
+class Velocity(MotionSensor):
     """A velocity sensor: tachometer, gyroscope."""
 
     derivative: ClassVar = 1
+    quantity: ClassVar = "velocity"
 
 
 @dataclass(frozen=True)
-class Acceleration(Sensor):
+class Acceleration(MotionSensor):
     """An accelerometer."""
 
     derivative: ClassVar = 2
+    quantity: ClassVar = "acceleration"
+
+
+@dataclass(frozen=True)
+class Force(Sensor):
+    """A force or torque sensor: a load cell or strain gauge in a spring, a transducer at a drive.
+
+    In a spring it reads stiffness * d + damping * d(1): positive where the displacement d of its joint is. At a drive it
+    reads the force that acts, in the direction of the drive.
+
+    Parameters
+    ----------
+    signal : str
+        Name of the signal, a column of the log.
+    of : Spring or Drive
+        The element whose force is read.
+    gain, offset, unit, noise, resolution, delay
+        As of any `Sensor`.
+
+    Examples
+    --------
+    >>> motor, load = Body("motor", mass="Mm"), Body("load", mass="Ml")
+    >>> shaft = Spring("shaft", Between(first=motor, second=load), stiffness="K", damping="D")
+    >>> [(part.parameter, part.derivative) for part in Force("cell", shaft).parts]
+    [('K', 0), ('D', 1)]
+    """
+
+    of: Spring | Drive
+    quantity: ClassVar = "force"
+
+    @property
+    def joint(self) -> Joint:
+        """The joint in which the force acts."""
+        return self.of.at
+
+    @property
+    def parts(self) -> tuple[ReadingPart, ...]:
+        """Forces of the spring and of its damping, or that of the drive."""
+        if isinstance(self.of, Drive):
+            return (ReadingPart(self.of),)
+        stiffness = ReadingPart(self.of.at, 0, self.of.named("stiffness"))
+        if self.of.damping is None:
+            return (stiffness,)
+        return stiffness, ReadingPart(self.of.at, 1, self.of.named("damping"))

@@ -49,8 +49,8 @@ def type_faults(
     if not sensors:
         yield "there is no sensor: declare at least a Position of the driven body"
     for sensor in sensors:
-        if not isinstance(sensor, Sensor) or not hasattr(sensor, "derivative"):
-            yield f"{sensor!r} is not a sensor: use Position, Velocity or Acceleration"
+        if not isinstance(sensor, Sensor) or not hasattr(sensor, "quantity"):
+            yield f"{sensor!r} is not a sensor: use Position, Velocity, Acceleration or Force"
         else:
             yield from _field_faults(sensor)
 
@@ -68,11 +68,14 @@ def _field_faults(element: object) -> Iterator[str]:
             for end in (value.first, value.second):
                 if not isinstance(end, (Body, Ground)):
                     yield f"{label}: {end!r} must be the Body object itself"
+    of = getattr(element, "of", None)
+    if isinstance(element, Sensor) and of is not None and not isinstance(of, (Spring, Drive)):
+        yield f"{label}: of={of!r} must be the Spring or Drive object itself"
     for field in ("name", "signal", "command"):
         value = getattr(element, field, None)
         if value is not None and not isinstance(value, str):
             yield f"{label}: {field}={value!r} must be a name"
-    for field in () if isinstance(element, Law) else PARAMETER_FIELDS:
+    for field in () if isinstance(element, (Law, Drive)) else PARAMETER_FIELDS:
         value = getattr(element, field, None)
         if value is not None and not isinstance(value, str) and not is_finite(value):
             yield f"{label}: {field}={value!r} must be the name of a parameter, or its value: a finite number"

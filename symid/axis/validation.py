@@ -23,7 +23,7 @@ from symid.axis.elements import (
 from symid.axis.imperfections import EncoderRipple, ForceConstantRipple, Imperfection, PayloadChange
 from symid.axis.laws import Law
 from symid.axis.laws.law import is_finite
-from symid.axis.sensors import Sensor
+from symid.axis.sensors import Force, Sensor
 from symid.axis.type_faults import ends_of, label_of, type_faults
 from symid.signal_names import is_signal_name
 from symid.units import Unit
@@ -32,6 +32,7 @@ RESERVED = ("t", "reference", "ground", "np", "n_samples", "branch")
 """Columns of every log, the basement frame, and names that generated modules use."""
 
 _MINIMAL = re.compile(r"X\d+")
+_FORCES = (Unit.of("N"), Unit.of("N*m"))
 
 
 def declaration_faults(
@@ -53,6 +54,7 @@ def declaration_faults(
         *_reference_faults(bodies, (*elements, *checked_drives, *checked_sensors)),
         *_number_faults(elements, checked_drives, checked_sensors),
         *_drive_faults(checked_drives),
+        *_sensor_faults(elements, checked_drives, checked_sensors),
         *_ripple_faults(elements, checked_drives),
         *_joint_faults((*elements, *checked_drives)),
         *_connection_faults(bodies, elements, checked_drives),
@@ -65,7 +67,7 @@ def _name_faults(
 ) -> Iterator[str]:
     signals = [*(drive.signal for drive in drives), *(sensor.signal for sensor in sensors)]
     commands = [drive.command for drive in drives if drive.command]
-    parameters = [name for element in elements for name in parameter_names(element)]
+    parameters = [name for element in (*elements, *sensors) for name in parameter_names(element)]
     names = [element.name for element in elements if isinstance(element, (Body, Spring, Damper))]
     for name in dict.fromkeys([*signals, *parameters, *names, *commands]):
         if not is_signal_name(name):
@@ -100,6 +102,9 @@ def known_faults(elements: Sequence[object], drives: Sequence[Drive], known: obj
     names = {name for element in holders for name in parameter_names(element)}
     names |= {drive.constant for drive in drives if drive.constant is not None}
     signed = {term.parameter for e in holders if isinstance(e, Law) for term in e.terms() if term.signed}
+    sensors = [element for element in holders if isinstance(element, Sensor)]
+    signed |= {sensor.named("offset") for sensor in sensors if sensor.offset is not None}
+    gains = {sensor.named("gain") for sensor in sensors if sensor.gain is not None}
     written = [pair for element in holders for pair in element.numbers().items()]
     for name in _repeated(name for name, _ in dict.fromkeys(written)):
         yield f"{name!r} has several values: give these parameters separate names, and their values in known="
@@ -109,6 +114,8 @@ def known_faults(elements: Sequence[object], drives: Sequence[Drive], known: obj
         elif not is_finite(value) or (value < 0 and name not in signed):
             range_ = "a finite number" if name in signed else "a finite number of at least 0"
             yield f"the known value of {name!r} is {value!r}: it must be {range_}"
+        elif name in gains and value == 0:
+            yield f"the known value of {name!r} is {value!r}: the gain of a sensor must be positive"
     if names and names <= {*known, *(name for name, _ in written)}:
         yield "every parameter is known: give the one that is to be identified a name"
 
@@ -200,6 +207,28 @@ def _drive_faults(drives: Sequence[Drive]) -> Iterator[str]:
     if len({bool(drive.held) for drive in drives}) > 1:
         signals = ", ".join(repr(drive.signal) for drive in drives)
         yield f"drives {signals} are not all held: one controller sends all of them, give each the same held="
+
+
+def _sensor_faults(
+    elements: Sequence[object], drives: Sequence[Drive], sensors: Sequence[Sensor]
+) -> Iterator[str]:
+    """Units of signals, and force sensors whose element is not that of the axis."""
+    for sensor in sensors:
+        label = label_of(sensor)
+        if sensor.unit is not None and not Unit.is_named(sensor.unit):
+            yield f"{label}: unit {sensor.unit!r} is not known: use V, A or a unit of its quantity"
+        elif sensor.unit is not None and sensor.gain is None:
+            yield f"{label}: unit {sensor.unit!r} needs a gain: give its {sensor.quantity} per {sensor.unit} as gain="
+        if not isinstance(sensor, Force):
+            continue
+        names = {e.name: e for e in elements if isinstance(e, Spring)} | {d.signal: d for d in drives}
+        name = sensor.of.name if isinstance(sensor.of, Spring) else sensor.of.signal
+        if getattr(names.get(name), "at", None) != sensor.of.at:
+            yield f"{label} reads {label_of(sensor.of)}, which is not of the axis: declare it there"
+        elif any(isinstance(e, Law) and e.in_spring and e.at == sensor.of.at for e in elements):
+            yield f"{label} reads {label_of(sensor.of)}, in whose joint a law bends it: leave the law or the sensor out"
+        if any(drive.unit and drive.constant is None and Unit.of(drive.unit) not in _FORCES for drive in drives):
+            yield f"{label} reads a force, and a drive is in another unit: give that an unknown gain, gain='Kt'"
 
 
 def _ripple_faults(elements: Sequence[object], drives: Sequence[Drive]) -> Iterator[str]:

@@ -6,10 +6,12 @@ from typing import Any
 
 import sympy as sp
 
-from symid.axis import Axis
+from symid.axis import Axis, Sensor
 from symid.codegen.dynamics_store import dynamics_text
 from symid.codegen.lowering import code
 from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
+from symid.symbolic.lagrange import Kinematics
+from symid.symbolic.operators import by_power
 
 
 def dynamics_record(axis: Axis) -> dict[str, Any]:
@@ -33,6 +35,18 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
     def row(functional: Functional) -> list[float]:
         return [number(functional[b]) if b in functional else 0.0 for b in bodies]
 
+    def sensor(one: Sensor) -> dict[str, Any]:
+        """Displacement of its joint and which derivative of that is read, and all terms if there are parameters."""
+        reading = terms.readings[one.signal]
+        joint = terms.operators.functional(Kinematics(axis).displacement(one.joint))
+        plain = {"row": row(joint), "order": one.derivative}
+        if one.derivative is not None and not one.is_scaled:
+            return plain
+        motion = [[by_power(reading.motion.get(b)).get(k, ring.zero) for b in bodies] for k in range(3)]
+        drives = [reading.drives.get(drive.signal, ring.zero) for drive in axis.drives]
+        scale = [reading.gain, reading.offset]
+        return {**plain, "motion": numbers(motion), "drives": numbers([drives])[0], "scale": numbers([scale])[0]}
+
     return {
         "generators": list(map(str, ring.symbols[1:])),
         "bodies": [body for body, entries in zip(bodies, terms.mass, strict=True) if any(entries)],
@@ -49,9 +63,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
             }
             for law in terms.laws
         ],
-        "sensors": {
-            s.signal: {"row": row(terms.readings[s.signal]), "order": s.derivative} for s in axis.sensors
-        },
+        "sensors": {s.signal: sensor(s) for s in axis.sensors},
     }
 
 

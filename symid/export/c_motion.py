@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 import sympy as sp
 
 from symid.axis import Axis
+from symid.errors import SettingError
 from symid.export.c_code import assignments, c_code, c_name
 from symid.export.dynamics import DISPLACEMENT, VELOCITY, SymbolicDynamics
 from symid.export.imperfect_terms import ACTING, NOW, Memory, added, sent
@@ -120,16 +121,21 @@ def readings(dynamics: SymbolicDynamics) -> str:
     n, found = len(dynamics.bodies), []
     steps = {sensor.signal: sensor.resolution for sensor in dynamics.axis.sensors}
     parameters = dynamics.axis.physical_parameters
-    for i, (signal, (row, order)) in enumerate(dynamics.sensors.items()):
-        array, first = ("x", "x", "dx")[order], (0, n, n)[order]
-        given = {sp.Symbol(n): sp.Symbol(f"{dynamics.axis.name}_values.{c_name(n)}") for n in parameters}
-        reading = sp.Add(*(f.xreplace(given) * sp.Symbol(f"{array}[{first + k}]") for k, f in enumerate(row)))
-        found.append(f"y[{i}] = {c_code(reading)};  /* {signal} */")
+    given = {sp.Symbol(n): sp.Symbol(f"{dynamics.axis.name}_values.{c_name(n)}") for n in parameters}
+    places = [sp.Symbol(f"{array}[{k}]") for array, first in (("x", 0), ("x", n), ("dx", n)) for k in range(first, first + n)]
+    for i, (signal, reading) in enumerate(dynamics.sensors.items()):
+        if any(reading.drives):
+            raise SettingError(
+                f"{signal} reads the force of a drive, which this export is given: leave that sensor out of the axis"
+            )
+        factors = [factor.xreplace(given) for factor in reading.motion]
+        value = sp.Add(*map(sp.Mul, factors, places), sp.sympify(reading.constant).xreplace(given))
+        found.append(f"y[{i}] = {c_code(value)};  /* {signal} */")
         if (law := misread(dynamics.axis, signal)) is not None:
             found.append(f"y[{i}] = {c_code(law.xreplace({READING: sp.Symbol(f'y[{i}]')}))};")
         if steps[signal]:
             found.append(in_steps(f"y[{i}]", steps[signal]))
-    orders = {order for _, order in dynamics.sensors.values()}
+    orders = {k for reading in dynamics.sensors.values() for k in range(3) if any(reading.motion.row(k))}
     unused = [*([] if orders & {0, 1} else ["(void)x;"]), *([] if 2 in orders else ["(void)dx;"])]
     return lines([*unused, *found])
 

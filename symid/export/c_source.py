@@ -191,8 +191,13 @@ def c_source(model: DerivedModel | Axis, values: Mapping[str, float], header: st
         *(f"{s.signal}: the noise of the reading is left out." for s in axis.sensors if s.noise),
         *(
             f"{signal}: it reads a body without mass, by the stiffnesses in {axis.name}_values."
-            for signal, (row, _) in dynamics.sensors.items()
-            if row.free_symbols & parameters
+            for signal, reading in dynamics.sensors.items()
+            if reading.order is not None and reading.row.free_symbols & parameters
+        ),
+        *(
+            f"{signal}: it is read at the parameters in {axis.name}_values."
+            for signal, reading in dynamics.sensors.items()
+            if (reading.motion.free_symbols - reading.row.free_symbols) & parameters
         ),
     )
     written = () if isinstance(model, Axis) else model.minimal.written

@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from symid.axis import Axis
+from symid.axis import Axis, Sensor
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of, of_force
-from symid.simulation.plant import condensed
+from symid.simulation.plant import SensorRow, condensed
 from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
 from symid.symbolic.lagrange import Kinematics
+from symid.symbolic.operators import by_power
 
 DISPLACEMENT, VELOCITY = sp.Symbol("joint_q_"), sp.Symbol("joint_v_")
 """Of a joint, in the force of its laws; no parameter's name ends with an underscore."""
@@ -57,7 +58,7 @@ class SymbolicDynamics:
     drives: sp.Matrix
     constant: sp.Matrix
     laws: tuple[LawJoint, ...]
-    sensors: Mapping[str, tuple[sp.Matrix, int]]
+    sensors: Mapping[str, SensorRow]
     constants: Mapping[str, float]
     imperfect: Imperfect
 
@@ -92,6 +93,16 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
         return sp.ImmutableMatrix([list(shares)])
 
     imperfect, kinematics = imperfections_of(axis, first=2 * is_node.count(False)), Kinematics(axis)
+
+    def reading(sensor: Sensor) -> SensorRow:
+        read = terms.readings[sensor.signal]
+        entries = [[by_power(read.motion.get(b)).get(k, operators.ring.zero) for b in bodies] for k in range(3)]
+        gain = read.gain.as_expr()
+        drives = [read.drives.get(drive.signal, operators.ring.zero).as_expr() / gain for drive in axis.drives]
+        joint = row(operators.functional(kinematics.displacement(sensor.joint)))
+        constant = -read.offset.as_expr() / gain
+        return SensorRow(joint, sensor.derivative, matrix(entries) / gain, sp.Matrix([drives]), constant)
+
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}
     forces: dict[sp.ImmutableMatrix, list[sp.Expr]] = {}
@@ -121,7 +132,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
             LawJoint(name, direction, sp.Add(*of_joint), tuple(memories.get(direction, ())))
             for name, (direction, of_joint) in zip(names, forces.items(), strict=True)
         ),
-        sensors={s.signal: (row(terms.readings[s.signal]), s.derivative) for s in axis.sensors},
+        sensors={s.signal: reading(s) for s in axis.sensors},
         constants={**terms.constants, **kinematics.constants},
         imperfect=imperfect,
     )
@@ -155,5 +166,5 @@ def _without_nodes(dynamics: SymbolicDynamics, is_node: list[bool]) -> SymbolicD
     return replace(
         found,
         stiffness=found.stiffness.applyfunc(sp.cancel),
-        sensors={s: (row.applyfunc(sp.cancel), order) for s, (row, order) in found.sensors.items()},
+        sensors={s: r._replace(motion=r.motion.applyfunc(sp.cancel)) for s, r in found.sensors.items()},
     )

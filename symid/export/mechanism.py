@@ -172,7 +172,7 @@ class _Collector:
             gains=tuple(
                 d.factor * (self.values[d.constant] if d.constant else 1.0) for d in self.axis.drives
             ),
-            readings={s.signal: self.path(self.kinematics.reading(s)) for s in self.axis.sensors},
+            readings={s.signal: self.path(self.kinematics.displacement(s.joint)) for s in self.axis.sensors},
             losses=tuple(self.losses),
         )
 

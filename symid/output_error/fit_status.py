@@ -119,11 +119,11 @@ def _noise_remark(found: OutputErrorIdentification, criteria: Criteria) -> str:
     """Forces and accelerations that are noise for the most part, beyond what their own spectra show, in words."""
     log, said = found.logs[0], []
     levels = noise_deviations(found.model, log)
-    orders = {signal: order for signal, (_, order) in found.comparison.dynamics.sensors.items()}
+    orders = {signal: sensor.order for signal, sensor in found.comparison.dynamics.sensors.items()}
     for signal, noise in found.noise.items():
         size = float(np.sqrt(np.mean(log[signal] ** 2)))
         seen = levels.get(signal, 0.0)
-        is_position = orders.get(signal, 2) < 2
+        is_position = orders.get(signal) in (0, 1)
         if not is_position and noise > max(criteria.worst_fit * size, criteria.noise_explains * seen):
             said.append(f"{100 * noise / size:.3g} % of {signal}")
     return said_unexplained(said)

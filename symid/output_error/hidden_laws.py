@@ -76,7 +76,7 @@ def _at_hidden_joints(axis: Axis, measured: Sequence[str]) -> set[str]:
     """Parameters of nonlinear laws in joints whose motion is not a combination of measured positions and velocities."""
     dynamics = forward_dynamics(axis)
     rows = np.stack(
-        [row for name, (row, order) in dynamics.sensors.items() if name in measured and order < 2]
+        [sensor.row for name, sensor in dynamics.sensors.items() if name in measured and sensor.order in (0, 1)]
     )
     found: set[str] = set()
     for direction, terms in dynamics.laws:

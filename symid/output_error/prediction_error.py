@@ -219,6 +219,8 @@ class PredictionError:
         driven = driven.reshape(-1, driven.shape[-1])
         effects = run.drive.reshape(len(run.drive), -1) @ driven + sampled.effects[:, :, -1].sum(axis=0)
         direct = run.drive_at @ at_once + sampled.feedthrough[:, -1]
+        if run.course == "held" and sampled.read_forces.any():  # the mean of both sides of a jump is read
+            direct += (run.drive[:, 0] - run.drive_at) / 2 @ sampled.read_forces.T
         if self.free_timing:
             effects += nuisance[-1] * run.drive_rate.reshape(len(run.drive), -1) @ driven
             direct += nuisance[-1] * run.drive_rate_at @ at_once

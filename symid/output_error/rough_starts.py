@@ -33,7 +33,8 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     """Parameters of an axis of which the first log shows only the rigid motion: a mass for each body, and friction."""
     log, axis = logs[0], dynamics.axis
     lowpass = LowPass(0.02 * log.sampling_frequency)
-    orders = {name: order for name, (_, order) in dynamics.sensors.items() if name in log.signals}
+    sensors = {name: sensor for name, sensor in dynamics.sensors.items() if name in log.signals}
+    orders = {name: sensor.order for name, sensor in sensors.items() if sensor.order is not None}
     known = [name for name, order in orders.items() if order == min(orders.values())]
     found = []
     for drive, own in zip(axis.drives, axis.controlled_signals, strict=True):

@@ -226,7 +226,8 @@ def _measured_motion(
 
     Without a position, of measured speeds: the displacement is the integral, from 0 on.
     """
-    orders = {name: order for name, (_, order) in dynamics.sensors.items() if name in log.signals}
+    sensors = {name: sensor for name, sensor in dynamics.sensors.items() if name in log.signals}
+    orders = {name: sensor.order for name, sensor in sensors.items() if sensor.order is not None}
     lowest = min(orders.values(), default=0)
     names = [name for name, order in orders.items() if order == lowest < 2]
     if not names:

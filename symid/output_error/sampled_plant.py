@@ -6,7 +6,7 @@ constant; their effect on the state at its end is exact (matrix exponential):
     x[k+1] = A x[k] + sum_i A_i G f[k, i],    y[k] = C x[k] + D f0[k]
 
 x are displacements and velocities, f the forces (drives, laws by joint, constant) in part i of the interval after
-sample k, and f0 their values at the sample, which only accelerometers see.
+sample k, and f0 their values at the sample, which accelerometers and force sensors see.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ class SampledPlant:
     output: FloatArray  # shape (n_outputs, n_states): C
     feedthrough: FloatArray  # shape (n_outputs, n_forces): D
     disturbance_feedthrough: FloatArray  # shape (n_outputs, n_disturbed): the same for the disturbances
+    read_forces: FloatArray  # shape (n_outputs, n_drives): the part of D by which sensors read the forces themselves
     n_drives: int  # number of drives
     # shape (2 n_bodies, n_states): displacements and velocities by the states, which lack what no sensor can see
     basis: FloatArray
@@ -86,6 +87,7 @@ def sampled_plant(
         output=rows @ basis,
         feedthrough=feedthrough[:, :known],
         disturbance_feedthrough=feedthrough[:, known:],
+        read_forces=np.array([plant.sensors[signal].drives for signal in signals]),
         n_drives=plant.drives.shape[1],
         basis=basis,
     )
@@ -125,14 +127,13 @@ def _continuous(plant: Plant, disturbed: Sequence[FloatArray]) -> tuple[FloatArr
 def _outputs(
     plant: Plant, signals: Sequence[str], generator: FloatArray, forces: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Readings as functions of the state, and of the forces, which only accelerations see."""
+    """Readings as functions of the state, and of the forces, which accelerations and force sensors see."""
     n = len(plant.bodies)
     rows, feedthrough = np.zeros((len(signals), 2 * n)), np.zeros((len(signals), forces.shape[1]))
     for i, signal in enumerate(signals):
-        row, order = plant.sensors[signal]
-        if order == 2:
-            rows[i] = row @ generator[n:]
-            feedthrough[i] = row @ forces[n:]
-        else:
-            rows[i, order * n : (order + 1) * n] = row
+        reading = plant.sensors[signal]
+        rows[i] = reading.motion[:2].ravel() + reading.motion[2] @ generator[n:]
+        feedthrough[i] = reading.motion[2] @ forces[n:]
+        feedthrough[i, : reading.drives.size] += reading.drives
+        feedthrough[i, reading.drives.size + len(plant.laws)] += reading.constant
     return rows, feedthrough

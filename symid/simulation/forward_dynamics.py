@@ -85,8 +85,8 @@ class ForwardDynamics:
         Constant force on each body.
     laws : tuple of JointTerms
         Nonlinear laws of each joint.
-    sensors : mapping of str to SensorRow
-        As in `Plant`.
+    sensors : mapping of str to SensorTerms
+        What each sensor reads.
     """
 
     axis: Axis
@@ -97,7 +97,7 @@ class ForwardDynamics:
     drives: tuple[tuple[Polynomial, ...], ...]
     constant: tuple[Polynomial, ...]
     laws: tuple[JointTerms, ...]
-    sensors: Mapping[str, SensorRow]
+    sensors: Mapping[str, SensorTerms]
 
     def parameters_of(self, matrix: Literal["stiffness", "damping", "mass"]) -> set[str]:
         """Physical parameters in a matrix, except for those that may be negative: masses, springs, dampers."""
@@ -150,7 +150,7 @@ class ForwardDynamics:
                 JointLaw(direction, tuple(ScaledLaw(t.parameter.at(values), t.force, t.code) for t in terms))
                 for direction, terms in self.laws
             ),
-            sensors=self.sensors,
+            sensors={name: sensor.at(values) for name, sensor in self.sensors.items()},
         )
 
 
@@ -188,6 +188,34 @@ class LawTerm:
         """The law of some code; SymidError if that is not of the law language."""
         program(code, ("q", "v"))  # nothing else is run
         return cls(parameter, code, law_function(code), array_function(code))
+
+
+class SensorTerms(NamedTuple):
+    """What a sensor reads: `row` and `order` as of `SensorRow` where it has no parameters, which else are polynomials.
+
+    The reading is (motion + drives - offset) / gain; `scale` holds gain and offset.
+    """
+
+    row: FloatArray
+    order: int | None
+    n_drives: int
+    motion: tuple[tuple[Polynomial, ...], ...] = ()
+    drives: tuple[Polynomial, ...] = ()
+    scale: tuple[Polynomial, ...] = ()
+
+    def at(self, values: Sequence[float]) -> SensorRow:
+        """What it reads at parameter values; SettingError if its gain is not positive."""
+        if not self.motion:
+            motion = np.zeros((3, self.row.size))
+            motion[self.order] = self.row
+            return SensorRow(self.row, self.order, motion, np.zeros(self.n_drives))
+        gain, offset = (polynomial.at(values) for polynomial in self.scale)
+        if not gain > 0:
+            raise SettingError(f"the gain of a sensor is {gain:g}: it must be positive")
+        motion = np.array([[p.at(values) for p in row] for row in self.motion]) / gain
+        drives = np.array([p.at(values) for p in self.drives]) / gain
+        row = self.row if self.order is None else motion[self.order]
+        return SensorRow(row, self.order, motion, drives, -offset / gain)
 
 
 class JointTerms(NamedTuple):
@@ -246,7 +274,14 @@ def _derived(declaration: _Declaration) -> ForwardDynamics:
         laws=tuple(JointTerms(read_only(np.array(d)), tuple(found)) for d, found in joints.items()),
         sensors=MappingProxyType(
             {
-                name: SensorRow(read_only(np.array(sensor["row"])), sensor["order"])
+                name: SensorTerms(
+                    read_only(np.array(sensor["row"])),
+                    sensor["order"],
+                    len(axis.drives),
+                    motion=_polynomials(sensor.get("motion", ())),
+                    drives=tuple(map(_polynomial, sensor.get("drives", ()))),
+                    scale=tuple(map(_polynomial, sensor.get("scale", ()))),
+                )
                 for name, sensor in record["sensors"].items()
             }
         ),

@@ -116,7 +116,7 @@ class Loop:
     @cached_property
     def is_accelerated(self) -> bool:
         """Whether a sensor reads an acceleration."""
-        return any(reader.order == 2 for reader in self.readers)
+        return any(reader.reading.order == 2 for reader in self.readers)
 
     @cached_property
     def given(self) -> FloatArray:

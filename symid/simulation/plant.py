@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symid.arrays import FloatArray
+from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Between, Body, Ground
 from symid.axis.elements import Joint
 from symid.errors import SettingError
@@ -28,18 +28,33 @@ _PLACES = (0.0, *(sign * 10.0 ** (k / 4) for k in range(-24, 5) for sign in (1.0
 
 
 class SensorRow(NamedTuple):
-    """Quantity that a sensor measures: a derivative of row @ displacements.
+    """What a sensor reads: motion of the bodies, forces of the drives and a constant.
 
     Parameters
     ----------
     row : array of shape (n_bodies,)
-        Factors of the displacements of the free bodies.
-    order : int
-        Derivative: 0 for a position, 1 for a velocity, 2 for an acceleration.
+        Factors of the displacements of the free bodies; of a force those of the displacement in its joint.
+    order : int or None
+        Derivative that is read: 0 for a position, 1 for a velocity, 2 for an acceleration; None for a force.
+    motion : array of shape (3, n_bodies)
+        Factors of displacements, velocities and accelerations in the reading.
+    drives : array of shape (n_drives,)
+        Factors of the drive forces in it.
+    constant : float
+        Reading of 0.
     """
 
     row: FloatArray
-    order: int
+    order: int | None
+    motion: FloatArray
+    drives: FloatArray
+    constant: float = 0.0
+
+    def at(self, s: ComplexArray) -> ComplexArray:
+        """Reading for displacements of the bodies at complex frequencies, of shape (n_bodies, n_frequencies)."""
+        used = [(factors, k) for k, factors in enumerate(self.motion) if factors.any()]
+        zero = np.zeros((self.row.size, s.size), dtype=complex)
+        return np.asarray(sum((np.multiply.outer(factors, s**k) for factors, k in used), zero))
 
 
 class ScaledLaw(NamedTuple):
@@ -179,7 +194,10 @@ def condensed(dynamics: Any, T: Any, bodies: tuple[str, ...]) -> Any:
         drives=T.T @ dynamics.drives,
         constant=T.T @ dynamics.constant,
         laws=tuple(replace(law, direction=law.direction @ T) for law in dynamics.laws),
-        sensors={name: SensorRow(row @ T, order) for name, (row, order) in dynamics.sensors.items()},
+        sensors={
+            name: sensor._replace(row=sensor.row @ T, motion=sensor.motion @ T)
+            for name, sensor in dynamics.sensors.items()
+        },
     )
 
 

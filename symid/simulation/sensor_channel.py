@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -55,9 +56,11 @@ class SensorChannel:
         random: np.random.Generator,
         misread: str | None = None,
     ) -> None:
-        self.misread = misread
         self.signal, self.step = sensor.signal, sensor.resolution
-        self.row, self.order = plant.sensors[sensor.signal]
+        self.reading = plant.sensors[sensor.signal]
+        if self.reading.constant:
+            misread = re.sub(r"\by\b", f"(y + {self.reading.constant!r})", misread or "y")
+        self.misread = misread
         self.noise = sensor.noise * random.standard_normal(n_samples)
         samples = sensor.delay / period
         self.age = math.floor(samples + _WHOLE)
@@ -68,15 +71,19 @@ class SensorChannel:
     @property
     def motion_row(self) -> FloatArray:
         """Exact value as a row on displacements, velocities and accelerations, of shape (3 n,)."""
-        return np.kron(np.eye(3)[self.order], self.row)
+        return np.asarray(self.reading.motion.ravel())
 
     def read_all(self, record: MotionRecord, between: Sequence[SensorChannel]) -> FloatArray:
         """Readings at all samples; the sensors `between` have a row in the record's array of that name."""
         exact = np.hstack([record.states, record.accelerations]) @ self.motion_row
+        # Forces are held: of one that jumps at a sample the mean of both sides is read.
+        acting = record.forces @ self.reading.drives
         if self.is_between:
-            values = np.concatenate([np.full(self.age + 1, exact[0]), record.between[between.index(self)]])
+            inner = record.between[between.index(self)] + acting
+            values = np.concatenate([np.full(self.age + 1, exact[0]), inner])
         else:
-            values = np.concatenate([np.full(self.age, exact[0]), exact])
+            sides = np.concatenate([[0.0], acting, acting[-1:]])
+            values = np.concatenate([np.full(self.age, exact[0]), exact + (sides[1:] + sides[:-1]) / 2])
         values = values[: self.noise.size]
         if self.misread is not None:
             values = array_function(self.misread, ("y",))(values, values, values)

@@ -26,6 +26,7 @@ from symid.symbolic.kernel import EliminationRow, divisible, left_kernel, primit
 from symid.symbolic.lagrange import InverseDynamicModel, Kinematics
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, by_power, operator_model
+from symid.symbolic.readings import with_readings
 from symid.symbolic.scaling import Scaling, scaling_of
 
 _SEPARATE = (
@@ -60,14 +61,14 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
     """
     # Ratios of gears make polynomial arithmetic slow. They are scaled out as units of the coordinates; a ratio in a
     # loop, where that is impossible, becomes an exact number in the coefficients.
-    operators, known = _posed(model, measured)
+    operators, known, same = _posed(model, measured)
     rows, scaling = _rows(operators, known), None
     while operators.ring.domain != QQ and scaling is None:
         found = scaling_of(rows, operators)
         if isinstance(found, Scaling):
             scaling = found
         else:
-            operators, known = _posed(model, measured, (*map(str, operators.numbers), *found))
+            operators, known, same = _posed(model, measured, (*map(str, operators.numbers), *found))
             rows = _rows(operators, known)
     powers = {f"y{i}": f.order for i, f in enumerate(known.basis) if f.order}
     if scaling is None:
@@ -76,11 +77,11 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
         plain = {balance: scaling.scaled(row) for balance, row in rows.items()}
         found_rows, separate = _combined(plain, known, powers, scaling.operators(operators, rows))
         if sum(len(entry) for row in found_rows for entry in row.entries.values()) > _MOST_TERMS_WITH_RATIOS:
-            operators, known = _posed(model, measured, tuple(model.constants))
+            operators, known, same = _posed(model, measured, tuple(model.constants))
         combined = [scaling.restored(row, operators.ring, model.constants) for row in found_rows]
     signals = SignalWriter(operators, known)
     equations = [signals.equation(row) for row in combined]
-    drives = [drive.signal for drive in model.axis.drives]
+    drives = [signal.signal for signal in (*model.axis.drives, *model.axis.sensors)]
 
     def place(equation: InputOutputEquation) -> tuple[bool, int, int, int]:
         lowest = min((order for order, _ in equation.force), default=0)
@@ -89,15 +90,21 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
 
     equations.sort(key=place)
     driven = tuple(_driven(equation, equations, operators) for equation in equations)
-    assumptions = (*signals.assumptions(equations), *([_SEPARATE] if separate else []))
+    assumptions = (
+        *signals.assumptions(equations),
+        *(f"{signal} repeats what its drive's record says and is not used" for signal in same),
+        *([_SEPARATE] if separate else []),
+    )
     return InputOutputModel(model, operators, tuple(measured), driven, assumptions)
 
 
 def _posed(
     model: InverseDynamicModel, measured: Sequence[Sensor], numbers: Sequence[str] = ()
-) -> tuple[OperatorModel, Measurement]:
+) -> tuple[OperatorModel, Measurement, tuple[str, ...]]:
     operators = operator_model(model, numbers)
-    return operators, measurement(operators, measured)
+    known = measurement(operators, measured)
+    whole, same = with_readings(operators, measured, known.in_equations)
+    return whole, known, same
 
 
 def _combined(
@@ -208,9 +215,12 @@ def _driven(
     def of_torques(balances: Mapping[str, PolyElement]) -> bool:
         return turns[next(iter(balances))]
 
+    def of_balances(one: InputOutputEquation) -> bool:
+        return one.multipliers.keys() <= turns.keys()
+
     sums = []
     for other in equations:
-        if other.force and other.is_linear:
+        if other.force and other.is_linear and of_balances(other) and of_balances(equation):
             power = int(of_torques(other.multipliers)) - int(of_torques(equation.multipliers))
             sums.append(equation.scaled(metres_per_radian**power).plus(other))
     return min(

@@ -18,9 +18,10 @@ from symid.errors import EliminationError
 from symid.signal_names import derivative_name, split_derivative
 from symid.symbolic.expressions import positive, time_derivative
 from symid.symbolic.kernel import EliminationRow
-from symid.symbolic.lagrange import Kinematics, LawInput
+from symid.symbolic.lagrange import ONE_INPUT, Kinematics, LawInput
 from symid.symbolic.measurement import Measurement, measurement
 from symid.symbolic.operators import OperatorModel, Row, add, by_power
+from symid.symbolic.readings import sensor_terms
 
 
 @dataclass(frozen=True)
@@ -76,11 +77,13 @@ class SignalWriter:
         self.operators, self.known = operators, known
         self.axis: Axis = operators.source.axis
         self.constants = {sp.Symbol(name): value for name, value in operators.source.constants.items()}
+        self.scales = {s.signal: sensor_terms(operators, s) for s in self.axis.sensors if s.is_scaled}
 
     def equation(self, row: EliminationRow) -> InputOutputEquation:
         """Equation of a row of operators."""
         drives, inputs = driving_terms(row, self.operators)
-        terms = [*self._motion_terms(row), *self._law_terms(inputs)]
+        motion, offsets = self._motion_terms(row)
+        terms = [*motion, *self._law_terms(add(inputs, {str(ONE_INPUT): offsets}, 1) if offsets else inputs)]
         force = {
             (order, signal): -c for signal, entry in drives.items() for order, c in by_power(entry).items()
         }
@@ -88,18 +91,24 @@ class SignalWriter:
             tuple(terms), dict(sorted(force.items())), row.multipliers, self._dropped(inputs)
         )
 
-    def _motion_terms(self, row: EliminationRow) -> list[RegressorTerm]:
+    def _motion_terms(self, row: EliminationRow) -> tuple[list[RegressorTerm], PolyElement]:
+        """Terms of the measured motion, and the constant that the offsets of sensors leave."""
+        offsets = self.operators.ring.zero
         collected: dict[tuple[str, int], RegressorTerm] = {}
         for index in range(len(self.known.basis)):
             for order, coefficient in sorted(by_power(row.entries.get(f"y{index}")).items(), reverse=True):
                 for signal, left, share in self.known.derivative(index, order):
                     previous = collected.get((signal, left))
-                    total = coefficient * share + (previous.coefficient if previous else 0)
+                    part = coefficient * share
+                    if scale := self.scales.get(signal):
+                        offsets += part * scale.offset if left == 0 else 0
+                        part *= scale.gain
+                    total = part + (previous.coefficient if previous else 0)
                     term = RegressorTerm(sp.Symbol(derivative_name(signal, left)), order, True, total)
                     collected[signal, left] = term
         places = {sensor.signal: place for place, sensor in enumerate(self.axis.sensors)}
         ordered = sorted(collected.items(), key=lambda item: (-item[1].order, places[item[0][0]]))
-        return [term for _, term in ordered if term.coefficient]
+        return [term for _, term in ordered if term.coefficient], offsets
 
     def _law_terms(self, inputs: Row) -> list[RegressorTerm]:
         terms: dict[sp.Expr, RegressorTerm] = {}
@@ -150,8 +159,17 @@ class SignalWriter:
             for column, weight in columns.items():
                 for signal, left, share in self.known.derivative(int(column[1:]), order):
                     factor = field.to_sympy(field.convert(share * weight))
-                    values[symbol] += factor * sp.Symbol(derivative_name(signal, left))
-        return self._with_plain_jumps(expression.xreplace(values))
+                    reading = sp.Symbol(derivative_name(signal, left))
+                    if scale := self.scales.get(signal):
+                        reading = scale.gain.as_expr() * reading + (scale.offset.as_expr() if left == 0 else 0)
+                    values[symbol] += factor * reading
+        written = self._with_plain_jumps(expression.xreplace(values))
+        if scaled := [signal for signal, scale in self.scales.items() if written.has(*scale.symbols)]:
+            raise EliminationError(
+                f"axis {self.axis.name!r}: {entry.element} depends on how large a motion is, which the gain or offset "
+                f"of {scaled[0]} leaves open: give that as a known number, or identify by output error (method oe)"
+            )
+        return written
 
     def _with_plain_jumps(self, expression: sp.Expr) -> sp.Expr:
         """Jumps in arguments whose first signal has the factor 1 or -1: sign(ratio*v) is sign(v) or -sign(v).
@@ -159,12 +177,13 @@ class SignalWriter:
         Friction on both sides of a gear would otherwise give two columns that are multiples of each other.
         """
         plain = {}
+        gains = {symbol for scale in self.scales.values() for symbol in scale.symbols}
         for jump in expression.atoms(sp.sign, positive):
             argument = sp.expand(jump.args[0])
-            first = min(argument.free_symbols - set(self.constants), key=str)
+            first = min(argument.free_symbols - set(self.constants) - gains, key=str)
             factor = argument.coeff(first)
             if factor not in (1, -1):
-                direction = 1 if factor.subs(self.constants) > 0 else -1
+                direction = 1 if factor.subs(self.constants).subs(dict.fromkeys(gains, 1)) > 0 else -1
                 plain[jump] = jump.func(direction * sp.expand(argument / factor))
         return expression.xreplace(plain)
 

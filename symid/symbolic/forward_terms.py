@@ -17,6 +17,7 @@ from sympy.polys.rings import PolyElement
 from symid.axis import Axis
 from symid.symbolic.lagrange import ONE_INPUT, Kinematics, inverse_dynamics
 from symid.symbolic.operators import OperatorModel, by_power, operator_model
+from symid.symbolic.readings import SensorTerms, sensor_terms
 
 Matrix: TypeAlias = tuple[tuple[PolyElement, ...], ...]
 """Polynomials of the physical parameters, by row."""
@@ -45,7 +46,7 @@ class ForwardTerms:
     drives: Matrix  # shape (n, n_drives): B
     constant: Matrix  # shape (n, 1): c
     laws: tuple[SymbolicLawTerm, ...]  # all nonlinear laws
-    readings: Mapping[str, Functional]  # displacement of which each sensor reads a derivative
+    readings: Mapping[str, SensorTerms]  # what each sensor reads
     # known numbers that stand in the terms as symbols: ratios, gravity, known parameters
     constants: Mapping[str, float]
 
@@ -81,6 +82,6 @@ def forward_terms(axis: Axis) -> ForwardTerms:
         drives=tuple(tuple(-operators.force[b].get(d.signal, zero) for d in axis.drives) for b in bodies),
         constant=tuple((-operators.inputs[b].get(str(ONE_INPUT), zero),) for b in bodies),
         laws=tuple(laws),
-        readings={s.signal: operators.functional(kinematics.reading(s)) for s in axis.sensors},
+        readings={s.signal: sensor_terms(operators, s) for s in axis.sensors},
         constants={**operators.source.numbers, **kinematics.constants},
     )

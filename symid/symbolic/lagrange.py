@@ -23,7 +23,6 @@ from symid.axis import (
     Joint,
     Law,
     PendulumWeight,
-    Sensor,
     Spring,
     Weight,
 )
@@ -123,12 +122,6 @@ class Kinematics:
             return sp.Integer(0)
         carried = isinstance(body.on, Body) and body.on.turns == body.turns
         return self.displacement(body) + (self.absolute(body.on) if carried else 0)
-
-    def reading(self, sensor: Sensor) -> sp.Expr:
-        """Displacement that a sensor measures, or measures a derivative of."""
-        if sensor.relative_to is None:
-            return self.displacement(sensor.body)
-        return (self.absolute(sensor.body) - self.absolute(sensor.reference)).expand()
 
     def metres_per_radian(self, axis: Axis) -> sp.Expr:
         """A known ratio in metres per radian; 1 where the axis has none."""
@@ -246,4 +239,8 @@ def _virtual_power(axis: Axis, kinematics: Kinematics) -> tuple[tuple[LawInput, 
         elif isinstance(element, Weight):
             weight = LawInput(ONE_INPUT, ONE, element.body, f"Weight of {element.body.name!r}")
             inputs.setdefault((ONE, ONE), weight)
+    for sensor in axis.sensors:
+        if sensor.offset is not None:
+            offset = LawInput(ONE_INPUT, ONE, sensor.joint, f"offset of {sensor.signal!r}")
+            inputs.setdefault((ONE, ONE), offset)
     return tuple(inputs.values()), power

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from symid.axis import Sensor
+from symid.axis import MotionSensor, Sensor
 from symid.symbolic.lagrange import Kinematics
-from symid.symbolic.operators import OperatorModel, add
+from symid.symbolic.operators import OperatorModel, add, carriers
 from symid.symbolic.span import Span
 
 Functional = dict[str, Any]
@@ -22,10 +22,11 @@ Functional = dict[str, Any]
 
 @dataclass(frozen=True)
 class MeasuredFunction:
-    """A linear function of the displacements whose derivative of an order is a signal."""
+    """A linear function of the displacements whose derivative of an order is a signal, or gain * signal + offset."""
 
     signal: str
     order: int
+    is_scaled: bool = False
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class RepeatedFunction:
     signal: str
     order: int
     combination: Mapping[int, Any]
+    is_scaled: bool = False
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,12 @@ class Measurement:
     def unknown(self) -> tuple[str, ...]:
         """Bodies whose displacement has to be eliminated."""
         return tuple(body for body, row in self.displacements.items() if row.keys() == {body})
+
+    @property
+    def in_equations(self) -> tuple[str, ...]:
+        """Repeated sensors that say something of a gain or an offset, of their own or of the basis."""
+        scaled = {i for i, function in enumerate(self.basis) if function.is_scaled}
+        return tuple(r.signal for r in self.repeated if r.is_scaled or scaled & r.combination.keys())
 
     def substitute(self, functional: Mapping[str, Any]) -> dict[str, Any]:
         """A function of displacements (or an operator row) in basis functions and unknown displacements."""
@@ -69,7 +77,7 @@ class Measurement:
             share = other.combination.get(index)
             rest = {i: c for i, c in other.combination.items() if i != index}
             saves = reached < other.order <= order and all(self.basis[i].order == other.order for i in rest)
-            if share is not None and saves:
+            if share is not None and saves and not other.is_scaled:
                 reached, left = other.order, order - other.order
                 best = (
                     (other.signal, left, 1 / share),
@@ -83,15 +91,18 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
     kinematics, span = Kinematics(model.source.axis), Span()
     basis: list[MeasuredFunction] = []
     repeated: list[RepeatedFunction] = []
-    for sensor in sorted(sensors, key=lambda sensor: sensor.derivative):
-        functional = model.functional(kinematics.reading(sensor))
+    of_motion = (sensor for sensor in sensors if isinstance(sensor, MotionSensor))
+    for sensor in sorted(of_motion, key=lambda sensor: (sensor.derivative, sensor.is_scaled)):
+        functional = model.functional(kinematics.displacement(sensor.joint))
         if span.add(functional, pivot=sensor.body.name):
-            basis.append(MeasuredFunction(sensor.signal, sensor.derivative))
+            basis.append(MeasuredFunction(sensor.signal, sensor.derivative, sensor.is_scaled))
         else:
             combination = span.coordinates(functional) or {}
-            repeated.append(RepeatedFunction(sensor.signal, sensor.derivative, combination))
+            repeated.append(
+                RepeatedFunction(sensor.signal, sensor.derivative, combination, sensor.is_scaled)
+            )
     one = model.ring.domain.one
-    displacements: dict[str, Functional] = {body: {body: one} for body in model.motion}
+    displacements: dict[str, Functional] = {body: {body: one} for body in carriers(model.source.axis)}
     for pivot, row, coordinates in span.reduced():
         measured = {f"y{i}": share for i, share in sorted(coordinates.items())}
         displacements[str(pivot)] = measured | {body: -c for body, c in row.items() if body != pivot}

@@ -96,18 +96,18 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     Fvm*Fvs/Ks + Mm
     """
     differentiated = {signal for e in model.equations for order, signal in e.force if order}
-    drives = sorted(
-        (drive.signal for drive in model.source.axis.drives), key=lambda signal: signal not in differentiated
-    )
+    axis = model.source.axis
+    signals = (signal.signal for signal in (*axis.drives, *axis.sensors))
+    drives = sorted(signals, key=lambda signal: signal not in differentiated)
     basis, rows = _basis(model, [_with_output(equation, drives) for equation in model.equations])
     order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, rows))
-    units = model.source.axis.parameter_units
+    units = axis.parameter_units
     parameters = tuple(
         MinimalParameter(f"X{i + 1}", basis[j], basis[j].unit(units)) for i, j in enumerate(order)
     )
     if not parameters:
         raise EliminationError(
-            f"axis {model.source.axis.name!r}: the sensors see nothing of the parameters that are not known"
+            f"axis {axis.name!r}: the sensors see nothing of the parameters that are not known"
         )
     domain = model.operators.ring.domain
 

@@ -91,13 +91,23 @@ class ExactRun:
         n, middle = run.accelerations.shape[1], run.time[:-1] + 0.5 * self.period
         found: dict[str, PPoly] = {name: CubicSpline(middle, f[:-1]) for name, f in self.forces.items()}
         for sensor in self.axis.sensors:
-            row, order = self.rows[sensor.signal]
-            place, speed = run.states[:, :n] @ row, run.states[:, n:] @ row
-            if order == 2:
-                found[sensor.signal] = CubicSpline(middle, np.diff(speed) / self.period)
+            reading, x, v, a = self.rows[sensor.signal], run.states[:, :n], run.states[:, n:], run.accelerations
+            of_place, of_speed, of_rate = reading.motion
+            if reading.order is None:
+                smooth = CubicHermiteSpline(run.time, x @ of_place + v @ of_speed, v @ of_place + a @ of_speed)
+                held = np.reshape(run.forces, (len(run.time), -1)) @ reading.drives
+                found[sensor.signal] = CubicSpline(middle, smooth(middle) + held[:-1] + reading.constant)
+            elif reading.order == 2:
+                found[sensor.signal] = CubicSpline(
+                    middle, np.diff(v @ of_rate) / self.period + reading.constant
+                )
+            elif reading.order == 1:
+                found[sensor.signal] = CubicHermiteSpline(run.time, x @ of_speed, v @ of_speed).derivative()
+                found[sensor.signal].c[-1] += reading.constant
             else:
-                whole = CubicHermiteSpline(run.time, place, speed)
-                found[sensor.signal] = whole.derivative() if order else whole
+                found[sensor.signal] = CubicHermiteSpline(
+                    run.time, x @ of_place + reading.constant, v @ of_place
+                )
         return found
 
 

@@ -145,8 +145,9 @@ def reading(model: State, trajectory: Trajectory, like: Record) -> Record:
     for name, spectrum in zip(like.forces, prediction.outputs, strict=False):
         exact[name] = _samples(moving, spectrum)
     for name in like.readings:
-        row, order = prediction.response.plant.sensors[name]
-        exact[name] = _samples(moving, (1j * moving.omega) ** order * (row @ prediction.displacements))
+        reading = prediction.response.plant.sensors[name]
+        of_motion = np.sum(reading.at(1j * moving.omega) * prediction.displacements, axis=0)
+        exact[name] = _samples(moving, of_motion + reading.drives @ prediction.outputs[: moving.n_drives])
     record = record_of(like.dynamics, _log(exact, trajectory), seen.motion_hz)
     predicted = record.measured - applied(model, record)[0].errors
     for name, spectrum in zip(like.outputs, predicted, strict=True):

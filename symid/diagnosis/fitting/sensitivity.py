@@ -145,4 +145,9 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         forces += driven.T @ ((other.drives - plant.drives) / step).T
         forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)
+        for i, signal in enumerate(prediction.record.readings, n_drives):
+            now, after = plant.sensors[signal], other.sensors[signal]
+            if now.order is None:  # parameters stand in the reading itself
+                columns[k, i] += np.sum((after.at(s) - now.at(s)) / step * displacements, axis=0)
+                columns[k, i] += (after.drives - now.drives) / step @ driven
     return columns

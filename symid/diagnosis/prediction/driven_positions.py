@@ -17,7 +17,7 @@ def signals_of(dynamics: ForwardDynamics, log: Log) -> tuple[str, ...]:
     present = [name for name in dynamics.sensors if name in log.signals]
     positions = [name for name in present if dynamics.sensors[name][1] == 0]
     if not positions:
-        declared = [name for name, (_, order) in dynamics.sensors.items() if order == 0]
+        declared = [name for name, sensor in dynamics.sensors.items() if sensor.order == 0]
         way = f"such as {declared[0]}" if declared else "declare one or a speed, and log it"
         raise LogError(f"log {log.source!r} has no position: a diagnosis needs one, {way}")
     drives, driven = _drive_directions(dynamics), list[str]()

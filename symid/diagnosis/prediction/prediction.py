@@ -127,11 +127,9 @@ class Prediction:
         body = min(np.flatnonzero(plant.drive), key=lambda i: abs(plant.stiffness[i, i]))
         rows = zip((plant.mass[body], plant.damping[body], plant.stiffness[body]), (2, 1, 0), strict=True)
         balance = sum(s**k * (row @ self.displacements) for row, k in rows) - forces[:, body]
-        outputs = [balance / plant.drive[body]]
-        for name in self.record.readings:
-            row, order = plant.sensors[name]
-            outputs.append(s**order * (row @ self.displacements))
-        return np.stack(outputs)
+        force = balance / plant.drive[body]
+        readings = (plant.sensors[name] for name in self.record.readings)
+        return np.stack([force, *(np.sum(r.at(s) * self.displacements, 0) + r.drives[0] * force for r in readings)])
 
     @cached_property
     def driven_rows(self) -> FloatArray:
@@ -190,8 +188,15 @@ class Prediction:
         return self.record.dynamics.axis
 
     def column(self, joint: Joint, force: ComplexArray) -> ComplexArray:
-        """Change of the predicted outputs by a force that opposes the motion of a joint; spectra of any number."""
-        return -self.response.of_force(joint.direction) * force[..., None, :]
+        """Change of the predicted outputs by a force that opposes the motion of a joint; spectra of any number.
+
+        What acts in a spring goes through the force sensor that is in it.
+        """
+        change = -self.response.of_force(joint.direction) * force[..., None, :]
+        for i, place in enumerate(self.record.springs_read, self.record.n_drives):
+            if place == joint.name:
+                change[..., i, :] += force
+        return change
 
     def driven_shares(self, direction: FloatArray) -> FloatArray | None:
         """Displacement along a direction for a unit of each driven position; None if other motion takes part in it."""

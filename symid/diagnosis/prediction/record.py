@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 
 from symid.arrays import BoolArray, ComplexArray, FloatArray
-from symid.axis import Body
+from symid.axis import Body, Spring
 from symid.data import Log
 from symid.data.lost_samples import step_of
 from symid.diagnosis.prediction.driven_positions import signals_of
 from symid.diagnosis.prediction.motion_band import force_noise, motion_band, noise_beyond
 from symid.diagnosis.prediction.periodic_log import FEWEST_BINS, PeriodicLog
+from symid.diagnosis.prediction.places import place_of
 from symid.diagnosis.prediction.quantisation import quantisation_lines
 from symid.errors import LogError
 from symid.simulation import ForwardDynamics
@@ -80,6 +81,13 @@ class Record(PeriodicLog):
     def readings(self) -> tuple[str, ...]:
         """Sensors that are predicted."""
         return self.signals[self.n_drives :]
+
+    @cached_property
+    def springs_read(self) -> tuple[str, ...]:
+        """For each of them the place of the spring whose force it reads; "" for any other."""
+        sensors = {sensor.signal: sensor for sensor in self.dynamics.axis.sensors}
+        springs = (getattr(sensors[name], "of", None) for name in self.readings)
+        return tuple(place_of(spring) if isinstance(spring, Spring) else "" for spring in springs)
 
     def is_hidden(self, direction: FloatArray) -> bool:
         """Whether motion along a direction follows from the model: that of two bodies, which no sensor shows."""

@@ -91,8 +91,10 @@ def response_of(
     inverse = _inverse(matrix)
     outputs = list(inverse[n:])
     for name in record.readings:
-        row, order = plant.sensors[name]
-        outputs.append(s**order * np.tensordot(row, inverse[:n], 1))
+        reading = plant.sensors[name]
+        outputs.append(
+            np.einsum("bf,bcf->cf", reading.at(s), inverse[:n]) + np.tensordot(reading.drives, inverse[n:], 1)
+        )
     return Response(plant, np.moveaxis(inverse[:n], -1, 0), np.stack(outputs).swapaxes(1, 2))
 
 

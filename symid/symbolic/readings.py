@@ -1,0 +1,114 @@
+"""What sensors read, as operators: motion x + drives F = gain * signal + offset.
+
+A sensor whose reading is a derivative of a displacement, without parameters, is no equation: it says what is measured
+(`symid.symbolic.measurement`). Any other adds an equation to the balances. Where its force stands in a balance too, the
+reading replaces it there: the balance is then free of the noise that a stiff spring makes of its deflection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+from sympy.polys.rings import PolyElement
+
+from symid.axis import Drive, Sensor
+from symid.symbolic.lagrange import ONE_INPUT, Kinematics
+from symid.symbolic.operators import OperatorModel, Row, add
+
+
+@dataclass(frozen=True)
+class SensorTerms:
+    """motion x + drives F = gain * signal + offset, polynomials in s and the parameters."""
+
+    motion: Row  # by body
+    drives: Row  # by signal of the drive
+    gain: PolyElement
+    offset: PolyElement
+
+    @property
+    def symbols(self) -> frozenset[sp.Symbol]:
+        """Symbols of its gain and offset."""
+        return frozenset(self.gain.as_expr().free_symbols | self.offset.as_expr().free_symbols)
+
+
+def sensor_terms(operators: OperatorModel, sensor: Sensor) -> SensorTerms:
+    """Terms of a sensor.
+
+    >>> from symid.axis import load_axis
+    >>> from symid.symbolic.lagrange import inverse_dynamics
+    >>> from symid.symbolic.operators import operator_model
+    >>> axis = load_axis("direct_2m1s")
+    >>> sensor_terms(operator_model(inverse_dynamics(axis)), axis.sensors[2]).motion
+    {'motor': s**2, 'structure': -s**2}
+    """
+    ring, kinematics = operators.ring, Kinematics(operators.source.axis)
+    s, motion, drives = ring.gens[0], Row(), Row()
+    for part in sensor.parts:
+        factor = ring.one if part.parameter is None else _parameter(operators, part.parameter)
+        if isinstance(part.of, Drive):
+            constant = part.of.constant
+            gain = ring.one if constant is None else _parameter(operators, constant)
+            drives = add(drives, {part.of.signal: gain}, factor)
+        else:
+            shares = operators.functional(kinematics.displacement(part.of))
+            column = {body: (factor * s**part.derivative).mul_ground(share) for body, share in shares.items()}
+            motion = add(motion, column, ring.one)
+    return SensorTerms(
+        motion,
+        drives,
+        gain=ring.one if sensor.gain is None else _parameter(operators, sensor.named("gain")),
+        offset=ring.zero if sensor.offset is None else _parameter(operators, sensor.named("offset")),
+    )
+
+
+def with_readings(
+    operators: OperatorModel, sensors: Sequence[Sensor], repeated: Sequence[str]
+) -> tuple[OperatorModel, tuple[str, ...]]:
+    """Balances and equations of force sensors, and of those of the `repeated` signals; and what repeats a drive.
+
+    A transducer of a drive whose force is known reads the record once more: it has no equation.
+    """
+    same = []
+    for sensor in sensors:
+        if sensor.derivative is not None and sensor.signal not in repeated:
+            continue
+        terms = sensor_terms(operators, sensor)
+        if not terms.motion and not sensor.is_scaled and all(e.is_ground for e in terms.drives.values()):
+            same.append(sensor.signal)
+        else:
+            operators = _with_equation(operators, sensor, terms)
+    return operators, tuple(same)
+
+
+def _with_equation(operators: OperatorModel, sensor: Sensor, terms: SensorTerms) -> OperatorModel:
+    """Operators with the equation motion x + drives F - gain * signal - offset = 0 of one more sensor."""
+    own = add(terms.drives, {sensor.signal: terms.gain}, -1)
+    constant = {str(ONE_INPUT): -terms.offset} if terms.offset else {}
+    motion, inputs, force = dict(operators.motion), dict(operators.inputs), dict(operators.force)
+    if sensor.derivative is None:
+        for body, share in _acts_on(operators, sensor).items():
+            factor = operators.ring(-share)
+            motion[body] = add(motion[body], terms.motion, factor)
+            force[body] = add(force[body], own, factor)
+            inputs[body] = add(inputs[body], constant, factor)
+    name = f"reading of {sensor.signal}"  # no body is called so
+    motion[name], force[name], inputs[name] = terms.motion, own, constant
+    return replace(operators, motion=motion, inputs=inputs, force=force)
+
+
+def _acts_on(operators: OperatorModel, sensor: Sensor) -> dict[str, Any]:
+    """Share of the force that a sensor reads in the balance of each body."""
+    (part, *_) = sensor.parts
+    at, sign = (part.of.at, -1) if isinstance(part.of, Drive) else (part.of, 1)
+    displacement = Kinematics(operators.source.axis).displacement(at)
+    return {body: sign * share for body, share in operators.functional(displacement).items()}
+
+
+def _parameter(operators: OperatorModel, name: str) -> PolyElement:
+    """A parameter as a polynomial; 0 if that is its known value."""
+    ring = operators.ring
+    symbol = sp.Symbol(name)
+    return ring.from_expr(symbol) if symbol in ring.symbols else ring.zero
