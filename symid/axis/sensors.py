@@ -48,10 +48,13 @@ class Sensor(Parametrised):
     noise: float = field(default=0.0, kw_only=True)
     resolution: float = field(default=0.0, kw_only=True)
     delay: float = field(default=0.0, kw_only=True)
-    quantity: ClassVar[str]
-    """What is read: position, velocity, acceleration or force."""
     derivative: ClassVar[int | None] = None
     """Which derivative of a displacement is read, 0, 1 or 2; None of a sensor that reads something else."""
+
+    @property
+    def quantity(self) -> str:
+        """What is read: position, velocity, acceleration or force."""
+        raise NotImplementedError
 
     @property
     def parts(self) -> tuple[ReadingPart, ...]:
@@ -92,6 +95,12 @@ class MotionSensor(Sensor):
     body: Body
     relative_to: Body | Ground | None = None
     derivative: ClassVar[int]
+    """Which derivative of the displacement is read: 0, 1 or 2."""
+
+    @property
+    def quantity(self) -> str:
+        """Quantity read: position, velocity or acceleration."""
+        return ("position", "velocity", "acceleration")[self.derivative]
 
     @property
     def reference(self) -> Body | Ground:
@@ -101,9 +110,7 @@ class MotionSensor(Sensor):
     @property
     def joint(self) -> Joint:
         """The joint whose displacement it reads."""
-        return (
-            self.body if self.relative_to is None else Between(first=self.relative_to, second=self.body)
-        )
+        return self.body if self.relative_to is None else Between(first=self.relative_to, second=self.body)
 
     @property
     def parts(self) -> tuple[ReadingPart, ...]:
@@ -123,7 +130,6 @@ class Position(MotionSensor):
     """
 
     derivative: ClassVar = 0
-    quantity: ClassVar = "position"
 
 
 @dataclass(frozen=True)
@@ -131,7 +137,6 @@ class Velocity(MotionSensor):
     """A velocity sensor: tachometer, gyroscope."""
 
     derivative: ClassVar = 1
-    quantity: ClassVar = "velocity"
 
 
 @dataclass(frozen=True)
@@ -139,15 +144,14 @@ class Acceleration(MotionSensor):
     """An accelerometer."""
 
     derivative: ClassVar = 2
-    quantity: ClassVar = "acceleration"
 
 
 @dataclass(frozen=True)
 class Force(Sensor):
     """A force or torque sensor: a load cell or strain gauge in a spring, a transducer at a drive.
 
-    In a spring it reads stiffness * d + damping * d(1): positive where the displacement d of its joint is. At a drive it
-    reads the force that acts, in the direction of the drive.
+    In a spring it reads stiffness * d + damping * d(1), positive where the displacement d of the joint is. At a drive
+    it reads the force that acts, in the direction of the drive.
 
     Parameters
     ----------
@@ -167,7 +171,11 @@ class Force(Sensor):
     """
 
     of: Spring | Drive
-    quantity: ClassVar = "force"
+
+    @property
+    def quantity(self) -> str:
+        """A force; a torque where the joint turns."""
+        return "force"
 
     @property
     def joint(self) -> Joint:

@@ -19,7 +19,7 @@ from symid.axis.elements import (
 from symid.axis.imperfections import Imperfection
 from symid.axis.laws import Law
 from symid.axis.laws.law import is_finite
-from symid.axis.sensors import Sensor
+from symid.axis.sensors import MotionSensor, Sensor
 from symid.signal_names import is_signal_name
 
 
@@ -49,7 +49,8 @@ def type_faults(
     if not sensors:
         yield "there is no sensor: declare at least a Position of the driven body"
     for sensor in sensors:
-        if not isinstance(sensor, Sensor) or not hasattr(sensor, "quantity"):
+        reads = isinstance(sensor, Sensor) and type(sensor).parts is not Sensor.parts
+        if not reads or (isinstance(sensor, MotionSensor) and sensor.derivative is None):
             yield f"{sensor!r} is not a sensor: use Position, Velocity, Acceleration or Force"
         else:
             yield from _field_faults(sensor)

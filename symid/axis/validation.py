@@ -227,7 +227,9 @@ def _sensor_faults(
             yield f"{label} reads {label_of(sensor.of)}, which is not of the axis: declare it there"
         elif any(isinstance(e, Law) and e.in_spring and e.at == sensor.of.at for e in elements):
             yield f"{label} reads {label_of(sensor.of)}, in whose joint a law bends it: leave the law or the sensor out"
-        if any(drive.unit and drive.constant is None and Unit.of(drive.unit) not in _FORCES for drive in drives):
+        if any(
+            drive.unit and drive.constant is None and Unit.of(drive.unit) not in _FORCES for drive in drives
+        ):
             yield f"{label} reads a force, and a drive is in another unit: give that an unknown gain, gain='Kt'"
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
+from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Sensor
 from symid.codegen.dynamics_store import dynamics_text
 from symid.codegen.lowering import code
-from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
+from symid.symbolic.forward_terms import Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power
 
@@ -29,7 +31,7 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
     def number(element: Any) -> float:
         return float(ring.domain.to_sympy(ring.domain.convert(element)).xreplace(constants))
 
-    def numbers(matrix: Matrix) -> list[list[list[list[Any]]]]:
+    def numbers(matrix: Sequence[Sequence[PolyElement]]) -> list[list[list[list[Any]]]]:
         return [[[[number(c), list(map(int, m[1:]))] for m, c in p.terms()] for p in row] for row in matrix]
 
     def row(functional: Functional) -> list[float]:
@@ -45,7 +47,12 @@ def dynamics_record(axis: Axis) -> dict[str, Any]:
         motion = [[by_power(reading.motion.get(b)).get(k, ring.zero) for b in bodies] for k in range(3)]
         drives = [reading.drives.get(drive.signal, ring.zero) for drive in axis.drives]
         scale = [reading.gain, reading.offset]
-        return {**plain, "motion": numbers(motion), "drives": numbers([drives])[0], "scale": numbers([scale])[0]}
+        return {
+            **plain,
+            "motion": numbers(motion),
+            "drives": numbers([drives])[0],
+            "scale": numbers([scale])[0],
+        }
 
     return {
         "generators": list(map(str, ring.symbols[1:])),

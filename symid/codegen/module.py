@@ -178,7 +178,7 @@ def _redundant(model: DerivedModel) -> tuple[tuple[str, tuple[tuple[str, int, fl
     known, field = measurement(source.operators, source.measured), source.operators.ring.domain
     constants = {sp.Symbol(name): value for name, value in source.source.constants.items()}
     found = []
-    for other in known.repeated:
+    for other in (one for one in known.repeated if one.signal not in known.in_equations):
         terms = tuple(
             (
                 known.basis[i].signal,

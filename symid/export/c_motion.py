@@ -122,7 +122,11 @@ def readings(dynamics: SymbolicDynamics) -> str:
     steps = {sensor.signal: sensor.resolution for sensor in dynamics.axis.sensors}
     parameters = dynamics.axis.physical_parameters
     given = {sp.Symbol(n): sp.Symbol(f"{dynamics.axis.name}_values.{c_name(n)}") for n in parameters}
-    places = [sp.Symbol(f"{array}[{k}]") for array, first in (("x", 0), ("x", n), ("dx", n)) for k in range(first, first + n)]
+    places = [
+        sp.Symbol(f"{array}[{k}]")
+        for array, first in (("x", 0), ("x", n), ("dx", n))
+        for k in range(first, first + n)
+    ]
     for i, (signal, reading) in enumerate(dynamics.sensors.items()):
         if any(reading.drives):
             raise SettingError(

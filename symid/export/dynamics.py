@@ -5,16 +5,18 @@ M x(2) = B F + c - C x(1) - K x - sum_j d_j f_j(d_j x, d_j x(1)), see `symid.sym
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import sympy as sp
+from sympy.polys.rings import PolyElement
 
 from symid.axis import Axis, Sensor
 from symid.errors import SettingError
 from symid.export.imperfect_terms import Imperfect, Memory, added, imperfections_of, of_force
-from symid.simulation.plant import SensorRow, condensed
-from symid.symbolic.forward_terms import Functional, Matrix, forward_terms
+from symid.simulation.plant import condensed
+from symid.symbolic.forward_terms import Functional, forward_terms
 from symid.symbolic.lagrange import Kinematics
 from symid.symbolic.operators import by_power
 
@@ -42,6 +44,16 @@ class LawJoint:
         return any(VELOCITY in f.free_symbols for f in jumps)
 
 
+class SymbolicReading(NamedTuple):
+    """What a sensor reads: as `SensorRow`, but SymPy's matrices."""
+
+    row: sp.Matrix
+    order: int | None
+    motion: sp.Matrix
+    drives: sp.Matrix
+    constant: sp.Expr
+
+
 @dataclass(frozen=True, eq=False)
 class SymbolicDynamics:
     """The terms of the equation above: as those of `Plant`, but SymPy's matrices and rows in the physical parameters.
@@ -58,7 +70,7 @@ class SymbolicDynamics:
     drives: sp.Matrix
     constant: sp.Matrix
     laws: tuple[LawJoint, ...]
-    sensors: Mapping[str, SensorRow]
+    sensors: Mapping[str, SymbolicReading]
     constants: Mapping[str, float]
     imperfect: Imperfect
 
@@ -85,7 +97,7 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
     operators, bodies, field = terms.operators, terms.bodies, terms.operators.ring.domain
     is_node = [not any(row) for row in terms.mass]
 
-    def matrix(entries: Matrix) -> sp.Matrix:
+    def matrix(entries: Sequence[Sequence[PolyElement]]) -> sp.Matrix:
         return sp.Matrix([[entry.as_expr() for entry in row] for row in entries])
 
     def row(functional: Functional) -> sp.ImmutableMatrix:
@@ -94,14 +106,20 @@ def symbolic_dynamics(axis: Axis) -> SymbolicDynamics:
 
     imperfect, kinematics = imperfections_of(axis, first=2 * is_node.count(False)), Kinematics(axis)
 
-    def reading(sensor: Sensor) -> SensorRow:
+    def reading(sensor: Sensor) -> SymbolicReading:
         read = terms.readings[sensor.signal]
-        entries = [[by_power(read.motion.get(b)).get(k, operators.ring.zero) for b in bodies] for k in range(3)]
+        entries = [
+            [by_power(read.motion.get(b)).get(k, operators.ring.zero) for b in bodies] for k in range(3)
+        ]
         gain = read.gain.as_expr()
-        drives = [read.drives.get(drive.signal, operators.ring.zero).as_expr() / gain for drive in axis.drives]
+        drives = [
+            read.drives.get(drive.signal, operators.ring.zero).as_expr() / gain for drive in axis.drives
+        ]
         joint = row(operators.functional(kinematics.displacement(sensor.joint)))
         constant = -read.offset.as_expr() / gain
-        return SensorRow(joint, sensor.derivative, matrix(entries) / gain, sp.Matrix([drives]), constant)
+        return SymbolicReading(
+            joint, sensor.derivative, matrix(entries) / gain, sp.Matrix([drives]), constant
+        )
 
     masses = {sp.Symbol(change.body.inertial): added(change) for change in imperfect.changes}
     grown = {mass: mass + more for mass, more in masses.items()}

@@ -17,6 +17,7 @@ from symid.axis import (
     Body,
     Drive,
     ForceLimit,
+    MotionSensor,
     PendulumWeight,
     Sensor,
 )
@@ -227,16 +228,30 @@ class _Writer:
             self.losses.append(f"{sensor.signal}: MuJoCo notes its noise but does not add it.")
         if sensor.resolution:
             self.losses.append(f"{sensor.signal}: MuJoCo's sensors have no resolution.")
+        if sensor.is_scaled:
+            self.losses.append(
+                f"{sensor.signal}: the {sensor.quantity}, without gain and offset of the sensor."
+            )
+        name = f"name={quoteattr(sensor.signal)}"
+        if not isinstance(sensor, MotionSensor):
+            return self._force(sensor, name, settings)
         if sensor.derivative == 2:
             return self._acceleration(sensor, settings)
         path = self.machine.readings[sensor.signal]
         quantity = ("pos", "vel")[sensor.derivative]
-        name = f"name={quoteattr(sensor.signal)}"
         if is_joint(path):
             return [f"<joint{quantity} {name} joint={quoteattr(path[0][0])}{settings}/>"]
         return [f"<tendon{quantity} {name} tendon={quoteattr(self._tendon(path))}{settings}/>"]
 
-    def _acceleration(self, sensor: Sensor, settings: str) -> list[str]:
+    def _force(self, sensor: Sensor, name: str, settings: str) -> list[str]:
+        """Force of the actuator; MuJoCo has no sensor of a spring in a joint or tendon."""
+        drive = getattr(sensor, "of", None)
+        if isinstance(drive, Drive):
+            return [f"<actuatorfrc {name} actuator={quoteattr(drive.command or drive.signal)}{settings}/>"]
+        self.losses.append(f"{sensor.signal}: MuJoCo has no sensor of the force in a spring.")
+        return []
+
+    def _acceleration(self, sensor: MotionSensor, settings: str) -> list[str]:
         """Accelerations of sites are absolute and have three components."""
         kind = "frameangacc" if sensor.body.turns else "framelinacc"
         places = {sensor.signal: sensor.body}

@@ -31,6 +31,8 @@ _NO_DRIFT = 1.0
 """Change of a gain from begin to end of a log, as part of it, from which on another cause made it."""
 _AT_LIMIT = 0.95
 """Part of its largest value from which on a force may stand at a limit, noise included."""
+_FREE = 1e-6
+"""Distance from 1 of the factor with which a reading is its own residual."""
 _INDEPENDENT = 1e-8
 """Part of a column's power that the model's columns must leave of it."""
 
@@ -142,6 +144,8 @@ class ColumnTests:
             own = [self._residual_of(r, self.parts[r.part].moved(name).rows) for r in self.rows]
             gain = _AddedColumn.of(Z, rest, np.concatenate(own), y)
             certain = self._certain(rest, self.criteria.gain_certain)
+            if abs(gain.factor - 1.0) < _FREE:
+                continue  # all that stands beside it has free factors: its gain is one of them
             if gain.share > certain and abs(gain.factor) > self.criteria.sensor_gain:
                 return (
                     f"{name} would have to be {1.0 - gain.factor:.2g} times as large to agree with the other signals: "

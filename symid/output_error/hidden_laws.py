@@ -76,7 +76,11 @@ def _at_hidden_joints(axis: Axis, measured: Sequence[str]) -> set[str]:
     """Parameters of nonlinear laws in joints whose motion is not a combination of measured positions and velocities."""
     dynamics = forward_dynamics(axis)
     rows = np.stack(
-        [sensor.row for name, sensor in dynamics.sensors.items() if name in measured and sensor.order in (0, 1)]
+        [
+            sensor.row
+            for name, sensor in dynamics.sensors.items()
+            if name in measured and sensor.order in (0, 1)
+        ]
     )
     found: set[str] = set()
     for direction, terms in dynamics.laws:

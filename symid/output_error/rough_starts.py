@@ -50,6 +50,8 @@ def rigid_start(model: GeneratedModel, dynamics: ForwardDynamics, logs: Sequence
     mass, viscous, coulomb, _ = np.mean(np.abs(found), axis=0)
     mass = max(float(mass), 1e-12)
     values = dict.fromkeys(model.physical_units, 0.0)
+    gains = {sensor.named("gain") for sensor in axis.sensors} | {drive.constant for drive in axis.drives}
+    values |= {name: 1.0 for name in values if name in gains}
     masses, springs = dynamics.parameters_of("mass"), dynamics.parameters_of("stiffness")
     stiffness = mass * (2 * np.pi * 0.1 * log.sampling_frequency) ** 2
     for name in values:

@@ -35,7 +35,9 @@ class SampledPlant:
     output: FloatArray  # shape (n_outputs, n_states): C
     feedthrough: FloatArray  # shape (n_outputs, n_forces): D
     disturbance_feedthrough: FloatArray  # shape (n_outputs, n_disturbed): the same for the disturbances
-    read_forces: FloatArray  # shape (n_outputs, n_drives): the part of D by which sensors read the forces themselves
+    read_forces: (
+        FloatArray  # shape (n_outputs, n_drives): the part of D by which sensors read the forces themselves
+    )
     n_drives: int  # number of drives
     # shape (2 n_bodies, n_states): displacements and velocities by the states, which lack what no sensor can see
     basis: FloatArray

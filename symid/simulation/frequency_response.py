@@ -75,7 +75,7 @@ def response_of(
     recorded late, s.
     """
     (sensor,) = axis.measured((signal,))
-    moves = sensor.derivative < 2
+    moves = sensor.derivative in (0, 1)
     period, second = logs[0].sampling_period, Unit.of("s")
     force = axis.only_drive.signal
     same = [log for log in logs if log.sampling_period == period]
@@ -99,7 +99,7 @@ def response_of(
         force=force,
         signal=signal,
         quantity="velocity" if moves else "acceleration",
-        unit=f"{length_unit(sensor.body) / second ** (1 if moves else 2)} per {axis.signal_units[force]}",
+        unit=f"{length_unit(sensor.joint) / second ** (1 if moves else 2)} per {axis.signal_units[force]}",
         frequency=frequency,
         measured=np.asarray(uy / uu / attenuation * in_time),
         coherence=np.abs(uy) ** 2 / (uu * yy),

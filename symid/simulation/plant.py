@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from symid.arrays import ComplexArray, FloatArray
 from symid.axis import Between, Body, Ground
@@ -50,7 +51,7 @@ class SensorRow(NamedTuple):
     drives: FloatArray
     constant: float = 0.0
 
-    def at(self, s: ComplexArray) -> ComplexArray:
+    def at(self, s: npt.NDArray[np.complexfloating[Any, Any]]) -> ComplexArray:
         """Reading for displacements of the bodies at complex frequencies, of shape (n_bodies, n_frequencies)."""
         used = [(factors, k) for k, factors in enumerate(self.motion) if factors.any()]
         zero = np.zeros((self.row.size, s.size), dtype=complex)

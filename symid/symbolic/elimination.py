@@ -81,7 +81,7 @@ def eliminate(model: InverseDynamicModel, measured: Sequence[Sensor]) -> InputOu
         combined = [scaling.restored(row, operators.ring, model.constants) for row in found_rows]
     signals = SignalWriter(operators, known)
     equations = [signals.equation(row) for row in combined]
-    drives = [signal.signal for signal in (*model.axis.drives, *model.axis.sensors)]
+    drives = [*(d.signal for d in model.axis.drives), *(s.signal for s in model.axis.sensors)]
 
     def place(equation: InputOutputEquation) -> tuple[bool, int, int, int]:
         lowest = min((order for order, _ in equation.force), default=0)

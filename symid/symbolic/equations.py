@@ -161,7 +161,9 @@ class SignalWriter:
                     factor = field.to_sympy(field.convert(share * weight))
                     reading = sp.Symbol(derivative_name(signal, left))
                     if scale := self.scales.get(signal):
-                        reading = scale.gain.as_expr() * reading + (scale.offset.as_expr() if left == 0 else 0)
+                        reading = scale.gain.as_expr() * reading + (
+                            scale.offset.as_expr() if left == 0 else 0
+                        )
                     values[symbol] += factor * reading
         written = self._with_plain_jumps(expression.xreplace(values))
         if scaled := [signal for signal, scale in self.scales.items() if written.has(*scale.symbols)]:

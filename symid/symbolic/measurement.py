@@ -98,9 +98,7 @@ def measurement(model: OperatorModel, sensors: Sequence[Sensor]) -> Measurement:
             basis.append(MeasuredFunction(sensor.signal, sensor.derivative, sensor.is_scaled))
         else:
             combination = span.coordinates(functional) or {}
-            repeated.append(
-                RepeatedFunction(sensor.signal, sensor.derivative, combination, sensor.is_scaled)
-            )
+            repeated.append(RepeatedFunction(sensor.signal, sensor.derivative, combination, sensor.is_scaled))
     one = model.ring.domain.one
     displacements: dict[str, Functional] = {body: {body: one} for body in carriers(model.source.axis)}
     for pivot, row, coordinates in span.reduced():

@@ -97,8 +97,8 @@ def minimise(model: InputOutputModel) -> MinimalModel:
     """
     differentiated = {signal for e in model.equations for order, signal in e.force if order}
     axis = model.source.axis
-    signals = (signal.signal for signal in (*axis.drives, *axis.sensors))
-    drives = sorted(signals, key=lambda signal: signal not in differentiated)
+    named = [*(drive.signal for drive in axis.drives), *(sensor.signal for sensor in axis.sensors)]
+    drives = sorted(named, key=lambda signal: signal not in differentiated)
     basis, rows = _basis(model, [_with_output(equation, drives) for equation in model.equations])
     order = sorted(range(1, len(basis)), key=lambda j: _place(j, basis, rows))
     units = axis.parameter_units
@@ -133,7 +133,7 @@ def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> _Row:
     a number, the sign of the equation is free: the highest derivative gets a positive one. An equation without force
     fixes its parameters up to a factor only: its highest derivative becomes its output.
     """
-    ring = equation.motion[0].coefficient.ring
+    ring = next(iter((*equation.force.values(), *(term.coefficient for term in equation.motion)))).ring
     positive = ring.domain.is_positive
     lowest = min(
         equation.force,
@@ -142,8 +142,8 @@ def _with_output(equation: InputOutputEquation, drives: Sequence[str]) -> _Row:
     )
     divisor, sign = equation.force.get(lowest, ring.one), 1
     if divisor.is_ground:
-        leading = max(equation.motion, key=lambda term: (term.smooth, term.order)).coefficient
-        flip = 1 if any(map(positive, leading.coeffs())) else -1
+        leading = max(equation.motion, key=lambda term: (term.smooth, term.order), default=None)
+        flip = 1 if leading is None or any(map(positive, leading.coefficient.coeffs())) else -1
         sign = flip if positive(divisor.LC) else -flip
         divisor = divisor * sign
     columns = [

@@ -91,10 +91,17 @@ class ExactRun:
         n, middle = run.accelerations.shape[1], run.time[:-1] + 0.5 * self.period
         found: dict[str, PPoly] = {name: CubicSpline(middle, f[:-1]) for name, f in self.forces.items()}
         for sensor in self.axis.sensors:
-            reading, x, v, a = self.rows[sensor.signal], run.states[:, :n], run.states[:, n:], run.accelerations
+            reading, x, v, a = (
+                self.rows[sensor.signal],
+                run.states[:, :n],
+                run.states[:, n:],
+                run.accelerations,
+            )
             of_place, of_speed, of_rate = reading.motion
             if reading.order is None:
-                smooth = CubicHermiteSpline(run.time, x @ of_place + v @ of_speed, v @ of_place + a @ of_speed)
+                smooth = CubicHermiteSpline(
+                    run.time, x @ of_place + v @ of_speed, v @ of_place + a @ of_speed
+                )
                 held = np.reshape(run.forces, (len(run.time), -1)) @ reading.drives
                 found[sensor.signal] = CubicSpline(middle, smooth(middle) + held[:-1] + reading.constant)
             elif reading.order == 2:

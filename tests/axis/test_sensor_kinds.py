@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from symid import GROUND, Sensor, Velocity, axis_source, derive, load_axis
+from symid import GROUND, MotionSensor, Velocity, axis_source, derive, load_axis
 from symid.errors import SettingError
 from symid.export import mjcf
 from symid.report.figures.schematic import schematic_svg
@@ -16,7 +16,7 @@ VALUES = {"Ms": 100.0, "Fvs": 50.0, "Ks": 1e6, "Mm": 20.0, "Fvm": 30.0, "Fsm": 1
 
 
 @dataclass(frozen=True)
-class Gyroscope(Sensor):
+class Gyroscope(MotionSensor):
     """A rate sensor."""
 
     derivative: ClassVar = 1

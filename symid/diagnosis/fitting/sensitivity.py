@@ -146,8 +146,8 @@ def parameter_columns(prediction: Prediction, misread: ComplexArray | None = Non
         forces[0] += (other.constant - plant.constant) / step * prediction.record.n_extended
         columns[k] = prediction.response.of_forces(forces)
         for i, signal in enumerate(prediction.record.readings, n_drives):
-            now, after = plant.sensors[signal], other.sensors[signal]
-            if now.order is None:  # parameters stand in the reading itself
-                columns[k, i] += np.sum((after.at(s) - now.at(s)) / step * displacements, axis=0)
-                columns[k, i] += (after.drives - now.drives) / step @ driven
+            read, changed = plant.sensors[signal], other.sensors[signal]
+            if read.order is None:  # parameters stand in the reading itself
+                columns[k, i] += np.sum((changed.at(s) - read.at(s)) / step * displacements, axis=0)
+                columns[k, i] += (changed.drives - read.drives) / step @ driven
     return columns

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from symid.arrays import FloatArray
-from symid.axis import Axis, Position
+from symid.axis import Axis, Position, Velocity
 from symid.data import Log
 
 
@@ -47,7 +47,9 @@ def with_positions(axis: Axis, logs: Sequence[Log]) -> tuple[Axis, list[Log], tu
         return axis, list(logs), ()
     speeds = of_order[1]
     sensors = tuple(
-        Position(s.signal, s.body, s.relative_to, delay=s.delay) if s.signal in speeds else s
+        Position(s.signal, s.body, s.relative_to, delay=s.delay)
+        if isinstance(s, Velocity) and s.signal in speeds
+        else s
         for s in axis.sensors
     )
     moved = [

@@ -129,7 +129,9 @@ class Prediction:
         balance = sum(s**k * (row @ self.displacements) for row, k in rows) - forces[:, body]
         force = balance / plant.drive[body]
         readings = (plant.sensors[name] for name in self.record.readings)
-        return np.stack([force, *(np.sum(r.at(s) * self.displacements, 0) + r.drives[0] * force for r in readings)])
+        return np.stack(
+            [force, *(np.sum(r.at(s) * self.displacements, 0) + r.drives[0] * force for r in readings)]
+        )
 
     @cached_property
     def driven_rows(self) -> FloatArray:

@@ -93,7 +93,8 @@ def response_of(
     for name in record.readings:
         reading = plant.sensors[name]
         outputs.append(
-            np.einsum("bf,bcf->cf", reading.at(s), inverse[:n]) + np.tensordot(reading.drives, inverse[n:], 1)
+            np.sum(reading.at(s)[:, None] * inverse[:n], axis=0)
+            + np.tensordot(reading.drives, inverse[n:], 1)
         )
     return Response(plant, np.moveaxis(inverse[:n], -1, 0), np.stack(outputs).swapaxes(1, 2))
 

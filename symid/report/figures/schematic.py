@@ -20,7 +20,6 @@ from symid.axis import (
     Axis,
     Body,
     EncoderRipple,
-    Ground,
     PayloadChange,
     PendulumWeight,
     Sensor,
@@ -39,6 +38,9 @@ _INCH = 0.62
 """Inches of a unit of length."""
 _NOTE, _LETTER = 0.34, 0.125
 """Height of a line of a note and width of a letter, in units of length."""
+
+
+_LINES = {"position": "-", "velocity": "--", "acceleration": ":", "force": "-."}
 
 
 @dataclass(frozen=True)
@@ -204,13 +206,15 @@ class _Drawing:
         self._text(left + 0.5, y + 0.2, link.label)
 
     def _sensor(self, sensor: Sensor, y: float) -> None:
-        """An arrow to the body: solid for a position, dashed for a velocity, dotted for an acceleration."""
-        style = ("-", "--", ":")[sensor.derivative]
-        reference, colour = sensor.reference, self.palette.other
-        start = _WALL if isinstance(reference, Ground) else self.boxes[reference.name].centre
-        end = self.boxes[sensor.body.name].centre
-        low = self.boxes[GROUND.name].height / 2 if isinstance(reference, Ground) else self._half
-        for x, foot in ((start, low), (end, self._half)):
+        """An arrow to the body: solid for a position, dashed for a velocity, dotted for an acceleration.
+
+        The force in a spring, or of a drive, is read between its two bodies: dashed and dotted.
+        """
+        style, colour = _LINES[sensor.quantity], self.palette.other
+        at = sensor.joint
+        first, second = (at.on, at) if isinstance(at, Body) else (at.first, at.second)
+        (start, low), (end, high) = self._foot(first.name), self._foot(second.name)
+        for x, foot in ((start, low), (end, high)):
             self.axes.plot([x, x], [foot, y + 0.08], color=colour, linewidth=0.7, zorder=1)
         look: Any = {"color": colour, "linewidth": 1.4, "linestyle": style, "gid": f"sensor {sensor.signal}"}
         self.axes.plot([start, end], [y, y], **look)
@@ -220,7 +224,14 @@ class _Drawing:
         own = [e for e in self.axis.imperfections if isinstance(e, EncoderRipple)]
         ripples = [e for e in own if e.signal == sensor.signal]
         label = marked(sensor.signal, marks_of(self.axis, *ripples))
+        label = ", ".join([label, *(written(x) for x in (sensor.gain, sensor.offset) if x is not None)])
         self._text(end - 0.45 * side, y + 0.2, label, color=colour)
+
+    def _foot(self, name: str) -> tuple[float, float]:
+        """Where the line of a sensor begins at a body or at the ground."""
+        if name == GROUND.name:
+            return _WALL, self.boxes[name].height / 2
+        return self.boxes[name].centre, self._half
 
     def _weights(self) -> None:
         for element in self.axis.elements:
